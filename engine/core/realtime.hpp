@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace sulcus {
+
+/// Asks the system to let the calling thread run on time: SCHED_FIFO, a core of its own (the last
+/// one, where there are two or more), locked memory, exact timers. Returns what it was refused, one
+/// line each; empty: all granted. Never fails.
+std::vector<std::string> request_realtime();
+
+/// Keeps the calling thread off the core that request_realtime takes; nothing on one core.
+void leave_realtime_core();
+
+/// Nanoseconds of the steady clock.
+std::uint64_t steady_ns() noexcept;
+/// Nanoseconds of processor time of the calling thread.
+std::uint64_t thread_cpu_ns() noexcept;
+/// Sleeps until a time of the steady clock, in nanoseconds.
+void sleep_until_ns(std::uint64_t time_ns) noexcept;
+
+/// Largest resident memory of the process so far, bytes.
+std::uint64_t peak_resident_bytes();
+
+}  // namespace sulcus

@@ -1,0 +1,379 @@
+#include "engine/scene/scene_file.hpp"
+
+#include "engine/core/error.hpp"
+#include "engine/core/units.hpp"
+#include "engine/normals/ldm.hpp"
+#include "engine/scene/tissue_table.hpp"
+#include "engine/scene/toml_table.hpp"
+#include "engine/volume/grid.hpp"
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace sulcus {
+
+namespace {
+
+constexpr double kHuge = 1e300;
+constexpr Range kAnyLength_mm{-1e3, 1e3};
+constexpr Range kSize_mm{0.01, 1e3};
+constexpr std::uintmax_t kMaxSceneBytes = 16 << 20;
+
+Eigen::Vector3d vector3(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
+
+Eigen::Vector3d vector3_or(TomlTable& table, std::string_view key, Range range, double unit,
+                           const Eigen::Vector3d& otherwise) {
+  const std::vector<double> v = table.numbers(key, 3, range);
+  return v.empty() ? otherwise : Eigen::Vector3d(vector3(v) * unit);
+}
+
+// --- [workpiece] --------------------------------------------------------------------------------
+
+constexpr std::array<std::string_view, 6> kShapeNames{"molar", "sphere", "box",
+                                                      "plate", "torus",  "groove"};
+
+/// The table of each shape; read for every shape, so that a scene may keep several.
+void read_shape_tables(TomlTable& table, WorkpieceSettings& w) {
+  if (auto t = table.table("molar")) {
+    w.molar_caries_radius_m = t->number("caries_radius_mm", {0, 2.5}, 0.0) * kMillimetre;
+    t->finish();
+  }
+  if (auto t = table.table("sphere")) {
+    w.sphere_radius_m = t->number("radius_mm", kSize_mm, 3.0) * kMillimetre;
+    t->finish();
+  }
+  if (auto t = table.table("box")) {
+    w.box_size_m = vector3_or(*t, "size_mm", kSize_mm, kMillimetre, w.box_size_m);
+    t->finish();
+  }
+  if (auto t = table.table("plate")) {
+    w.plate_thickness_m = t->number("thickness_mm", {1e-3, 1e3}, 1.0) * kMillimetre;
+    w.plate_tilt = t->number("tilt_deg", {-90, 90}, 0.0) * kDegree;
+    t->finish();
+  }
+  if (auto t = table.table("torus")) {
+    w.torus_major_m = t->number("major_mm", kSize_mm, 3.0) * kMillimetre;
+    w.torus_minor_m = t->number("minor_mm", {0.01, w.torus_major_m / kMillimetre}, 1.0) * kMillimetre;
+    t->finish();
+  }
+  if (auto t = table.table("groove")) {
+    w.groove_angle = t->number("angle_deg", {1, 179}, 90.0) * kDegree;
+    w.groove_depth_m = t->number("depth_mm", kSize_mm, 1.0) * kMillimetre;
+    t->finish();
+  }
+}
+
+WorkpieceSettings read_workpiece(TomlTable& root) {
+  WorkpieceSettings w;
+  auto table = root.table("workpiece");
+  if (!table) root.fail("workpiece", "no such table", "[workpiece] with a shape or a file");
+  if (const auto shape = table->choice("shape", kShapeNames)) w.shape = ShapeKind(*shape);
+  w.file = table->path("file");
+  if (w.shape.has_value() == !w.file.empty()) {
+    table->fail("shape", w.shape ? "both a shape and a file" : "neither a shape nor a file",
+                "one of them");
+  }
+  read_shape_tables(*table, w);
+  w.solid_above = table->number("solid_above", {-1e9, 1e9});
+  if (table->has("spacing_mm")) {
+    w.spacing_m = vector3(table->numbers("spacing_mm", 3, {1e-4, 100})) * kMillimetre;
+  }
+  w.voxel_m = table->number("voxel_mm", {1e-3, 10}, 0.0348) * kMillimetre;
+  const Range cells{kLeafEdge, kMaxCellsPerAxis};
+  const std::vector<double> n = table->numbers("cells", 3, cells);
+  for (int a = 0; a < 3 && !n.empty(); ++a) {
+    w.cells[a] = static_cast<int>(n[a]);
+    if (n[a] != w.cells[a] || w.cells[a] % kLeafEdge != 0) {
+      std::ostringstream found;
+      found << n[a];
+      table->fail("cells", found.str(), "multiples of 8, at most 1024 each");
+    }
+  }
+  w.position_m = vector3_or(*table, "position_mm", kAnyLength_mm, kMillimetre, w.position_m);
+  w.rotation = vector3_or(*table, "rotation_deg", {-360, 360}, kDegree, w.rotation);
+  table->finish();
+  return w;
+}
+
+// --- [[tissue]] ---------------------------------------------------------------------------------
+
+TissueSettings read_tissue(TomlTable& table, const std::vector<TissueSettings>& known) {
+  TissueSettings t;
+  t.name = table.text("name", "");
+  if (t.name.empty()) table.fail("name", "none", "a name such as \"enamel\"");
+  for (const TissueSettings& k : known) {
+    if (k.name == t.name) t = k;  // a known name brings its constants
+  }
+  t.above = table.number("above", {-1e9, 1e9});
+  t.stiffness_N_per_m = table.number("stiffness_N_per_mm", {1e-6, 1e6},
+                                     t.stiffness_N_per_m / kNewtonPerMillimetre) *
+                        kNewtonPerMillimetre;
+  t.specific_energy_J_per_m3 = table.number("specific_energy_J_per_mm3", {1e-9, 1e6},
+                                            t.specific_energy_J_per_m3 / kJoulePerMm3) *
+                               kJoulePerMm3;
+  const std::vector<double> colour = table.numbers("colour", 3, {0, 1});
+  for (std::size_t c = 0; c < colour.size(); ++c) t.colour[c] = static_cast<float>(colour[c]);
+  table.finish();
+  return t;
+}
+
+/// The tissues of assets/tissues.toml.
+std::vector<TissueSettings> known_tissues() {
+  const toml::table parsed = toml::parse(tissue_table_toml(), std::string_view("assets/tissues.toml"));
+  TomlTable root(parsed, "assets/tissues.toml", "");
+  std::vector<TissueSettings> all;
+  for (TomlTable& table : root.tables("tissue")) all.push_back(read_tissue(table, {}));
+  return all;
+}
+
+std::vector<TissueSettings> read_tissues(TomlTable& root) {
+  const std::vector<TissueSettings> known = known_tissues();
+  std::vector<TissueSettings> tissues;
+  if (const std::vector<std::string> names = root.strings("tissue"); !names.empty()) {
+    for (const std::string& name : names) {
+      const auto found = std::find_if(known.begin(), known.end(),
+                                      [&](const TissueSettings& t) { return t.name == name; });
+      if (found == known.end()) {
+        root.fail("tissue", "'" + name + "'", "enamel, dentine, pulp or caries, or a [[tissue]]");
+      }
+      tissues.push_back(*found);
+    }
+  } else {
+    for (TomlTable& table : root.tables("tissue")) tissues.push_back(read_tissue(table, known));
+  }
+  if (tissues.empty()) tissues.push_back(known.front());  // one tissue, no labels
+  if (tissues.size() > 255) root.fail("tissue", std::to_string(tissues.size()), "at most 255");
+  for (std::size_t i = 0; i < tissues.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (tissues[i].name == tissues[j].name) {
+        root.fail("tissue", "'" + tissues[i].name + "' twice", "names that differ");
+      }
+    }
+  }
+  return tissues;
+}
+
+// --- [burr], [trajectory], [haptics] ------------------------------------------------------------
+
+BurrSettings read_burr(TomlTable& root) {
+  BurrSettings b;
+  auto table = root.table("burr");
+  if (!table) return b;
+  constexpr std::array<std::string_view, 5> kShapes{"round", "pear", "fissure", "inverted_cone",
+                                                    "flame"};
+  b.file = table->path("file");
+  const auto shape = table->choice("shape", kShapes);
+  if (shape && !b.file.empty()) table->fail("shape", "both a shape and a file", "one of them");
+  if (!b.file.empty()) b.shape = BurrShape::kFile;
+  if (shape) b.shape = BurrShape(*shape);
+  b.diameter_m = table->number("diameter_mm", {0.3, 5.0}, 1.4) * kMillimetre;
+  if (const auto length = table->number("length_mm", {0.2, 15.0})) {
+    b.length_m = *length * kMillimetre;
+  }
+  b.speed_rad_per_s = table->number("speed_rpm", {0, 500000}, 7000) * kRevolutionPerMinute;
+  b.tangential_ratio = table->number("tangential_ratio", {0, 2}, 0.3);
+  if (table->is_text("field")) {
+    constexpr std::array<std::string_view, 1> kAuto{"auto"};
+    (void)table->choice("field", kAuto);
+    b.field_samples.reset();
+  } else if (const std::vector<double> n = table->numbers("field", 3, {2, 1024}); !n.empty()) {
+    b.field_samples = vector3(n).cast<int>();
+    if (b.field_samples->cast<double>() != vector3(n)) {
+      table->fail("field", "fractions", "3 whole numbers, or \"auto\"");
+    }
+  }
+  if (const auto spacing = table->number("field_spacing_mm", {1e-4, 10})) {
+    b.field_spacing_m = *spacing * kMillimetre;
+  }
+  b.reference_m = table->number("reference_mm", {0, 500}, 40) * kMillimetre;
+  table->finish();
+  return b;
+}
+
+TrajectorySettings read_trajectory(TomlTable& root) {
+  TrajectorySettings t;
+  auto table = root.table("trajectory");
+  if (!table) root.fail("trajectory", "no such table", "[trajectory] with points_mm or a file");
+  for (const auto& p : table->points("points_mm", kAnyLength_mm)) {
+    t.points_m.push_back(vector3(p) * kMillimetre);
+  }
+  t.file = table->path("file");
+  if (t.points_m.empty() == t.file.empty()) {
+    table->fail("points_mm", t.file.empty() ? "neither points nor a file" : "both points and a file",
+                "one of them");
+  }
+  const std::vector<double> axis = table->numbers("axis", 3, {-kHuge, kHuge});
+  if (!axis.empty()) {
+    const double length = vector3(axis).norm();
+    if (!(length > 1e-9)) table->fail("axis", "a vector of no length", "a direction");
+    t.axis = vector3(axis) / length;
+  }
+  t.speed_m_per_s = table->number("speed_mm_per_s", {1e-3, 1e4}, 0.4) * kMillimetre;
+  table->finish();
+  return t;
+}
+
+HapticsSettings read_haptics(TomlTable& root) {
+  HapticsSettings h;
+  auto table = root.table("haptics");
+  if (!table) return h;
+  constexpr std::array<std::string_view, 2> kMethods{"ldm", "ldm_paper"};
+  constexpr std::array<std::string_view, 3> kScalings{"none", "count", "smooth"};
+  h.rate_hz = table->number("rate_hz", {10, 20000}, 1000);
+  if (const auto method = table->choice("normals", kMethods)) h.normals = NormalMethod(*method);
+  h.neighbourhood = table->integer("neighbourhood", {1, kMaxNeighbourhood}, h.neighbourhood);
+  h.trace = table->integer("trace", {1, kMaxTrace}, h.normals == NormalMethod::kLdmPaper ? 5 : 12);
+  if (const auto scaling = table->choice("scaling", kScalings)) h.scaling = Scaling(*scaling);
+  h.max_contacts = table->integer("max_contacts", {1, 1 << 20}, h.max_contacts);
+  table->finish();
+  return h;
+}
+
+// --- The optional tables ------------------------------------------------------------------------
+
+void read_optional_tables(TomlTable& root, Scene& scene) {
+  if (auto table = root.table("cutting")) {
+    CuttingSettings& c = scene.cutting.emplace();
+    c.max_cut_voxels = table->integer("max_cut_voxels", {1, 1 << 26}, c.max_cut_voxels);
+    table->finish();
+  }
+  if (auto table = root.table("render")) {
+    RenderSettings& r = scene.render.emplace();
+    const std::vector<double> size = table->numbers("size", 2, {16, 8192});
+    if (!size.empty()) {
+      r.width = static_cast<int>(size[0]);
+      r.height = static_cast<int>(size[1]);
+    }
+    r.fps = table->number("fps", {0.01, 1000}, r.fps);
+    if (const auto camera = table->choice("camera", kCameraNames)) r.camera = Camera(*camera);
+    r.hud = table->boolean("hud", r.hud);
+    table->finish();
+  }
+  if (auto table = root.table("record")) {
+    scene.record.emplace();
+    table->finish();
+  }
+}
+
+// --- --set --------------------------------------------------------------------------------------
+
+[[noreturn]] void refuse_override(const std::string& text, std::string_view found,
+                                  std::string_view expected) {
+  throw InputError("", std::string(kFromOverride) + " " + text, found, expected);
+}
+
+/// The value as TOML, else as a string.
+toml::table parse_override_value(const std::string& value) {
+  try {
+    return toml::parse("value = " + value, kFromOverride);
+  } catch (const toml::parse_error&) {
+    std::ostringstream quoted;
+    quoted << toml::value<std::string>(value);
+    return toml::parse("value = " + quoted.str(), kFromOverride);
+  }
+}
+
+/// The [[tissue]] of a name.
+toml::table& tissue_of(toml::table& root, const std::string& name, const std::string& text) {
+  if (toml::array* tissues = root["tissue"].as_array()) {
+    for (toml::node& entry : *tissues) {
+      toml::table* table = entry.as_table();
+      if (table && (*table)["name"].value<std::string>() == name) return *table;
+    }
+  }
+  refuse_override(text, "no [[tissue]] named '" + name + "'", "the name of a tissue of the scene");
+}
+
+void apply_override(toml::table& root, const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    refuse_override(text, "no '='", "TABLE.KEY=VALUE");
+  }
+  std::vector<std::string> path;
+  std::istringstream parts(text.substr(0, equals));
+  for (std::string part; std::getline(parts, part, '.');) path.push_back(part);
+  for (const std::string& part : path) {
+    if (part.empty()) refuse_override(text, "an empty key", "TABLE.KEY=VALUE");
+  }
+  toml::table parsed = parse_override_value(text.substr(equals + 1));
+
+  toml::table* table = &root;
+  std::size_t next = 0;
+  if (path[0] == "tissue" && path.size() == 3) {
+    table = &tissue_of(root, path[1], text);
+    next = 2;
+  }
+  for (; next + 1 < path.size(); ++next) {
+    toml::node* inner = table->get(path[next]);
+    if (!inner) {
+      table->insert(path[next], toml::table{});
+      inner = table->get(path[next]);
+    }
+    if (!inner->is_table()) refuse_override(text, "'" + path[next] + "', no table", "a table");
+    table = inner->as_table();
+  }
+  if (path == std::vector<std::string>{"workpiece", "file"}) table->erase("shape");
+  // Insert the node itself, not a copy of its value: it carries where it came from.
+  table->insert_or_assign(path.back(), std::move(*parsed.get("value")));
+}
+
+std::string read_text(const std::string& file) {
+  std::error_code error;
+  if (std::filesystem::is_directory(file, error)) {
+    throw InputError(file, "", "a folder", "a scene file, .toml");
+  }
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw InputError(file, "", "no readable file", "a scene file, .toml");
+  const std::uintmax_t bytes = std::filesystem::file_size(file, error);
+  if (!error && bytes > kMaxSceneBytes) {
+    throw InputError(file, "", std::to_string(bytes) + " bytes", "a scene of at most 16 MiB");
+  }
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+}  // namespace
+
+Scene load_scene(const std::string& file, std::span<const std::string> overrides) {
+  return parse_scene(read_text(file), file, overrides);
+}
+
+Scene parse_scene(const std::string& text, const std::string& file,
+                  std::span<const std::string> overrides) {
+  toml::table parsed;
+  try {
+    parsed = toml::parse(text, file);
+  } catch (const toml::parse_error& error) {
+    const toml::source_region& at = error.source();
+    throw InputError(file,
+                     "line " + std::to_string(at.begin.line) + ", column " +
+                         std::to_string(at.begin.column),
+                     "what is no TOML (" + std::string(error.description()) + ")", "a scene");
+  }
+  for (const std::string& override_text : overrides) apply_override(parsed, override_text);
+
+  Scene scene;
+  scene.file = file;
+  scene.text = text;
+  if (!overrides.empty()) {
+    std::ostringstream changed;
+    changed << parsed << '\n';
+    scene.text = changed.str();
+  }
+  TomlTable root(parsed, file, "");
+  scene.title = root.text("title", std::filesystem::path(file).stem().string());
+  scene.workpiece = read_workpiece(root);
+  scene.tissues = read_tissues(root);
+  scene.burr = read_burr(root);
+  scene.trajectory = read_trajectory(root);
+  scene.haptics = read_haptics(root);
+  read_optional_tables(root, scene);
+  root.finish();
+  return scene;
+}
+
+}  // namespace sulcus

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <toml++/toml.h>
+
+#include <initializer_list>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sulcus {
+
+/// A range that a number must lie in, ends included.
+struct Range {
+  double least, most;
+};
+
+/// One table of a TOML file being read: every key asked for is remembered, and `finish` refuses the
+/// others. All errors are InputError with file, line and column, key, found and expected.
+class TomlTable {
+ public:
+  /// `path` is the table's name for messages, empty for the whole file.
+  TomlTable(const toml::table& table, std::string file, std::string path)
+      : table_(table), file_(std::move(file)), path_(std::move(path)) {}
+
+  bool has(std::string_view key) const { return table_.contains(key); }
+  bool is_text(std::string_view key) const { return table_[key].is_string(); }
+  /// A table inside; none when absent.
+  std::optional<TomlTable> table(std::string_view key);
+  /// The tables of an array of tables; none when absent.
+  std::vector<TomlTable> tables(std::string_view key);
+
+  double number(std::string_view key, Range range, double otherwise);
+  std::optional<double> number(std::string_view key, Range range);
+  int integer(std::string_view key, Range range, int otherwise);
+  bool boolean(std::string_view key, bool otherwise);
+  std::string text(std::string_view key, std::string otherwise);
+  /// Exactly `count` numbers; empty when absent.
+  std::vector<double> numbers(std::string_view key, std::size_t count, Range range);
+  /// Points of three numbers each, at least one; empty when absent.
+  std::vector<std::vector<double>> points(std::string_view key, Range range);
+  /// One of `words`, as its place among them.
+  std::optional<std::size_t> choice(std::string_view key, std::span<const std::string_view> words);
+  /// The strings of an array that holds nothing else; empty when it is anything else or absent.
+  std::vector<std::string> strings(std::string_view key);
+  /// A path made absolute: against the current folder when it came from --set, else against the
+  /// file's. Empty when absent.
+  std::string path(std::string_view key);
+
+  /// Refuses every key that nobody asked for, with the nearest one that somebody did.
+  void finish() const;
+
+  [[noreturn]] void fail(std::string_view key, std::string_view found,
+                         std::string_view expected) const;
+
+ private:
+  const toml::node* find(std::string_view key);
+  std::string place(std::string_view key) const;
+  double checked(std::string_view key, const toml::node& node, Range range) const;
+
+  const toml::table& table_;
+  std::string file_, path_;
+  std::vector<std::string> known_;
+};
+
+/// Source path that marks nodes which came from --set.
+inline constexpr std::string_view kFromOverride = "--set";
+
+/// The word of `words` with the smallest edit distance to `word`; empty when none is at all near.
+std::string nearest_word(std::string_view word, std::span<const std::string> words);
+
+/// A TOML value as it would be written, shortened for a message.
+std::string describe(const toml::node& node);
+
+}  // namespace sulcus

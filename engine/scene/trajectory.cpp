@@ -1,0 +1,119 @@
+#include "engine/scene/trajectory.hpp"
+
+#include "engine/core/error.hpp"
+#include "engine/core/units.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+
+namespace sulcus {
+
+namespace {
+
+constexpr std::size_t kMaxRows = 10'000'000;  // of a pose file: 2.7 hours at 1 kHz
+constexpr const char* kCsvHeader = "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz";
+
+TimedPose parse_row(const std::string& file, std::size_t line_number, const std::string& line) {
+  const std::string place = "line " + std::to_string(line_number);
+  std::array<double, 8> value{};
+  const char* at = line.data();
+  const char* end = line.data() + line.size();
+  for (std::size_t field = 0; field < value.size(); ++field) {
+    const auto [next, error] = std::from_chars(at, end, value[field]);
+    const bool last = field + 1 == value.size();
+    if (error != std::errc{} || !std::isfinite(value[field]) || (last ? next != end : next == end) ||
+        (!last && *next != ',')) {
+      throw InputError(file, place, "'" + line.substr(0, 80) + "'",
+                       std::string("8 finite numbers ") + kCsvHeader);
+    }
+    at = next + 1;
+  }
+  TimedPose pose;
+  pose.time_s = value[0];
+  pose.world_from_tool.position = Eigen::Vector3d(value[1], value[2], value[3]) * kMillimetre;
+  Eigen::Quaterniond q(value[4], value[5], value[6], value[7]);
+  if (std::abs(q.squaredNorm() - 1.0) > 0.02) {
+    throw InputError(file, place, "a quaternion of length " + std::to_string(q.norm()),
+                     "a unit quaternion qw,qx,qy,qz (1 % off at most)");
+  }
+  pose.world_from_tool.orientation = q.normalized();
+  return pose;
+}
+
+std::vector<TimedPose> read_csv(const std::string& file) {
+  std::ifstream in(file);
+  if (!in) throw InputError(file, "", "no readable file", "a table of poses");
+  std::string line;
+  std::getline(in, line);
+  if (!line.empty() && line.back() == '\r') line.pop_back();
+  if (line != kCsvHeader) {
+    throw InputError(file, "line 1", "'" + line.substr(0, 80) + "'", kCsvHeader);
+  }
+  std::vector<TimedPose> poses;
+  for (std::size_t number = 2; std::getline(in, line); ++number) {
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    if (line.empty()) continue;
+    TimedPose pose = parse_row(file, number, line);
+    if (!poses.empty() && pose.time_s <= poses.back().time_s) {
+      throw InputError(file, "line " + std::to_string(number),
+                       "t_s = " + std::to_string(pose.time_s), "times that rise");
+    }
+    if (poses.size() == kMaxRows) {
+      throw InputError(file, "line " + std::to_string(number), "more rows",
+                       "at most " + std::to_string(kMaxRows));
+    }
+    poses.push_back(pose);
+  }
+  if (poses.empty()) throw InputError(file, "", "no poses", "at least one row");
+  const double start_s = poses.front().time_s;  // a recording's clock need not start at 0
+  for (TimedPose& pose : poses) pose.time_s -= start_s;
+  return poses;
+}
+
+}  // namespace
+
+Trajectory::Trajectory(std::vector<TimedPose> poses) : poses_(std::move(poses)) {}
+
+Pose Trajectory::pose_at(double time_s) const noexcept {
+  const auto after = std::upper_bound(poses_.begin(), poses_.end(), time_s,
+                                      [](double t, const TimedPose& p) { return t < p.time_s; });
+  if (after == poses_.begin()) return poses_.front().world_from_tool;
+  if (after == poses_.end()) return poses_.back().world_from_tool;
+  const TimedPose& a = *(after - 1);
+  const TimedPose& b = *after;
+  const double part = (time_s - a.time_s) / (b.time_s - a.time_s);
+  const Pose &from = a.world_from_tool, &to = b.world_from_tool;
+  Pose pose;
+  pose.position = from.position + part * (to.position - from.position);
+  Eigen::Quaterniond q_to = to.orientation;
+  if (from.orientation.dot(q_to) < 0.0) q_to.coeffs() = -q_to.coeffs();  // the short way round
+  pose.orientation.coeffs() =
+      from.orientation.coeffs() + part * (q_to.coeffs() - from.orientation.coeffs());
+  pose.orientation.normalize();
+  return pose;
+}
+
+Eigen::Quaterniond orientation_along(const Eigen::Vector3d& axis_world) {
+  return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitY(), axis_world);
+}
+
+Trajectory make_trajectory(const TrajectorySettings& settings) {
+  if (!settings.file.empty()) return Trajectory(read_csv(settings.file));
+  const Eigen::Quaterniond orientation = orientation_along(settings.axis);
+  std::vector<TimedPose> poses;
+  for (const Eigen::Vector3d& point : settings.points_m) {
+    TimedPose pose{0.0, {point, orientation}};
+    if (!poses.empty()) {
+      const TimedPose& last = poses.back();
+      const double length = (point - last.world_from_tool.position).norm();
+      if (length == 0.0) continue;  // a point said twice takes no time
+      pose.time_s = last.time_s + length / settings.speed_m_per_s;
+    }
+    poses.push_back(pose);
+  }
+  return Trajectory(std::move(poses));
+}
+
+}  // namespace sulcus

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "engine/scene/scene.hpp"
+
+#include <string>
+#include <vector>
+
+namespace sulcus {
+
+/// Timed poses of the burr's tip, world from tool; positions linear in between, orientations by
+/// normalised linear interpolation (no libm but sqrt: a tick asks for them). Before the first and
+/// after the last pose it rests.
+class Trajectory {
+ public:
+  /// At least one pose, times strictly rising from 0.
+  explicit Trajectory(std::vector<TimedPose> poses);
+
+  Pose pose_at(double time_s) const noexcept;
+  double duration_s() const { return poses_.back().time_s; }
+
+ private:
+  std::vector<TimedPose> poses_;
+};
+
+/// Along `points_m` at constant speed with a fixed axis, or from the CSV that `file` names
+/// (t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz). InputError on a gap in the form, time running backward, values
+/// that are not finite, a quaternion that is not a rotation.
+Trajectory make_trajectory(const TrajectorySettings& settings);
+
+/// Shortest rotation that takes the tool's +y, its axis from tip to shank, to `axis_world` (unit).
+Eigen::Quaterniond orientation_along(const Eigen::Vector3d& axis_world);
+
+}  // namespace sulcus

@@ -1,0 +1,51 @@
+#include "engine/volume/column_bits.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <bit>
+
+namespace sulcus {
+
+ColumnBits::ColumnBits(const VoxelModel& model) {
+  const Eigen::Vector3i n = model.grid.cells;
+  for (int axis = 0; axis < 3; ++axis) {
+    Axis& a = axes_[axis];
+    a.column_words = static_cast<std::size_t>((n[axis] + 63) / 64 + 3);
+    a.row_columns = static_cast<std::size_t>(n[(axis + 1) % 3] + 2 * kBorder);
+    a.words.assign(a.column_words * a.row_columns * (n[(axis + 2) % 3] + 2 * kBorder), 0);
+  }
+  // One task fills the three packings of a slab of leaves. Slabs along z share words of the
+  // columns along z, so a slab there is as thick as a word: 64 voxels.
+  const int slabs = (n.z() + 63) / 64;
+  tbb::parallel_for(0, slabs, [&](int slab) {
+    const Eigen::Vector3i leaves = model.grid.leaf_dims();
+    const int z_end = std::min((slab + 1) * 8, leaves.z());
+    for (int lz = slab * 8; lz < z_end; ++lz) {
+      for (int ly = 0; ly < leaves.y(); ++ly) {
+        for (int lx = 0; lx < leaves.x(); ++lx) {
+          const LeafBits& bits = model.leaves[lx + leaves.x() * (ly + leaves.y() * lz)];
+          for (int k = 0; k < 8; ++k) {
+            const int z = lz * 8 + k;
+            for (std::uint64_t rest = bits.words[k]; rest != 0;) {
+              const int row = std::countr_zero(rest) / 8;  // a y with solid voxels
+              const std::uint64_t byte = rest >> (8 * row) & 0xff;
+              rest &= ~(std::uint64_t{0xff} << (8 * row));
+              const int y = ly * 8 + row;
+              Axis& ax = axes_[0];
+              ax.words[offset(ax, y, z) + 1 + (lx >> 3)] |= byte << (8 * (lx & 7));
+              for (std::uint64_t b = byte; b != 0; b &= b - 1) {
+                const int x = lx * 8 + std::countr_zero(b);
+                Axis& ay = axes_[1];
+                ay.words[offset(ay, z, x) + 1 + (y >> 6)] |= std::uint64_t{1} << (y & 63);
+                Axis& az = axes_[2];
+                az.words[offset(az, x, y) + 1 + (z >> 6)] |= std::uint64_t{1} << (z & 63);
+              }
+            }
+          }
+        }
+      }
+    }
+  });
+}
+
+}  // namespace sulcus

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <cstdint>
+
+namespace sulcus {
+
+enum class EditCause : std::uint8_t { kCut = 0, kLoose = 1, kUndo = 2 };
+
+/// One voxel that changed: what leaves the haptic thread, and from which every shape follows.
+struct Edit {
+  std::uint64_t tick = 0;
+  std::uint32_t voxel = 0;  // VoxelGrid::linear
+  std::uint16_t body = 0;   // 0: the workpiece
+  EditCause cause = EditCause::kCut;
+};
+
+}  // namespace sulcus

@@ -1,0 +1,45 @@
+#pragma once
+
+#include "engine/volume/grid.hpp"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace sulcus {
+
+/// Labels of the 512 voxels of a leaf, x fastest.
+using LabelBlock = std::array<std::uint8_t, 512>;
+
+/// Tissue of every voxel, sparse: one label for a uniform leaf, 512 for a mixed one. Built once by
+/// an importer (different leaves may be set from different threads), then only read.
+class TissueMap {
+ public:
+  explicit TissueMap(std::uint32_t leaf_count) : uniform_(leaf_count, 0), mixed_(leaf_count) {}
+
+  std::uint8_t label(std::uint32_t leaf, const Cell& c) const {
+    const LabelBlock* block = mixed_[leaf].get();
+    return block ? (*block)[(c.x() & 7) | (c.y() & 7) << 3 | (c.z() & 7) << 6] : uniform_[leaf];
+  }
+  void set_uniform(std::uint32_t leaf, std::uint8_t label) {
+    uniform_[leaf] = label;
+    mixed_[leaf].reset();
+  }
+  /// Takes the labels of a leaf; stored as one label where they agree on the voxels that
+  /// `solid_words` (8 words, as in LeafBits) says are solid.
+  void set_block(std::uint32_t leaf, const LabelBlock& labels,
+                 const std::array<std::uint64_t, 8>& solid_words);
+
+  std::uint32_t leaf_count() const { return static_cast<std::uint32_t>(uniform_.size()); }
+  /// Null where the leaf is uniform.
+  const LabelBlock* block(std::uint32_t leaf) const { return mixed_[leaf].get(); }
+  std::uint8_t uniform_label(std::uint32_t leaf) const { return uniform_[leaf]; }
+  std::size_t memory_bytes() const;
+
+ private:
+  std::vector<std::uint8_t> uniform_;
+  std::vector<std::unique_ptr<LabelBlock>> mixed_;
+};
+
+}  // namespace sulcus

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "engine/volume/grid.hpp"
+#include "engine/volume/tissue_map.hpp"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace sulcus {
+
+/// 512 voxels of one leaf: word k holds the z slice k, bit x + 8 y a voxel of it.
+struct alignas(64) LeafBits {
+  std::array<std::uint64_t, 8> words{};
+  bool operator==(const LeafBits&) const = default;
+};
+
+/// What importers make, recordings keep and renderers copy: which voxels are solid, and the tissue
+/// of each. The tissues never change, so copies share them.
+struct VoxelModel {
+  VoxelGrid grid;
+  std::vector<LeafBits> leaves;                 // grid.leaf_count(), x fastest
+  std::shared_ptr<const TissueMap> tissues;     // null: one tissue, no labels
+  bool clipped = false;                         // the solid reached beyond the grid
+
+  bool solid(const Cell& c) const {
+    return grid.contains(c) &&
+           (leaves[grid.leaf_of(c)].words[leaf_word(c.z())] >> leaf_bit(c.x(), c.y()) & 1u) != 0;
+  }
+  void set(const Cell& c, bool value) {
+    std::uint64_t& word = leaves[grid.leaf_of(c)].words[leaf_word(c.z())];
+    const std::uint64_t bit = std::uint64_t{1} << leaf_bit(c.x(), c.y());
+    word = value ? word | bit : word & ~bit;
+  }
+  /// Label of a voxel: an index into the scene's tissues; 0 where there is one tissue only.
+  std::uint8_t tissue(const Cell& c) const {
+    return tissues ? tissues->label(grid.leaf_of(c), c) : std::uint8_t{0};
+  }
+  std::uint64_t solid_count() const;
+};
+
+}  // namespace sulcus

@@ -1,0 +1,129 @@
+#include "engine/volume/workpiece.hpp"
+
+#include "engine/core/hash.hpp"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <bit>
+
+namespace sulcus {
+
+namespace {
+
+constexpr std::uint64_t kColumn0 = 0x0101010101010101u;  // voxels with x = 0 in a slice of a leaf
+constexpr std::uint64_t kColumn7 = kColumn0 << 7;
+constexpr LeafBits kEmptyLeaf{};
+
+}  // namespace
+
+LeafBits surface_of_leaf(const VoxelModel& model, std::uint32_t leaf) {
+  const Eigen::Vector3i n = model.grid.leaf_dims();
+  const Cell at = model.grid.leaf_origin(leaf) / kLeafEdge;
+  const auto neighbour = [&](int axis, int step) -> const LeafBits& {
+    const int to = at[axis] + step;
+    if (to < 0 || to >= n[axis]) return kEmptyLeaf;
+    const int stride = axis == 0 ? 1 : axis == 1 ? n.x() : n.x() * n.y();
+    return model.leaves[static_cast<std::size_t>(static_cast<int>(leaf) + step * stride)];
+  };
+  const LeafBits& self = model.leaves[leaf];
+  const LeafBits &xm = neighbour(0, -1), &xp = neighbour(0, 1);
+  const LeafBits &ym = neighbour(1, -1), &yp = neighbour(1, 1);
+  const LeafBits &zm = neighbour(2, -1), &zp = neighbour(2, 1);
+  LeafBits surface;
+  for (int k = 0; k < 8; ++k) {
+    const std::uint64_t w = self.words[k];
+    // Bit by bit, the neighbour in each of the six directions.
+    const std::uint64_t from_xm = (w << 1 & ~kColumn0) | (xm.words[k] >> 7 & kColumn0);
+    const std::uint64_t from_xp = (w >> 1 & ~kColumn7) | (xp.words[k] << 7 & kColumn7);
+    const std::uint64_t from_ym = w << 8 | ym.words[k] >> 56;
+    const std::uint64_t from_yp = w >> 8 | yp.words[k] << 56;
+    const std::uint64_t from_zm = k > 0 ? self.words[k - 1] : zm.words[7];
+    const std::uint64_t from_zp = k < 7 ? self.words[k + 1] : zp.words[0];
+    surface.words[k] = w & ~(from_xm & from_xp & from_ym & from_yp & from_zm & from_zp);
+  }
+  return surface;
+}
+
+Workpiece::Workpiece(VoxelModel model)
+    : model_(std::move(model)),
+      surface_(model_.leaves.size()),
+      octree_(model_),
+      columns_(model_) {
+  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, grid().leaf_count(), 4096),
+                    [&](const auto& range) {
+                      for (std::uint32_t leaf = range.begin(); leaf != range.end(); ++leaf) {
+                        if (model_.leaves[leaf] != kEmptyLeaf) {
+                          surface_[leaf] = surface_of_leaf(model_, leaf);
+                        }
+                      }
+                    });
+  for (std::uint32_t leaf = 0; leaf < grid().leaf_count(); ++leaf) {
+    if (model_.leaves[leaf] == kEmptyLeaf) continue;
+    for (int k = 0; k < 8; ++k) {
+      solid_voxels_ += std::popcount(model_.leaves[leaf].words[k]);
+      surface_voxels_ += std::popcount(surface_[leaf].words[k]);
+    }
+    hash_ ^= leaf_hash(leaf);
+  }
+}
+
+bool Workpiece::is_surface(const Cell& c) const {
+  return grid().contains(c) && (surface_[grid().leaf_of(c)].words[leaf_word(c.z())] >>
+                                    leaf_bit(c.x(), c.y()) &
+                                1u) != 0;
+}
+
+std::uint64_t Workpiece::leaf_hash(std::uint32_t leaf) const noexcept {
+  const LeafBits& bits = model_.leaves[leaf];
+  return bits == kEmptyLeaf ? 0 : hash_bytes(bits.words.data(), sizeof(bits.words), leaf + 1u);
+}
+
+std::uint64_t Workpiece::hash_with_tissues() const {
+  std::uint64_t hash = hash_;
+  if (!model_.tissues) return hash;
+  for (std::uint32_t leaf = 0; leaf < grid().leaf_count(); ++leaf) {
+    if (model_.leaves[leaf] == kEmptyLeaf) continue;
+    const LabelBlock* block = model_.tissues->block(leaf);
+    const std::uint8_t uniform = model_.tissues->uniform_label(leaf);
+    hash ^= block ? hash_bytes(block->data(), block->size(), ~std::uint64_t{leaf})
+                  : hash_bytes(&uniform, 1, ~std::uint64_t{leaf});
+  }
+  return hash;
+}
+
+void Workpiece::expose(const Cell& c) noexcept {
+  if (!model_.solid(c)) return;
+  std::uint64_t& word = surface_[grid().leaf_of(c)].words[leaf_word(c.z())];
+  const std::uint64_t bit = std::uint64_t{1} << leaf_bit(c.x(), c.y());
+  if ((word & bit) == 0) ++surface_voxels_;
+  word |= bit;
+}
+
+void Workpiece::remove(const Cell& c) noexcept {
+  const std::uint32_t leaf = grid().leaf_of(c);
+  hash_ ^= leaf_hash(leaf);
+  model_.set(c, false);
+  hash_ ^= leaf_hash(leaf);
+  columns_.clear(c);
+  --solid_voxels_;
+
+  std::uint64_t& word = surface_[leaf].words[leaf_word(c.z())];
+  const std::uint64_t bit = std::uint64_t{1} << leaf_bit(c.x(), c.y());
+  if ((word & bit) != 0) --surface_voxels_;
+  word &= ~bit;
+  for (int axis = 0; axis < 3; ++axis) {
+    expose(c + Cell::Unit(axis));
+    expose(c - Cell::Unit(axis));
+  }
+  octree_.set_leaf_status(leaf, model_.leaves[leaf] == kEmptyLeaf ? ChildStatus::kNone
+                                                                  : ChildStatus::kSome);
+}
+
+std::size_t Workpiece::memory_bytes() const {
+  return (model_.leaves.capacity() + surface_.capacity()) * sizeof(LeafBits) +
+         octree_.memory_bytes() + columns_.memory_bytes() +
+         (model_.tissues ? model_.tissues->memory_bytes() : 0);
+}
+
+}  // namespace sulcus

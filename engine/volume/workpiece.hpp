@@ -1,0 +1,63 @@
+#pragma once
+
+#include "engine/volume/column_bits.hpp"
+#include "engine/volume/octree.hpp"
+#include "engine/volume/voxel_model.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace sulcus {
+
+/// The body that is probed and cut: leaves of 512 bits, their surface masks, the octree over them,
+/// the columns for the local distance maps, and the tissues. The haptic thread is the only writer;
+/// nothing here allocates after construction, and nothing walks the volume in a tick.
+///
+/// A surface voxel is a solid voxel with at least one of its six neighbours empty. Outside the
+/// grid all is empty.
+class Workpiece {
+ public:
+  explicit Workpiece(VoxelModel model);
+
+  const VoxelGrid& grid() const { return model_.grid; }
+  const VoxelModel& model() const { return model_; }
+  const Octree& octree() const { return octree_; }
+  const ColumnBits& columns() const { return columns_; }
+  bool solid(const Cell& c) const { return model_.solid(c); }
+  const LeafBits& surface(std::uint32_t leaf) const { return surface_[leaf]; }
+  bool is_surface(const Cell& c) const;
+  std::uint8_t tissue(const Cell& c) const { return model_.tissue(c); }
+
+  std::uint64_t solid_voxels() const { return solid_voxels_; }
+  std::uint64_t surface_voxels() const { return surface_voxels_; }
+  /// XOR over non-empty leaves of XXH3-64 of their bits, seeded by their number: the shape as it
+  /// is, kept up edit by edit.
+  std::uint64_t hash() const { return hash_; }
+  /// Shape and tissues together; walks the volume, for loading only.
+  std::uint64_t hash_with_tissues() const;
+
+  /// Empties a solid voxel: bits, surface, columns, hash, the leaf's status. Constant time.
+  void remove(const Cell& c) noexcept;
+  /// See Octree::switch_off.
+  void switch_off(std::span<const std::uint32_t> nodes) noexcept { octree_.switch_off(nodes); }
+
+  std::size_t memory_bytes() const;
+
+ private:
+  std::uint64_t leaf_hash(std::uint32_t leaf) const noexcept;
+  void expose(const Cell& c) noexcept;
+
+  VoxelModel model_;
+  std::vector<LeafBits> surface_;
+  Octree octree_;
+  ColumnBits columns_;
+  std::uint64_t solid_voxels_ = 0;
+  std::uint64_t surface_voxels_ = 0;
+  std::uint64_t hash_ = 0;
+};
+
+/// Surface voxels of one leaf of a model, from its bits and those of its six neighbours.
+LeafBits surface_of_leaf(const VoxelModel& model, std::uint32_t leaf);
+
+}  // namespace sulcus
