@@ -1,0 +1,100 @@
+#include "haptics/broad_phase.hpp"
+
+#include <array>
+
+namespace sulcus {
+
+namespace {
+
+/// The capsule in index space.
+struct IndexCapsule {
+  Eigen::Vector3d a, ab;  // segment from a to a + ab, voxels
+  double radius = 0.0;
+};
+
+/// Whether a box (centre, half edges) comes within the capsule's radius of its segment.
+bool reaches(const IndexCapsule& capsule, const Eigen::Vector3d& centre,
+             const Eigen::Vector3d& half) {
+  // The squared distance of the segment's point t to the box is convex in t and its derivative
+  // piecewise linear: bisect on the sign of the derivative. 12 halvings place t to 1/4096 of the
+  // segment, and as the function is flat at its minimum the distance far better than that.
+  const Eigen::Vector3d from = capsule.a - centre;
+  double t0 = 0.0, t1 = 1.0;
+  const double radius2 = capsule.radius * capsule.radius;
+  for (int step = 0; step < 12; ++step) {
+    const double t = 0.5 * (t0 + t1);
+    double distance2 = 0.0, slope = 0.0;
+    for (int a = 0; a < 3; ++a) {
+      const double p = from[a] + t * capsule.ab[a];
+      const double excess = p > half[a] ? p - half[a] : p < -half[a] ? p + half[a] : 0.0;
+      distance2 += excess * excess;
+      slope += excess * capsule.ab[a];
+    }
+    if (distance2 <= radius2) return true;
+    (slope > 0 ? t1 : t0) = t;
+  }
+  return false;
+}
+
+}  // namespace
+
+Eigen::AlignedBox3d capsule_bounds(const Capsule& capsule_tool, const Pose& world_from_tool,
+                                   double margin_m) noexcept {
+  Eigen::AlignedBox3d box(world_from_tool.point(capsule_tool.a_tool));
+  box.extend(world_from_tool.point(capsule_tool.b_tool));
+  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(capsule_tool.radius_m + margin_m);
+  return {box.min() - reach, box.max() + reach};
+}
+
+bool broad_phase(const Workpiece& workpiece, const Capsule& capsule_tool,
+                 const Pose& world_from_tool, double margin_m, ContactScratch& scratch) noexcept {
+  scratch.leaves.clear();
+  scratch.hollow.clear();
+  const VoxelGrid& grid = workpiece.grid();
+  const Octree& octree = workpiece.octree();
+  const Eigen::Vector3d a = grid.index_from_world(world_from_tool.point(capsule_tool.a_tool));
+  const Eigen::Vector3d b = grid.index_from_world(world_from_tool.point(capsule_tool.b_tool));
+  const IndexCapsule capsule{a, b - a, (capsule_tool.radius_m + margin_m) / grid.voxel_m};
+
+  // Pre-order with a stack of our own: at most 7 siblings wait on each of at most 8 levels.
+  std::array<Octree::Place, 64> stack;
+  std::size_t depth = 0;
+  stack[depth++] = {};
+  while (depth > 0) {
+    const Octree::Place place = stack[--depth];
+    const std::uint32_t index = octree.index(place);
+    const OctreeNode& node = octree.node(index);
+    if (node.status == ChildStatus::kNone) continue;
+    Eigen::Vector3d lower, upper;  // voxel cubes reach half a voxel beyond their centres
+    for (int axis = 0; axis < 3; ++axis) {
+      lower[axis] = node.lower[axis] - 0.5;
+      upper[axis] = node.upper[axis] - 0.5;
+    }
+    if (!reaches(capsule, 0.5 * (lower + upper), 0.5 * (upper - lower))) continue;
+
+    if (octree.is_leaf_level(place.level)) {
+      const std::uint32_t leaf = octree.leaf_number(index);
+      if (workpiece.surface(leaf) == LeafBits{}) continue;  // wholly inside the solid
+      if (scratch.leaves.size() == scratch.leaves.capacity()) return false;
+      scratch.leaves.push_back(leaf);
+      continue;
+    }
+    bool any_child = false;
+    const Eigen::Vector3i& n_child = octree.dims(place.level + 1);
+    for (int c = 7; c >= 0; --c) {  // pushed in reverse, so that they are visited in order
+      const Octree::Place child{place.level + 1, {2 * place.at.x() + (c & 1),
+                                                  2 * place.at.y() + (c >> 1 & 1),
+                                                  2 * place.at.z() + (c >> 2)}};
+      if ((child.at.array() >= n_child.array()).any()) continue;
+      if (octree.node(octree.index(child)).status == ChildStatus::kNone) continue;
+      any_child = true;
+      stack[depth++] = child;
+    }
+    if (!any_child && scratch.hollow.size() < scratch.hollow.capacity()) {
+      scratch.hollow.push_back(index);
+    }
+  }
+  return true;
+}
+
+}  // namespace sulcus

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "engine/tool/burr.hpp"
+#include "engine/volume/workpiece.hpp"
+#include "haptics/contact.hpp"
+
+#include <span>
+
+namespace sulcus {
+
+/// Penalty forces [Kim and Park 2019, eq. 1] and, with `twist`, the tangential forces of cutting
+/// [eq. 7], summed to force and torque about the burr's reference point.
+///
+/// Depth d: at the voxel's centre under `none` and `count`; under `smooth` at the surface point that
+/// the normal method gives, half a voxel out where it gives none.
+/// Normal: where the method gives none, the tool's distance gradient, turned round. Under `smooth` a
+/// contact whose normal opposes that (c = -N . grad <= 0: the far side of a thin wall) is dropped,
+/// not flipped, and fades in below c = 0.2.
+/// Stiffness of contact i, K that of its tissue, n the contacts:
+///   none    K
+///   count   K / n
+///   smooth  K w_i / max(sum w, 10), w = (d / voxel) min(1, c / 0.2): grows from zero, so that
+///           neither the count nor a voxel that comes or goes makes the force jump, and a lone
+///           voxel is not as stiff as a wall.
+/// Tangential force: -beta |F_n| v_t / max(|v_t|, v0), v_t = v - (v . N) N the velocity of the
+/// burr's surface there, spindle and tool together, along the tooth's. The paper takes v as it is,
+/// which is not tangential, and divides by |v|, which vanishes on the axis. v0 = 10 mm/s. Its power
+/// beta |F_n| |v_t|^2 / max(|v_t|, v0) is left with the contact for the removal.
+void contact_force(const Workpiece& workpiece, std::span<const TissueSettings> tissues,
+                   const Burr& burr, const Pose& world_from_tool, const Twist* twist,
+                   Scaling scaling, ContactScratch& scratch, ContactResult& result) noexcept;
+
+}  // namespace sulcus

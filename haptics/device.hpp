@@ -1,0 +1,50 @@
+#pragma once
+
+#include "engine/core/pose.hpp"
+#include "engine/scene/trajectory.hpp"
+#include "haptics/contact.hpp"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace sulcus {
+
+/// Where the tool's pose comes from and the wrench goes to. Called by the haptic thread once a tick:
+/// `pose`, then `apply`. Neither blocks nor allocates nor throws.
+class Device {
+ public:
+  virtual ~Device() = default;
+  /// Pose of the burr's tip, world from tool, at the start of a tick.
+  virtual Pose pose(std::uint64_t tick) noexcept = 0;
+  /// Force and torque of that tick for the hand.
+  virtual void apply(const Wrench& wrench) noexcept = 0;
+};
+
+/// Follows a trajectory exactly, whatever the force: the paper's experiments.
+class ScriptedDevice final : public Device {
+ public:
+  ScriptedDevice(const Trajectory& trajectory, double rate_hz)
+      : trajectory_(trajectory), dt_s_(1.0 / rate_hz) {}
+  Pose pose(std::uint64_t tick) noexcept override {
+    return trajectory_.pose_at(static_cast<double>(tick) * dt_s_);
+  }
+  void apply(const Wrench&) noexcept override {}
+
+ private:
+  const Trajectory& trajectory_;
+  double dt_s_;
+};
+
+/// Plays back the poses of a recording: a replay is the same tick with this device.
+class PlaybackDevice final : public Device {
+ public:
+  explicit PlaybackDevice(std::span<const Pose> poses) : poses_(poses) {}
+  Pose pose(std::uint64_t tick) noexcept override { return poses_[tick]; }
+  void apply(const Wrench&) noexcept override {}
+
+ private:
+  std::span<const Pose> poses_;
+};
+
+}  // namespace sulcus

@@ -1,0 +1,23 @@
+#include "haptics/simulation_state.hpp"
+
+#include "engine/core/hash.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace sulcus {
+
+std::uint64_t SimulationState::hash() const {
+  std::array<double, 10> values{};
+  std::copy_n(tool.position.data(), 3, values.begin());
+  std::copy_n(tool.orientation.coeffs().data(), 4, values.begin() + 3);
+  if (removal) {
+    values[7] = removal->pool_J;
+    values[8] = removal->work_J;
+    values[9] = removal->removed_J;
+  }
+  const std::uint64_t seed = tick ^ (removal ? removal->part_cut.hash() : 0);
+  return hash_bytes(values.data(), sizeof(values), seed);
+}
+
+}  // namespace sulcus

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "engine/core/pose.hpp"
+#include "haptics/removal.hpp"
+
+#include <cstdint>
+#include <optional>
+
+namespace sulcus {
+
+/// Everything besides the workpiece's shape that can influence a later tick, advanced by the tick
+/// alone, hashed in one place.
+struct SimulationState {
+  std::uint64_t tick = 0;               // that comes next
+  bool has_pose = false;                // the tool has been somewhere: its motion is known
+  Pose tool;                            // world from tool, at the last tick
+  std::optional<RemovalState> removal;  // with [cutting] only
+
+  std::uint64_t hash() const;
+};
+
+}  // namespace sulcus

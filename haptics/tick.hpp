@@ -1,0 +1,42 @@
+#pragma once
+
+#include "engine/bodies/body_query.hpp"
+#include "engine/recording/tick_record.hpp"
+#include "engine/scene/scene.hpp"
+#include "engine/tool/burr.hpp"
+#include "engine/volume/edit.hpp"
+#include "engine/volume/workpiece.hpp"
+#include "haptics/contact.hpp"
+#include "haptics/device.hpp"
+#include "haptics/simulation_state.hpp"
+
+#include <span>
+#include <vector>
+
+namespace sulcus {
+
+/// What a tick reads and never changes. The referred objects outlive it.
+struct TickContext {
+  const Scene& scene;
+  const Burr& burr;
+  BodyQuery bodies;  // body 0 is the workpiece
+};
+
+/// Memory of a tick, taken when the scene loads.
+struct TickScratch {
+  explicit TickScratch(const Scene& scene, StageClock clock = StageClock{})
+      : contact(scene.haptics, clock) {
+    if (scene.cutting) edits.reserve(contact.capacity);
+  }
+  ContactScratch contact;
+  std::vector<Edit> edits;  // of this tick
+};
+
+/// One haptic cycle: moves the tool, evaluates the contact, cuts, sends the force. Returns its
+/// record, but for what only the thread around it knows (times, edits_end, check). The voxels it
+/// removed are in `scratch.edits`. No clock, thread, lock, allocation or exception inside: the same
+/// state, workpiece and device give the same bits.
+TickRecord tick(const TickContext& context, Device& device, Workpiece& workpiece,
+                SimulationState& state, TickScratch& scratch) noexcept;
+
+}  // namespace sulcus
