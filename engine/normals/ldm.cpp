@@ -2,8 +2,10 @@
 
 #include <Eigen/Dense>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 
 namespace sulcus {
@@ -11,7 +13,9 @@ namespace sulcus {
 namespace {
 
 constexpr int kSide = 2 * kMaxNeighbourhood + 1;
-constexpr int kCentre = kMaxNeighbourhood;
+constexpr int kPixels = kSide * kSide;
+constexpr std::size_t kLanes = 8;  // of the sums over a map, added up in a fixed order
+constexpr std::size_t kPaddedPixels = (kPixels + kLanes - 1) / kLanes * kLanes;
 constexpr int kMaxStep = 2;       // of the surface from one column to the next, voxels
 constexpr int kMaxUneven = 3;     // |z(p) + z(-p) - 2 z(0)|, voxels
 constexpr int kInvalid = 127;
@@ -49,12 +53,11 @@ const RowTable& row_table() {
 /// Minus the sum of unit vectors to the solid voxels within 2.5: out of the solid, not unit.
 Eigen::Vector3f coarse_normal(const Workpiece& workpiece, const Cell& c) noexcept {
   const RowTable& table = row_table();
+  const ColumnBits::Windows rows = workpiece.columns().around(0, c.y(), c.z(), c.x() - 2);
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   for (int k = -2; k <= 2; ++k) {
     for (int j = -2; j <= 2; ++j) {
-      const auto pattern =
-          static_cast<unsigned>(workpiece.columns().window(0, c.y() + j, c.z() + k, c.x() - 2)) &
-          31u;
+      const auto pattern = static_cast<unsigned>(rows.window(j, k)) & 31u;
       const RowSums& row = table[j * j + k * k][pattern];
       sum += Eigen::Vector3f(row.x, static_cast<float>(j) * row.inverse,
                              static_cast<float>(k) * row.inverse);
@@ -83,55 +86,98 @@ constexpr std::array<signed char, 32> nearest_of_five(int outer) {
 constexpr auto kNearestUp = nearest_of_five(1);
 constexpr auto kNearestDown = nearest_of_five(-1);
 
-/// Heights of the surface over the plane through the voxel, along one axis outward.
-struct HeightMap {
-  std::array<std::array<signed char, kSide>, kSide> z;  // [kCentre + j][kCentre + i]
-  int rings = 0;                                        // accepted; 0: the centre only
-  bool has_centre = false;
+/// Pixels of a map in the order of its rings, each walked once around, so that the pixel opposite to
+/// the k-th of ring r is the (k + 4 r)-th; a map of fewer rings is the front of one of more.
+struct Pixel {
+  signed char i = 0, j = 0;
+  std::int16_t inner = 0;  // place of the neighbour one ring further in
 };
 
-/// Height in the column (u, v) next to `from`, or kInvalid.
-int follow(const ColumnBits& columns, int axis, int sign, int u, int v, int level,
-           int from) noexcept {
-  // Bit 32 is the voxel's own level. A bit of `tops` is a solid voxel whose outer neighbour is
-  // empty; the surface continues at the one nearest to the level it had.
-  const std::uint64_t w = columns.window(axis, u, v, level - 32);
-  const std::uint64_t tops = sign > 0 ? w & ~(w >> 1) : w & ~(w << 1);
-  const int middle = 32 + sign * from;
-  const auto five = static_cast<unsigned>(tops >> (middle - kMaxStep)) & 31u;
-  const int step = sign > 0 ? kNearestUp[five] : kNearestDown[five];
-  return step == kInvalid ? kInvalid : from + sign * step;
+constexpr int first_of_ring(int ring) { return ring == 0 ? 0 : (2 * ring - 1) * (2 * ring - 1); }
+constexpr int pixel_count(int rings) { return (2 * rings + 1) * (2 * rings + 1); }
+
+constexpr std::array<Pixel, kPixels> ring_order() {
+  std::array<Pixel, kPixels> order{};
+  std::array<std::array<std::int16_t, kSide>, kSide> place{};
+  for (int ring = 1; ring <= kMaxNeighbourhood; ++ring) {
+    int i = -ring, j = -ring;
+    for (int k = 0; k < 8 * ring; ++k) {
+      const int at = first_of_ring(ring) + k;
+      place[j + kMaxNeighbourhood][i + kMaxNeighbourhood] = static_cast<std::int16_t>(at);
+      const int inner_i = i == ring ? i - 1 : i == -ring ? i + 1 : i;
+      const int inner_j = j == ring ? j - 1 : j == -ring ? j + 1 : j;
+      order[at] = {static_cast<signed char>(i), static_cast<signed char>(j),
+                   place[inner_j + kMaxNeighbourhood][inner_i + kMaxNeighbourhood]};
+      const int side = k / (2 * ring);
+      (side == 0 ? i : side == 1 ? j : side == 2 ? i : j) += side < 2 ? 1 : -1;
+    }
+  }
+  return order;
 }
+constexpr std::array<Pixel, kPixels> kRingOrder = ring_order();
 
-HeightMap trace_map(const ColumnBits& columns, const Cell& c, int axis, int sign, int rings,
-                    int trace) noexcept {
-  HeightMap map;
-  const int u0 = c[(axis + 1) % 3], v0 = c[(axis + 2) % 3], level = c[axis];
-  const int centre = follow(columns, axis, sign, u0, v0, level, 0);
-  if (centre == kInvalid) return map;
-  map.has_centre = true;
-  map.z[kCentre][kCentre] = static_cast<signed char>(centre);
+/// Heights of the surface over the plane through the voxel, along one axis outward.
+struct HeightMap {
+  alignas(32) std::array<float, kPaddedPixels> z;  // in the order of kRingOrder
+  int rings = -1;                                  // accepted; 0: the centre, -1: not even that
+};
 
-  for (int ring = 1; ring <= rings; ++ring) {
-    for (int j = -ring; j <= ring; ++j) {
-      const int stride = std::abs(j) == ring ? 1 : 2 * ring;
-      for (int i = -ring; i <= ring; i += stride) {
-        // The inner neighbour: one step towards the centre on the side(s) the pixel lies out.
-        const int inner_i = i == ring ? i - 1 : i == -ring ? i + 1 : i;
-        const int inner_j = j == ring ? j - 1 : j == -ring ? j + 1 : j;
-        const int from = map.z[kCentre + inner_j][kCentre + inner_i];
-        const int z = follow(columns, axis, sign, u0 + i, v0 + j, level, from);
-        if (z == kInvalid || std::abs(z) > trace) return map;
-        map.z[kCentre + j][kCentre + i] = static_cast<signed char>(z);
+/// Columns of a map as bits that mark where the surface may be: a solid voxel whose outer neighbour
+/// is empty. Bit 32 is the voxel's own level.
+class SurfaceBits {
+ public:
+  SurfaceBits(const ColumnBits& columns, const Cell& c, int axis, int sign, int rings) noexcept
+      : sign_(sign) {
+    const ColumnBits::Windows windows =
+        columns.around(axis, c[(axis + 1) % 3], c[(axis + 2) % 3], c[axis] - 32);
+    for (int j = -rings; j <= rings; ++j) {
+      std::uint64_t* row = bits_ + (j + kMaxNeighbourhood) * kSide + kMaxNeighbourhood;
+      if (sign > 0) {
+        for (int i = -rings; i <= rings; ++i) {
+          const std::uint64_t w = windows.window(i, j);
+          row[i] = w & ~(w >> 1);
+        }
+      } else {
+        for (int i = -rings; i <= rings; ++i) {
+          const std::uint64_t w = windows.window(i, j);
+          row[i] = w & ~(w << 1);
+        }
       }
     }
-    // Opposite pixels of the ring: the upper half and half the middle row cover each pair once.
-    for (int j = 0; j <= ring; ++j) {
-      const int stride = j == ring ? 1 : 2 * ring;
-      for (int i = -ring; i <= ring; i += stride) {
-        const int even = map.z[kCentre + j][kCentre + i] + map.z[kCentre - j][kCentre - i];
-        if (std::abs(even - 2 * centre) > kMaxUneven) return map;
-      }
+  }
+
+  /// Height in a column of the surface nearest to the height `from`, or kInvalid.
+  int follow(int i, int j, int from) const noexcept {
+    const std::uint64_t tops = bits_[(j + kMaxNeighbourhood) * kSide + i + kMaxNeighbourhood];
+    const auto five = static_cast<unsigned>(tops >> (32 + sign_ * from - kMaxStep)) & 31u;
+    const int step = sign_ > 0 ? kNearestUp[five] : kNearestDown[five];
+    return step == kInvalid ? kInvalid : from + sign_ * step;
+  }
+
+ private:
+  int sign_;
+  std::uint64_t bits_[kPixels];
+};
+
+HeightMap trace_map(const SurfaceBits& surface, int rings, int trace) noexcept {
+  HeightMap map;
+  std::array<signed char, kPixels> z;
+  const int centre = surface.follow(0, 0, 0);
+  if (centre == kInvalid) return map;
+  z[0] = static_cast<signed char>(centre);
+  map.z[0] = static_cast<float>(centre);
+  map.rings = 0;
+  for (int ring = 1; ring <= rings; ++ring) {
+    const int first = first_of_ring(ring), end = first + 8 * ring;
+    for (int k = first; k < end; ++k) {
+      const Pixel& pixel = kRingOrder[k];
+      const int height = surface.follow(pixel.i, pixel.j, z[pixel.inner]);
+      if (height == kInvalid || std::abs(height) > trace) return map;
+      z[k] = static_cast<signed char>(height);
+      map.z[k] = static_cast<float>(height);
+    }
+    for (int k = first; k < first + 4 * ring; ++k) {
+      if (std::abs(z[k] + z[k + 4 * ring] - 2 * centre) > kMaxUneven) return map;
     }
     map.rings = ring;
   }
@@ -140,12 +186,13 @@ HeightMap trace_map(const ColumnBits& columns, const Cell& c, int axis, int sign
 
 // --- The fit ------------------------------------------------------------------------------------
 
-/// Filters of a square window that give the weighted least-squares quadric's value and slope at its
+/// Filters of a square window that give the weighted least-squares quadric's value and slopes at its
 /// centre as plain sums over the heights [eqs. 3 and 4, with a taper and the square lattice's own
-/// moments].
+/// moments]. In the order of kRingOrder, zero beyond the window.
 struct WindowFilter {
-  std::array<std::array<float, kSide>, kSide> value{};  // sum value z = height at the centre
-  std::array<std::array<float, kSide>, kSide> slope{};  // sum slope z = dz/di; transposed: dz/dj
+  alignas(32) std::array<float, kPaddedPixels> value{};    // sum value z: height at the centre
+  alignas(32) std::array<float, kPaddedPixels> slope_u{};  // dz/di
+  alignas(32) std::array<float, kPaddedPixels> slope_v{};  // dz/dj
 };
 
 WindowFilter make_filter(int ns) {
@@ -171,13 +218,12 @@ WindowFilter make_filter(int ns) {
   const bool curved = ns >= 2;
   const Eigen::Vector3d row =
       curved ? Eigen::Vector3d(even.inverse().row(0).transpose()) : Eigen::Vector3d(1.0 / even(0, 0), 0, 0);
-  for (int j = -ns; j <= ns; ++j) {
-    for (int i = -ns; i <= ns; ++i) {
-      const double w = weight(i, j);
-      filter.value[kCentre + j][kCentre + i] =
-          static_cast<float>(w * row.dot(Eigen::Vector3d(1.0, i * i, j * j)));
-      filter.slope[kCentre + j][kCentre + i] = static_cast<float>(w * i / w_ii);
-    }
+  for (int k = 0; k < pixel_count(ns); ++k) {
+    const int i = kRingOrder[k].i, j = kRingOrder[k].j;
+    const double w = weight(i, j);
+    filter.value[k] = static_cast<float>(w * row.dot(Eigen::Vector3d(1.0, i * i, j * j)));
+    filter.slope_u[k] = static_cast<float>(w * i / w_ii);
+    filter.slope_v[k] = static_cast<float>(w * j / w_ii);
   }
   return filter;
 }
@@ -189,6 +235,17 @@ const WindowFilter& filter_of(int ns) {
     return all;
   }();
   return filters[ns];
+}
+
+/// Sum of products over the front of two padded arrays, in kLanes lanes added up in a fixed order.
+float dot(const std::array<float, kPaddedPixels>& a, const std::array<float, kPaddedPixels>& b,
+          std::size_t count) noexcept {
+  float lanes[kLanes] = {};
+  for (std::size_t k = 0; k < count; k += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) lanes[lane] += a[k + lane] * b[k + lane];
+  }
+  return ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) +
+         ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]));
 }
 
 }  // namespace
@@ -203,22 +260,19 @@ SurfaceEstimate estimate_ldm(const Workpiece& workpiece, const Cell& voxel, int 
   coarse.cwiseAbs().maxCoeff(&axis);
   const int sign = coarse[axis] > 0 ? 1 : -1;
 
-  const HeightMap map =
-      trace_map(workpiece.columns(), voxel, axis, sign, neighbourhood, trace);
-  if (!map.has_centre || map.rings == 0) {
+  const SurfaceBits surface(workpiece.columns(), voxel, axis, sign, neighbourhood);
+  HeightMap map = trace_map(surface, neighbourhood, trace);
+  if (map.rings < 1) {
     // No map: an edge sharper than the steps allow. The face of the voxel is the best surface.
     return {coarse / std::sqrt(length2), 0.5f, true};
   }
+  const auto pixels = static_cast<std::size_t>(pixel_count(map.rings));
+  const std::size_t padded = (pixels + kLanes - 1) / kLanes * kLanes;
+  std::fill(map.z.begin() + pixels, map.z.begin() + padded, 0.0f);
   const WindowFilter& filter = filter_of(map.rings);
-  float value = 0, slope_u = 0, slope_v = 0;
-  for (int j = -map.rings; j <= map.rings; ++j) {
-    for (int i = -map.rings; i <= map.rings; ++i) {
-      const auto z = static_cast<float>(map.z[kCentre + j][kCentre + i]);
-      value += filter.value[kCentre + j][kCentre + i] * z;
-      slope_u += filter.slope[kCentre + j][kCentre + i] * z;
-      slope_v += filter.slope[kCentre + i][kCentre + j] * z;
-    }
-  }
+  const float value = dot(filter.value, map.z, padded);
+  const float slope_u = dot(filter.slope_u, map.z, padded);
+  const float slope_v = dot(filter.slope_v, map.z, padded);
   const float inverse_length = 1.0f / std::sqrt(1.0f + slope_u * slope_u + slope_v * slope_v);
   SurfaceEstimate estimate;
   estimate.normal[(axis + 1) % 3] = -slope_u * inverse_length;

@@ -276,9 +276,16 @@ toml::table parse_override_value(const std::string& value) {
   }
 }
 
-/// The [[tissue]] of a name.
+/// The [[tissue]] of a name; names alone become tables that can be changed.
 toml::table& tissue_of(toml::table& root, const std::string& name, const std::string& text) {
   if (toml::array* tissues = root["tissue"].as_array()) {
+    if (tissues->is_homogeneous<std::string>()) {
+      toml::array tables;
+      for (const toml::node& entry : *tissues) {
+        tables.push_back(toml::table{{"name", *entry.value<std::string>()}});
+      }
+      *tissues = std::move(tables);
+    }
     for (toml::node& entry : *tissues) {
       toml::table* table = entry.as_table();
       if (table && (*table)["name"].value<std::string>() == name) return *table;

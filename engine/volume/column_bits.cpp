@@ -10,9 +10,10 @@ ColumnBits::ColumnBits(const VoxelModel& model) {
   const Eigen::Vector3i n = model.grid.cells;
   for (int axis = 0; axis < 3; ++axis) {
     Axis& a = axes_[axis];
-    a.column_words = static_cast<std::size_t>((n[axis] + 63) / 64 + 3);
-    a.row_columns = static_cast<std::size_t>(n[(axis + 1) % 3] + 2 * kBorder);
-    a.words.assign(a.column_words * a.row_columns * (n[(axis + 2) % 3] + 2 * kBorder), 0);
+    a.row = static_cast<std::size_t>(n[(axis + 1) % 3] + 2 * kBorder);
+    a.plane = a.row * static_cast<std::size_t>(n[(axis + 2) % 3] + 2 * kBorder);
+    // 64 zeros, the voxels, and zeros to complete a word and one more.
+    a.words.assign(a.plane * static_cast<std::size_t>((n[axis] + 63) / 64 + 3), 0);
   }
   // One task fills the three packings of a slab of leaves. Slabs along z share words of the
   // columns along z, so a slab there is as thick as a word: 64 voxels.
@@ -32,13 +33,13 @@ ColumnBits::ColumnBits(const VoxelModel& model) {
               rest &= ~(std::uint64_t{0xff} << (8 * row));
               const int y = ly * 8 + row;
               Axis& ax = axes_[0];
-              ax.words[offset(ax, y, z) + 1 + (lx >> 3)] |= byte << (8 * (lx & 7));
+              ax.words[ax.offset(y, z, 1 + static_cast<std::size_t>(lx >> 3))] |= byte << (8 * (lx & 7));
               for (std::uint64_t b = byte; b != 0; b &= b - 1) {
                 const int x = lx * 8 + std::countr_zero(b);
                 Axis& ay = axes_[1];
-                ay.words[offset(ay, z, x) + 1 + (y >> 6)] |= std::uint64_t{1} << (y & 63);
+                ay.words[ay.offset(z, x, 1 + static_cast<std::size_t>(y >> 6))] |= std::uint64_t{1} << (y & 63);
                 Axis& az = axes_[2];
-                az.words[offset(az, x, y) + 1 + (z >> 6)] |= std::uint64_t{1} << (z & 63);
+                az.words[az.offset(x, y, 1 + static_cast<std::size_t>(z >> 6))] |= std::uint64_t{1} << (z & 63);
               }
             }
           }

@@ -13,31 +13,52 @@ namespace sulcus {
 /// across) stands around the grid, so that a window of any map needs no test against its faces.
 ///
 /// Columns along axis a are addressed by the other two coordinates in cyclic order:
-/// (y, z) for x, (z, x) for y, (x, y) for z.
+/// (y, z) for x, (z, x) for y, (x, y) for z. The words of one height lie together, one after another
+/// in the first of the two, so that the columns of a map's row are read in one go.
 class ColumnBits {
  public:
   static constexpr int kBorder = 16;  // columns; a map may reach this far across the grid's face
 
+  /// 64 voxels of each column around one, from a height on: `window(i, j)` is the column i further
+  /// in the first coordinate and j in the second, bit 0 lowest; voxels outside the grid are empty.
+  class Windows {
+   public:
+    std::uint64_t window(int i, int j) const noexcept {
+      const std::uint64_t* w = lower_ + i + j * row_;
+      // Two shifts instead of one by 64 - shift, which is undefined for shift = 0.
+      return w[0] >> shift_ | w[plane_] << 1 << (63u - shift_);
+    }
+
+   private:
+    friend class ColumnBits;
+    const std::uint64_t* lower_ = nullptr;
+    std::ptrdiff_t row_ = 0, plane_ = 0;
+    unsigned shift_ = 0;
+  };
+
   ColumnBits() = default;
   explicit ColumnBits(const VoxelModel& model);
 
-  /// 64 voxels of a column from `start` upward, bit 0 first; voxels outside the grid are empty.
-  /// Needs -kBorder <= u, v < cells + kBorder and -64 <= start <= cells.
-  std::uint64_t window(int axis, int u, int v, int start) const noexcept {
+  /// Needs -64 <= start <= cells along the axis; columns up to kBorder beyond the grid may be asked.
+  Windows around(int axis, int u, int v, int start) const noexcept {
     const Axis& a = axes_[axis];
-    const std::uint64_t* column = a.words.data() + offset(a, u, v);
     const unsigned from = static_cast<unsigned>(start + 64);
-    const unsigned shift = from & 63u;
-    const std::uint64_t* w = column + (from >> 6);
-    // Two shifts instead of one by 64 - shift, which is undefined for shift = 0.
-    return w[0] >> shift | w[1] << 1 << (63u - shift);
+    Windows windows;
+    windows.lower_ = a.words.data() + a.offset(u, v, from >> 6);
+    windows.row_ = static_cast<std::ptrdiff_t>(a.row);
+    windows.plane_ = static_cast<std::ptrdiff_t>(a.plane);
+    windows.shift_ = from & 63u;
+    return windows;
+  }
+  std::uint64_t window(int axis, int u, int v, int start) const noexcept {
+    return around(axis, u, v, start).window(0, 0);
   }
 
   void clear(const Cell& c) noexcept {
     for (int axis = 0; axis < 3; ++axis) {
       Axis& a = axes_[axis];
       const unsigned bit = static_cast<unsigned>(c[axis] + 64);
-      a.words[offset(a, c[(axis + 1) % 3], c[(axis + 2) % 3]) + (bit >> 6)] &=
+      a.words[a.offset(c[(axis + 1) % 3], c[(axis + 2) % 3], bit >> 6)] &=
           ~(std::uint64_t{1} << (bit & 63u));
     }
   }
@@ -50,14 +71,15 @@ class ColumnBits {
 
  private:
   struct Axis {
-    std::vector<std::uint64_t> words;
-    std::size_t column_words = 0;  // 64 zeros, the voxels, at least 128 zeros
-    std::size_t row_columns = 0;   // columns of one v
+    std::vector<std::uint64_t> words;  // [height][v][u], with the borders
+    std::size_t row = 0;               // words from one v to the next
+    std::size_t plane = 0;             // words from one height to the next
+
+    std::size_t offset(int u, int v, std::size_t word) const noexcept {
+      return word * plane + static_cast<std::size_t>(v + kBorder) * row +
+             static_cast<std::size_t>(u + kBorder);
+    }
   };
-  static std::size_t offset(const Axis& a, int u, int v) {
-    return (static_cast<std::size_t>(v + kBorder) * a.row_columns + (u + kBorder)) *
-           a.column_words;
-  }
   std::array<Axis, 3> axes_;
 };
 

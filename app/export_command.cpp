@@ -1,0 +1,88 @@
+#include "app/commands.hpp"
+#include "app/recorded_run.hpp"
+#include "engine/core/error.hpp"
+#include "engine/graphics/surface_mesh.hpp"
+#include "engine/import/medical_volume.hpp"
+#include "engine/import/mesh_file.hpp"
+
+#include <cstdio>
+#include <memory>
+#include <stdexcept>
+
+namespace sulcus {
+
+namespace {
+
+struct ExportOptions {
+  std::string recording, mesh, volume, csv;
+  double at_s = -1.0;  // below 0: the end
+};
+
+void write_csv(const std::string& file, std::span<const TickRecord> rows) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(std::fopen(file.c_str(), "w"),
+                                                            std::fclose);
+  if (!out) throw InputError(file, "", "no file that can be written", "a path for the table");
+  std::fputs("tick,time_s,tool_x_mm,tool_y_mm,tool_z_mm,tool_qw,tool_qx,tool_qy,tool_qz,"
+             "force_x_N,force_y_N,force_z_N,torque_x_mNm,torque_y_mNm,torque_z_mNm,"
+             "contacts,removed,step_us,late_us,faults\n",
+             out.get());
+  for (const TickRecord& r : rows) {
+    const double *p = r.tool_position_m, *q = r.tool_orientation;
+    const double *f = r.force_N, *t = r.torque_Nm;
+    std::fprintf(out.get(),
+                 "%llu,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,"
+                 "%u,%u,%.4g,%.4g,%u\n",
+                 static_cast<unsigned long long>(r.tick), r.time_s, p[0] * 1e3, p[1] * 1e3,
+                 p[2] * 1e3, q[0], q[1], q[2], q[3], f[0], f[1], f[2], t[0] * 1e3, t[1] * 1e3,
+                 t[2] * 1e3, r.contacts, r.removed, static_cast<double>(r.step_us),
+                 static_cast<double>(r.late_us), r.faults);
+  }
+  if (std::ferror(out.get())) throw std::runtime_error(file + ": cannot be written");
+}
+
+void export_recording(const ExportOptions& options) {
+  if (options.mesh.empty() && options.volume.empty() && options.csv.empty()) {
+    throw InputError("", "export", "nothing to write", "--mesh, --volume or --csv");
+  }
+  const RecordingReader reader(options.recording);
+  if (reader.tick_count() == 0) {
+    throw InputError(options.recording, "/ticks", "no rows", "at least one tick");
+  }
+  if (!reader.missing().empty()) std::fprintf(stderr, "sulcus: %s\n", reader.missing().c_str());
+  RecordedShape shape(reader);
+  const std::size_t row =
+      options.at_s < 0.0 ? shape.rows().size() - 1 : shape.row_at(options.at_s);
+  shape.advance_to_row(row);
+  const VoxelModel& model = shape.model();
+  if (!options.mesh.empty()) {
+    const TriangleMesh mesh = closed_surface(model);
+    write_mesh(options.mesh, mesh);
+    std::printf("%s: %zu triangles\n", options.mesh.c_str(), mesh.triangles.size());
+  }
+  if (!options.volume.empty()) {
+    write_volume_nrrd(options.volume, model,
+                      model.tissues ? VolumeContent::kLabels : VolumeContent::kMask);
+    std::printf("%s: %llu solid voxels\n", options.volume.c_str(),
+                static_cast<unsigned long long>(model.solid_count()));
+  }
+  if (!options.csv.empty()) {
+    write_csv(options.csv, std::span(shape.rows()).first(row + 1));
+    std::printf("%s: %zu rows\n", options.csv.c_str(), row + 1);
+  }
+}
+
+}  // namespace
+
+void add_export_command(CLI::App& program) {
+  auto options = std::make_shared<ExportOptions>();
+  CLI::App* command = program.add_subcommand("export", "Write the cut tooth or the curves");
+  command->add_option("RECORDING", options->recording, "Recording, .h5")->required();
+  command->add_option("--at", options->at_s, "Time, s (the end)")->check(CLI::NonNegativeNumber);
+  command->add_option("--mesh", options->mesh, "Closed surface, .stl, .obj or .ply, mm");
+  command->add_option("--volume", options->volume,
+                      "Voxels, .nrrd: 0 empty, else 1 + tissue in the scene's order");
+  command->add_option("--csv", options->csv, "One row per tick");
+  command->callback([options] { export_recording(*options); });
+}
+
+}  // namespace sulcus

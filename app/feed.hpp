@@ -1,0 +1,41 @@
+#pragma once
+
+#include "engine/recording/recording_header.hpp"
+#include "engine/recording/tick_record.hpp"
+#include "engine/volume/edit.hpp"
+#include "haptics/stage_clock.hpp"
+
+#include <readerwriterqueue/readerwriterqueue.h>
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+
+namespace sulcus {
+
+/// What a tick leaves behind besides its edits.
+struct TickReport {
+  TickRecord record;
+  std::array<float, kStageCount> stage_us{};
+};
+
+// Threads and properties
+//
+//   haptic thread ---- edits, then the report of their tick ---->  one consumer each:
+//                      (one Feed per consumer)                     recorder, renderer
+//
+// - Single producer, single consumer, no lock. The producer never waits.
+// - A report is pushed after all its edits: who has popped a report finds its edits there.
+// - Sized for ten seconds; beyond that a queue takes more memory, outside the tick, rather than
+//   lose anything.
+struct Feed {
+  explicit Feed(double rate_hz)
+      : reports(static_cast<std::size_t>(10 * rate_hz)), edits(std::size_t{1} << 16) {}
+
+  moodycamel::ReaderWriterQueue<TickReport> reports;
+  moodycamel::ReaderWriterQueue<Edit> edits;
+  moodycamel::ReaderWriterQueue<StateHash> hashes;
+  std::atomic<bool> ended{false};  // set after the last push
+};
+
+}  // namespace sulcus

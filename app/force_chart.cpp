@@ -1,0 +1,57 @@
+#include "app/force_chart.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+namespace sulcus {
+
+namespace {
+
+/// A text for gnuplot, between double quotes.
+std::string quoted(const std::string& text) {
+  std::string safe = "\"";
+  for (char c : text) {
+    if (c == '"' || c == '\\') safe += '\\';
+    safe += c;
+  }
+  return safe + "\"";
+}
+
+}  // namespace
+
+bool draw_force_chart(const RunStatistics& statistics, const std::string& title,
+                      const std::string& file_png) {
+  std::filesystem::remove(file_png);
+  std::FILE* gnuplot = popen("gnuplot 2>/dev/null", "w");
+  if (!gnuplot) return false;
+  std::fprintf(gnuplot,
+               "set terminal pngcairo size 1200,900 noenhanced font 'sans,11'\n"
+               "set output %s\n"
+               "$data << EOD\n",
+               quoted(file_png).c_str());
+  // A chart is 1200 pixels wide: of many ticks every n-th is drawn.
+  const std::size_t ticks = statistics.force_N.size();
+  const std::size_t stride = std::max<std::size_t>(1, ticks / 20000);
+  for (std::size_t i = 0; i < ticks; i += stride) {
+    std::fprintf(gnuplot, "%zu %g %g %u %g\n", i, static_cast<double>(statistics.force_N[i]),
+                 static_cast<double>(statistics.torque_mNm[i]), statistics.contacts[i],
+                 static_cast<double>(statistics.tick_us[i]));
+  }
+  if (ticks == 0) std::fputs("0 0 0 0 0\n", gnuplot);
+  std::fprintf(gnuplot,
+               "EOD\n"
+               "set multiplot layout 4,1 title %s\n"
+               "set grid lc rgb '#dddddd'\nset key off\nset lmargin 9\nset yrange [0:*]\n"
+               "set ylabel 'force, N'\nplot $data using 1:2 with lines lw 1 lc rgb '#1f4e9c'\n"
+               "set ylabel 'torque, mN m'\nplot $data using 1:3 with lines lw 1 lc rgb '#1f4e9c'\n"
+               "set ylabel 'voxels in contact'\n"
+               "plot $data using 1:4 with lines lw 1 lc rgb '#555555'\n"
+               "set ylabel 'tick, us'\nset xlabel 'tick'\n"
+               "plot $data using 1:5 with lines lw 1 lc rgb '#b5651d'\n"
+               "unset multiplot\n",
+               quoted(title).c_str());
+  return pclose(gnuplot) == 0 && std::filesystem::exists(file_png);
+}
+
+}  // namespace sulcus

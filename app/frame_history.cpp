@@ -1,0 +1,58 @@
+#include "app/frame_history.hpp"
+
+#include "engine/core/units.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace sulcus {
+
+FrameHistory::FrameHistory(const Scene& scene)
+    : title_(scene.title),
+      window_(static_cast<std::size_t>(std::max(2.0, 2.0 * scene.haptics.rate_hz))),
+      spindle_rad_per_s_(scene.cutting ? scene.burr.speed_rad_per_s : 0.0),
+      voxel_mm3_(std::pow(scene.workpiece.voxel_m / kMillimetre, 3)) {}
+
+void FrameHistory::add(const TickRecord& record) {
+  latest_ = record;
+  removed_ += record.removed;
+  // Twice the window is kept, so that the front is cut off once in a window and not every tick.
+  if (force_N_.size() >= 2 * window_) {
+    for (auto* values : {&force_N_, &torque_mNm_, &tick_us_}) {
+      values->erase(values->begin(), values->end() - static_cast<std::ptrdiff_t>(window_));
+    }
+  }
+  const Eigen::Vector3d force(record.force_N[0], record.force_N[1], record.force_N[2]);
+  const Eigen::Vector3d torque(record.torque_Nm[0], record.torque_Nm[1], record.torque_Nm[2]);
+  force_N_.push_back(static_cast<float>(force.norm()));
+  torque_mNm_.push_back(static_cast<float>(torque.norm() * 1e3));
+  tick_us_.push_back(record.step_us);
+}
+
+FrameState FrameHistory::state() const {
+  const auto last = [this](const std::vector<float>& values) {
+    return std::span<const float>(values).last(std::min(window_, values.size()));
+  };
+  FrameState state;
+  state.title = title_;
+  state.time_s = latest_.time_s;
+  state.tick = latest_.tick;
+  const double* p = latest_.tool_position_m;
+  const double* q = latest_.tool_orientation;
+  state.world_from_tool = {{p[0], p[1], p[2]}, Eigen::Quaterniond(q[0], q[1], q[2], q[3])};
+  state.burr_turn_rad = std::fmod(spindle_rad_per_s_ * latest_.time_s, 2.0 * std::numbers::pi);
+  for (int a = 0; a < 3; ++a) {
+    state.force_N[a] = latest_.force_N[a];
+    state.torque_Nm[a] = latest_.torque_Nm[a];
+  }
+  state.contacts = latest_.contacts;
+  state.tick_us = latest_.step_us;
+  state.removed_mm3 = static_cast<double>(removed_) * voxel_mm3_;
+  state.force_history_N = last(force_N_);
+  state.torque_history_mNm = last(torque_mNm_);
+  state.tick_history_us = last(tick_us_);
+  return state;
+}
+
+}  // namespace sulcus

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "engine/graphics/frame_state.hpp"
+#include "engine/recording/tick_record.hpp"
+#include "engine/scene/scene.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace sulcus {
+
+/// Collects rows of ticks into what a frame shows: the latest values, and curves of the last two
+/// seconds.
+class FrameHistory {
+ public:
+  explicit FrameHistory(const Scene& scene);
+
+  void add(const TickRecord& record);
+  bool empty() const { return force_N_.empty(); }
+  /// Valid until the next `add`.
+  FrameState state() const;
+
+ private:
+  std::string title_;
+  std::size_t window_;           // ticks
+  double spindle_rad_per_s_;
+  double voxel_mm3_;
+  TickRecord latest_;
+  std::uint64_t removed_ = 0;
+  std::vector<float> force_N_, torque_mNm_, tick_us_;
+};
+
+}  // namespace sulcus

@@ -1,0 +1,57 @@
+#include "app/recorded_run.hpp"
+
+#include "engine/core/error.hpp"
+#include "engine/scene/scene_file.hpp"
+
+#include <algorithm>
+
+namespace sulcus {
+
+Scene recorded_scene(const RecordingReader& reader, const std::string& path) {
+  return parse_scene(reader.header().scene_toml, path);
+}
+
+Burr recorded_burr(const RecordingReader& reader, const Scene& scene) {
+  if (std::optional<TriangleMesh> mesh = reader.burr_mesh()) {
+    return make_burr(scene.burr, scene.workpiece.voxel_m, std::move(*mesh), scene.file);
+  }
+  return make_burr(scene.burr, scene.workpiece.voxel_m, scene.file);
+}
+
+RecordedRun open_recorded_run(const std::string& path) {
+  RecordingReader reader(path);
+  if (reader.tick_count() == 0) throw InputError(path, "/ticks", "no rows", "at least one tick");
+  const Scene scene = recorded_scene(reader, path);
+  auto simulation =
+      std::make_unique<Simulation>(scene, reader.workpiece(), recorded_burr(reader, scene));
+  std::vector<Pose> poses;
+  poses.reserve(reader.tick_count());
+  for (const TickRecord& row : reader.ticks()) {
+    const double* p = row.device_position_m;
+    const double* q = row.device_orientation;
+    poses.push_back({{p[0], p[1], p[2]}, Eigen::Quaterniond(q[0], q[1], q[2], q[3])});
+  }
+  return {path, std::move(reader), std::move(simulation), std::move(poses)};
+}
+
+RecordedShape::RecordedShape(const RecordingReader& reader)
+    : model_(reader.workpiece()), rows_(reader.ticks()), edits_(reader.edits()) {}
+
+std::span<const std::uint32_t> RecordedShape::advance_to_row(std::size_t row) {
+  removed_.clear();
+  const std::uint64_t end = std::min<std::uint64_t>(rows_[row].edits_end, edits_.size());
+  for (; applied_ < end; ++applied_) {
+    model_.set(model_.grid.cell_of_linear(edits_[applied_].voxel), false);
+    removed_.push_back(edits_[applied_].voxel);
+  }
+  return removed_;
+}
+
+std::size_t RecordedShape::row_at(double time_s) const {
+  const auto after =
+      std::upper_bound(rows_.begin(), rows_.end(), time_s,
+                       [](double t, const TickRecord& row) { return t < row.time_s; });
+  return after == rows_.begin() ? 0 : static_cast<std::size_t>(after - rows_.begin() - 1);
+}
+
+}  // namespace sulcus

@@ -1,0 +1,51 @@
+#pragma once
+
+#include "app/simulation.hpp"
+#include "engine/recording/recording_reader.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace sulcus {
+
+/// A recording opened to be run again: the simulation as it was before the first tick, and the
+/// device's poses.
+struct RecordedRun {
+  std::string path;
+  RecordingReader reader;
+  std::unique_ptr<Simulation> simulation;
+  std::vector<Pose> poses;
+};
+
+/// Opens a recording; it needs neither the scan nor the burr's mesh that it was made from.
+/// InputError as RecordingReader; also where its scene no longer reads.
+RecordedRun open_recorded_run(const std::string& path);
+
+/// The scene that a recording carries.
+Scene recorded_scene(const RecordingReader& reader, const std::string& path);
+/// The burr that a recording carries or its scene generates.
+Burr recorded_burr(const RecordingReader& reader, const Scene& scene);
+
+/// The recorded shape over time: the model at the start, and the edits applied up to a time.
+class RecordedShape {
+ public:
+  explicit RecordedShape(const RecordingReader& reader);
+
+  /// Applies the edits of all rows up to and with that row; forward only. Returns the voxels that it
+  /// removed.
+  std::span<const std::uint32_t> advance_to_row(std::size_t row);
+  const VoxelModel& model() const { return model_; }
+  const std::vector<TickRecord>& rows() const { return rows_; }
+  /// Last row at or before a time; the first where none is.
+  std::size_t row_at(double time_s) const;
+
+ private:
+  VoxelModel model_;
+  std::vector<TickRecord> rows_;
+  std::vector<Edit> edits_;
+  std::vector<std::uint32_t> removed_;
+  std::size_t applied_ = 0;
+};
+
+}  // namespace sulcus

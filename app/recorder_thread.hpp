@@ -1,0 +1,38 @@
+#pragma once
+
+#include "app/feed.hpp"
+#include "app/statistics.hpp"
+#include "engine/recording/recording_writer.hpp"
+
+#include <exception>
+#include <optional>
+#include <thread>
+
+namespace sulcus {
+
+/// Takes the reports off the haptic thread's hands: counts them for the summary and, where a writer
+/// is given, records them, flushed every 50 ms. A disk that fails stops the recording, not the run;
+/// `finish` then throws what it said.
+class RecorderThread {
+ public:
+  RecorderThread(Feed& feed, std::optional<RecordingWriter> writer, std::size_t expected_ticks);
+  ~RecorderThread();
+  RecorderThread(const RecorderThread&) = delete;
+  RecorderThread& operator=(const RecorderThread&) = delete;
+
+  /// After `feed.ended`: waits for the rest to be on disk. To be called before the statistics.
+  void finish();
+  const RunStatistics& statistics() const { return statistics_; }
+
+ private:
+  void run();
+  void drain();
+
+  Feed& feed_;
+  std::optional<RecordingWriter> writer_;
+  RunStatistics statistics_;
+  std::exception_ptr failure_;
+  std::thread thread_;
+};
+
+}  // namespace sulcus

@@ -1,0 +1,104 @@
+#include "app/render_thread.hpp"
+
+#include "app/frame_history.hpp"
+#include "engine/core/realtime.hpp"
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+
+namespace sulcus {
+
+std::vector<TissueLook> tissue_looks(const Scene& scene) {
+  std::vector<TissueLook> looks;
+  for (const TissueSettings& tissue : scene.tissues) looks.push_back({tissue.name, tissue.colour});
+  return looks;
+}
+
+RenderThread::RenderThread(Feed& feed, const Scene& scene, VoxelModel start,
+                           const Burr& burr, std::string folder, bool drop_frames)
+    : feed_(feed),
+      scene_(scene),
+      start_(std::move(start)),
+      burr_(burr),
+      folder_(std::move(folder)),
+      drop_frames_(drop_frames) {
+  std::future<void> ready = ready_.get_future();
+  thread_ = std::thread([this] {
+    try {
+      run();
+    } catch (...) {
+      failure_ = std::current_exception();
+      if (!is_ready_) ready_.set_value();  // `finish` says what went wrong
+    }
+  });
+  ready.wait();
+}
+
+RenderThread::~RenderThread() {
+  if (thread_.joinable()) {
+    feed_.ended = true;
+    thread_.join();
+  }
+}
+
+void RenderThread::finish() {
+  thread_.join();
+  if (failure_) std::rethrow_exception(failure_);
+}
+
+void RenderThread::run() {
+  // Pinned before the context is made: the software rasteriser's threads inherit it.
+  if (drop_frames_) leave_realtime_core();
+  std::filesystem::create_directories(folder_ + "/frames");
+  Renderer renderer(*scene_.render, std::move(start_), tissue_looks(scene_), burr_.mesh_tool,
+                    burr_.head_length_m);
+  is_ready_ = true;
+  ready_.set_value();
+
+  FrameHistory history(scene_);
+  std::vector<std::uint32_t> removed;
+  std::uint64_t edits_taken = 0;
+
+  const auto take = [&](const TickReport& report) {
+    for (Edit edit; edits_taken < report.record.edits_end && feed_.edits.try_dequeue(edit);) {
+      removed.push_back(edit.voxel);
+      ++edits_taken;
+    }
+    history.add(report.record);
+  };
+  const auto draw = [&] {
+    const std::uint64_t begin = steady_ns();
+    renderer.remove(removed);
+    removed.clear();
+    const Image image = renderer.draw(history.state());
+    char name[32];
+    std::snprintf(name, sizeof(name), "/frames/%06llu.png",
+                  static_cast<unsigned long long>(frames_++));
+    write_png(image, folder_ + name);
+    seconds_ += 1e-9 * static_cast<double>(steady_ns() - begin);
+  };
+
+  std::uint64_t frame = 0;  // due at frame / fps
+  for (bool ended = false; !ended;) {
+    ended = feed_.ended.load();
+    bool due = false;
+    TickReport report;
+    while (feed_.reports.try_dequeue(report)) {
+      take(report);
+      if (report.record.time_s * scene_.render->fps < static_cast<double>(frame)) continue;
+      frame = static_cast<std::uint64_t>(report.record.time_s * scene_.render->fps) + 1;
+      if (drop_frames_) {
+        due = true;
+      } else {
+        draw();
+      }
+    }
+    if (due) draw();
+    if (!ended && !due) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  if (!history.empty()) draw();  // the last picture is the result
+  memory_bytes_ = renderer.memory_bytes();
+}
+
+}  // namespace sulcus

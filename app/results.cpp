@@ -1,0 +1,81 @@
+#include "app/results.hpp"
+
+#include "app/build_info.hpp"
+#include "app/force_chart.hpp"
+#include "app/summary.hpp"
+#include "engine/core/error.hpp"
+#include "engine/core/units.hpp"
+
+#include <spdlog/sinks/basic_file_sink.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+namespace sulcus {
+
+void open_log(const std::string& folder) {
+  try {
+    std::filesystem::create_directories(folder);
+    const std::string path = folder + "/log.txt";
+    auto file = std::make_shared<spdlog::sinks::basic_file_sink_mt>(path, true);
+    auto terminal = std::make_shared<spdlog::sinks::stderr_sink_mt>();
+    terminal->set_level(spdlog::level::warn);
+    terminal->set_pattern("sulcus: %v");
+    spdlog::set_default_logger(std::make_shared<spdlog::logger>(
+        "sulcus", spdlog::sinks_init_list{file, terminal}));
+  } catch (const std::exception&) {
+    throw InputError(folder, "", "no folder that can be written", "one for the results, -o DIR");
+  }
+  spdlog::info("{}", build_info());
+}
+
+void write_results(const Simulation& simulation, const SessionResult& result,
+                   const SessionOptions& options, const std::vector<PartUse>& loading) {
+  const Scene& scene = simulation.scene();
+  const RunStatistics& s = result.statistics;
+  const nlohmann::ordered_json summary = make_summary(simulation, result, options.pace, loading);
+  std::vector<std::string> files{options.folder + "/summary.json"};
+  write_text(files.back(), summary.dump(2) + "\n");
+  const std::string chart = options.folder + "/forces.png";
+  if (draw_force_chart(s, scene.title, chart)) {
+    files.push_back(chart);
+  } else {
+    spdlog::warn("forces.png was not drawn: gnuplot could not be run");
+  }
+  files.insert(files.end(), result.files.begin(), result.files.end());
+  files.push_back(options.folder + "/log.txt");
+
+  for (const std::string& refused : result.refused) spdlog::warn("not granted: {}", refused);
+  for (const auto& [fault, ticks] : summary["faults"].items()) {
+    spdlog::warn("fault {} in {} ticks", fault, ticks.dump());
+  }
+  if (result.interrupted) spdlog::warn("stopped on request after {} ticks", s.tick_us.size());
+
+  const auto& contacts = summary["voxels_in_contact"];
+  const double voxel_mm = scene.workpiece.voxel_m / kMillimetre;
+  std::printf("%s: %zu ticks in %.1f s\n", scene.title.c_str(), s.tick_us.size(),
+              result.wall_seconds);
+  std::printf("  voxels in contact  mean %.1f, max %u\n", contacts["mean"].get<double>(),
+              contacts["max"].get<unsigned>());
+  std::printf("  force              mean %.3f, max %.3f N\n", mean(s.force_N),
+              static_cast<double>(summary["force_N"]["max"]));
+  std::printf("  tick               mean %.1f, p99 %.1f us\n", mean(s.tick_us),
+              quantile(s.tick_us, 0.99));
+  if (scene.cutting) {
+    std::printf("  removed            %llu voxels, %.4f mm3\n",
+                static_cast<unsigned long long>(s.removed),
+                static_cast<double>(s.removed) * std::pow(voxel_mm, 3));
+  }
+  if (result.frames > 0) {
+    std::printf("  pictures           %llu\n", static_cast<unsigned long long>(result.frames));
+  }
+  for (const std::string& file : files) std::printf("%s\n", file.c_str());
+}
+
+}  // namespace sulcus

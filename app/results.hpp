@@ -1,0 +1,19 @@
+#pragma once
+
+#include "app/session.hpp"
+
+#include <string>
+#include <vector>
+
+namespace sulcus {
+
+/// Starts log.txt in a folder that it makes; messages also go to the terminal. InputError where the
+/// folder cannot be written.
+void open_log(const std::string& folder);
+
+/// Writes summary.json and forces.png of a run, and says on the terminal what happened and which
+/// files there are. std::runtime_error where a file cannot be written.
+void write_results(const Simulation& simulation, const SessionResult& result,
+                   const SessionOptions& options, const std::vector<PartUse>& loading);
+
+}  // namespace sulcus

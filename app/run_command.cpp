@@ -1,0 +1,97 @@
+#include "app/commands.hpp"
+#include "app/results.hpp"
+#include "app/simulation.hpp"
+#include "engine/core/realtime.hpp"
+#include "engine/core/units.hpp"
+#include "engine/import/build_workpiece.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "engine/scene/trajectory.hpp"
+
+#include <spdlog/spdlog.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+namespace sulcus {
+
+namespace {
+
+struct RunOptions {
+  std::string scene, folder, pace = "fast";
+  double duration_s = 0.0;  // 0: the whole trajectory
+  std::vector<std::string> overrides;
+  bool no_render = false;
+  int threads = 0;  // 0: all cores
+};
+
+double seconds_since(std::uint64_t begin_ns) {
+  return 1e-9 * static_cast<double>(steady_ns() - begin_ns);
+}
+
+void run(const RunOptions& options) {
+  std::unique_ptr<tbb::global_control> limit;
+  if (options.threads > 0) {
+    limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                  options.threads);
+  }
+  // All input is read before anything is written.
+  const Scene scene = load_scene(options.scene, options.overrides);
+  const Trajectory trajectory = make_trajectory(scene.trajectory);
+  std::vector<PartUse> loading;
+  std::uint64_t begin = steady_ns();
+  Burr burr = load_burr(scene);
+  loading.push_back({"burr", seconds_since(begin), burr.field.memory_bytes()});
+  begin = steady_ns();
+  VoxelModel model = build_workpiece(scene);
+  check_start(scene, model, burr, trajectory.pose_at(0.0));
+  const bool clipped = model.clipped;
+  Simulation simulation(scene, std::move(model), std::move(burr), StageClock(steady_ns));
+  loading.push_back({"workpiece", seconds_since(begin), simulation.workpiece().memory_bytes()});
+
+  SessionOptions session;
+  session.folder = options.folder.empty()
+                       ? "out/" + std::filesystem::path(options.scene).stem().string()
+                       : options.folder;
+  session.pace = options.pace == "real" ? Pace::kReal : Pace::kFast;
+  session.render = !options.no_render;
+  const double duration_s =
+      options.duration_s > 0.0 ? options.duration_s : trajectory.duration_s();
+  session.ticks = static_cast<std::uint64_t>(
+      std::max(1.0, std::ceil(duration_s * scene.haptics.rate_hz - 1e-6)));
+
+  open_log(session.folder);
+  if (clipped) {
+    spdlog::warn("the solid reaches beyond the grid of {} x {} x {} voxels of {} mm and is cut "
+                 "flat at its faces",
+                 scene.workpiece.cells.x(), scene.workpiece.cells.y(), scene.workpiece.cells.z(),
+                 scene.workpiece.voxel_m / kMillimetre);
+  }
+  ScriptedDevice device(trajectory, scene.haptics.rate_hz);
+  const SessionResult result = run_session(simulation, device, session);
+  write_results(simulation, result, session, loading);
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& program) {
+  auto options = std::make_shared<RunOptions>();
+  CLI::App* command = program.add_subcommand("run", "Run a scene");
+  command->add_option("SCENE", options->scene, "Scene file, .toml")->required();
+  command->add_option("-o", options->folder, "Folder for the results (out/<scene>)");
+  command->add_option("--pace", options->pace, "real: 1 tick each 1 / rate_hz; fast: no waiting")
+      ->check(CLI::IsMember({"real", "fast"}));
+  command->add_option("--duration", options->duration_s, "Seconds of the run's time to simulate")
+      ->check(CLI::Range(1e-6, 1e6));
+  // One value a time: without this the option would swallow what follows it.
+  command->add_option("--set", options->overrides, "TABLE.KEY=VALUE, changes the scene; repeatable")
+      ->expected(1)
+      ->take_all();
+  command->add_flag("--no-render", options->no_render, "Draw nothing, whatever the scene says");
+  command->add_option("--threads", options->threads, "Threads for loading and meshing (all cores)")
+      ->check(CLI::Range(1, 1024));
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace sulcus

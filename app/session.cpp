@@ -1,0 +1,198 @@
+#include "app/session.hpp"
+
+#include "app/build_info.hpp"
+#include "app/feed.hpp"
+#include "app/recorder_thread.hpp"
+#include "app/render_thread.hpp"
+#include "engine/core/hash.hpp"
+#include "engine/core/realtime.hpp"
+#include "engine/core/units.hpp"
+
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <memory>
+#include <thread>
+
+namespace sulcus {
+
+std::atomic<bool> stop_requested{false};
+
+namespace {
+
+constexpr std::uint64_t kHashEvery = 100;  // ticks between state hashes
+
+/// Wakes at absolute times, one period apart. A wake that is late by whole periods moves the
+/// schedule: nothing is run twice as fast and no tick is left out.
+class Pacer {
+ public:
+  Pacer(double rate_hz) : period_ns_(static_cast<std::uint64_t>(1e9 / rate_hz + 0.5)) {}
+
+  /// Microseconds late.
+  float wait() {
+    if (next_ns_ == 0) next_ns_ = steady_ns();
+    sleep_until_ns(next_ns_);
+    const std::uint64_t late_ns = steady_ns() - next_ns_;
+    const std::uint64_t missed = late_ns / period_ns_;
+    missed_ += missed;
+    next_ns_ += (missed + 1) * period_ns_;
+    return static_cast<float>(1e-3 * static_cast<double>(late_ns));
+  }
+  std::uint64_t missed() const { return missed_; }
+
+ private:
+  std::uint64_t period_ns_, next_ns_ = 0, missed_ = 0;
+};
+
+/// The loop around the tick: what only a thread with a clock knows.
+class HapticLoop {
+ public:
+  HapticLoop(Simulation& simulation, Device& device, const SessionOptions& options,
+             std::vector<Feed*> feeds)
+      : simulation_(simulation),
+        device_(device),
+        options_(options),
+        feeds_(std::move(feeds)),
+        pacer_(simulation.scene().haptics.rate_hz) {}
+
+  void run() {
+    if (options_.pace == Pace::kReal) refused_ = request_realtime();
+    for (; done_ < options_.ticks && !stop_requested; ++done_) {
+      const float late_us = options_.pace == Pace::kReal ? pacer_.wait() : 0.0f;
+      simulation_.reset_clock();
+      const std::uint64_t begin = thread_cpu_ns();
+      TickReport report{simulation_.step(device_), {}};
+      report.record.step_us =
+          static_cast<float>(1e-3 * static_cast<double>(thread_cpu_ns() - begin));
+      report.record.late_us = late_us;
+      for (int s = 0; s < kStageCount; ++s) {
+        report.stage_us[s] =
+            static_cast<float>(1e-3 * static_cast<double>(simulation_.clock().ns(Stage(s))));
+      }
+      publish(report);
+      if (report.record.faults & kFaultNotFinite) break;
+      progress();
+    }
+    hash_state();  // the end's, wherever it came
+    for (Feed* feed : feeds_) feed->ended = true;
+  }
+
+  std::uint64_t missed() const { return pacer_.missed(); }
+  const std::vector<std::string>& refused() const { return refused_; }
+
+ private:
+  void publish(TickReport& report) {
+    const auto edits = simulation_.edits();
+    edits_ += edits.size();
+    report.record.edits_end = edits_;
+    seal(report.record);
+    for (Feed* feed : feeds_) {
+      for (const Edit& edit : edits) feed->edits.enqueue(edit);
+      feed->reports.enqueue(report);
+    }
+    if ((report.record.tick + 1) % kHashEvery == 0) hash_state();
+  }
+
+  void hash_state() {
+    const std::uint64_t next = simulation_.state().tick;
+    if (next == 0 || next == hashed_) return;
+    hashed_ = next;
+    feeds_.front()->hashes.enqueue(
+        {next - 1, simulation_.workpiece().hash(), simulation_.state().hash()});
+  }
+
+  void progress() {
+    if (options_.pace == Pace::kReal || !terminal_) return;  // no writing beside a real-time tick
+    if (done_ % 200 != 0) return;
+    std::fprintf(stderr, "\r%3llu %%", static_cast<unsigned long long>(100 * done_ / options_.ticks));
+    if (done_ + 200 >= options_.ticks) std::fprintf(stderr, "\r     \r");
+  }
+
+  Simulation& simulation_;
+  Device& device_;
+  const SessionOptions& options_;
+  std::vector<Feed*> feeds_;  // the recorder's first
+  Pacer pacer_;
+  std::uint64_t done_ = 0, edits_ = 0, hashed_ = 0;
+  std::vector<std::string> refused_;
+  bool terminal_ = isatty(STDERR_FILENO) != 0;
+};
+
+std::optional<RecordingWriter> open_recording(const Simulation& simulation,
+                                              const std::string& path) {
+  const Scene& scene = simulation.scene();
+  if (!scene.record) return {};
+  RecordingHeader header;
+  header.scene_toml = scene.text;
+  header.scene_sha256 = sha256_hex(scene.text);
+  header.build = build_info();
+  header.rate_hz = scene.haptics.rate_hz;
+  header.workpiece_hash = simulation.workpiece().hash_with_tissues();
+  const bool from_file = scene.burr.shape == BurrShape::kFile;
+  return RecordingWriter(path, header, simulation.workpiece().model(),
+                         from_file ? &simulation.burr().mesh_tool : nullptr);
+}
+
+}  // namespace
+
+SessionResult run_session(Simulation& simulation, Device& device, const SessionOptions& options) {
+  const Scene& scene = simulation.scene();
+  const bool renders = scene.render && options.render;
+  SessionResult result;
+  std::filesystem::create_directories(options.folder);
+
+  // Everything is made before the first tick, so that nothing is taken beside it.
+  const std::uint64_t record_begin = steady_ns();
+  const std::string recording = options.folder + "/recording.h5";
+  Feed record_feed(scene.haptics.rate_hz);
+  RecorderThread recorder(record_feed, open_recording(simulation, recording), options.ticks);
+  if (scene.record) {
+    result.files.push_back(recording);
+    result.parts.push_back({"record", 1e-9 * static_cast<double>(steady_ns() - record_begin),
+                            10 * sizeof(TickReport) * static_cast<std::size_t>(scene.haptics.rate_hz)});
+  }
+  std::vector<Feed*> feeds{&record_feed};
+  std::optional<Feed> render_feed;
+  std::optional<RenderThread> renderer;
+  if (renders) {
+    render_feed.emplace(scene.haptics.rate_hz);
+    feeds.push_back(&*render_feed);
+    renderer.emplace(*render_feed, scene, simulation.workpiece().model(),
+                     simulation.burr(), options.folder, options.pace == Pace::kReal);
+  }
+
+  HapticLoop loop(simulation, device, options, feeds);
+  const std::uint64_t begin = steady_ns();
+  std::thread haptic([&] { loop.run(); });
+  haptic.join();
+  result.wall_seconds = 1e-9 * static_cast<double>(steady_ns() - begin);
+  result.interrupted = stop_requested;
+  result.missed_ticks = loop.missed();
+  result.refused = loop.refused();
+
+  // Both are waited for, so that one's failure does not cost what the other still writes.
+  std::exception_ptr failure;
+  const auto wait = [&](auto& part) {
+    try {
+      part.finish();
+    } catch (...) {
+      failure = std::current_exception();
+    }
+  };
+  wait(recorder);
+  if (renderer) {
+    wait(*renderer);
+    result.frames = renderer->frames();
+    result.parts.push_back({"render", renderer->seconds(), renderer->memory_bytes()});
+    if (result.frames > 0) result.files.push_back(options.folder + "/frames");
+  }
+  result.statistics = recorder.statistics();
+  if (failure) std::rethrow_exception(failure);
+  return result;
+}
+
+}  // namespace sulcus

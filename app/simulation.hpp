@@ -1,0 +1,55 @@
+#pragma once
+
+#include "engine/bodies/body_tree.hpp"
+#include "engine/scene/scene.hpp"
+#include "engine/tool/burr.hpp"
+#include "engine/volume/workpiece.hpp"
+#include "haptics/tick.hpp"
+
+#include <span>
+
+namespace sulcus {
+
+/// A scene ready to tick: workpiece, burr, state and the memory of a tick, wired together. Used by
+/// one thread.
+class Simulation {
+ public:
+  Simulation(const Scene& scene, VoxelModel start, Burr burr, StageClock clock = StageClock{});
+  Simulation(const Simulation&) = delete;  // the context refers into it
+  Simulation& operator=(const Simulation&) = delete;
+
+  /// One tick. The edits stay valid until the next.
+  TickRecord step(Device& device) noexcept {
+    return tick(context_, device, workpiece_, state_, scratch_);
+  }
+  std::span<const Edit> edits() const { return scratch_.edits; }
+  const StageClock& clock() const { return scratch_.contact.clock; }
+  void reset_clock() noexcept { scratch_.contact.clock.reset(); }
+
+  const Scene& scene() const { return scene_; }
+  const Burr& burr() const { return burr_; }
+  const Workpiece& workpiece() const { return workpiece_; }
+  const SimulationState& state() const { return state_; }
+
+  std::size_t contact_bytes() const { return scratch_.contact.memory_bytes(); }
+  /// 0 without [cutting].
+  std::size_t cutting_bytes() const;
+
+ private:
+  Scene scene_;
+  Workpiece workpiece_;
+  Burr burr_;
+  BodyTree bodies_;
+  SimulationState state_;
+  TickScratch scratch_;
+  TickContext context_;
+};
+
+/// Reads or generates a scene's burr. InputError as make_burr and read_mesh.
+Burr load_burr(const Scene& scene);
+
+/// Refuses a tool that starts with its head's middle inside the solid: only surface voxels are
+/// tested, so it would feel nothing.
+void check_start(const Scene& scene, const VoxelModel& model, const Burr& burr, const Pose& start);
+
+}  // namespace sulcus

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "app/feed.hpp"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace sulcus {
+
+/// What a summary and a chart need of every tick.
+struct RunStatistics {
+  std::vector<float> tick_us, late_us;
+  std::array<std::vector<float>, kStageCount> stage_us;
+  std::vector<float> force_N, torque_mNm;  // magnitudes
+  std::vector<std::uint32_t> contacts;
+  double leaves_sum = 0.0, tested_sum = 0.0;
+  std::uint32_t leaves_max = 0, tested_max = 0;
+  double force_step_max_N = 0.0;
+  std::uint64_t removed = 0;
+  std::array<std::uint64_t, 32> faults{};  // ticks with each bit
+  std::uint64_t force_hash = 0;            // over all forces and torques, in order
+
+  void reserve(std::size_t ticks);
+  void add(const TickReport& report);
+
+ private:
+  double last_force_[3]{};
+};
+
+double mean(const std::vector<float>& values);
+/// The value that a part (0 to 1) of the values does not exceed; 0 of none.
+double quantile(std::vector<float> values, double part);
+
+}  // namespace sulcus

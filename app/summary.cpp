@@ -1,0 +1,165 @@
+#include "app/summary.hpp"
+
+#include "app/build_info.hpp"
+#include "engine/core/hash.hpp"
+#include "engine/core/realtime.hpp"
+#include "engine/core/units.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+namespace sulcus {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kCubicMillimetre = kMillimetre * kMillimetre * kMillimetre;  // m^3
+
+float largest(const std::vector<float>& values) {
+  return values.empty() ? 0.0f : *std::max_element(values.begin(), values.end());
+}
+
+double mebibytes(std::size_t bytes) { return static_cast<double>(bytes) / kMebibyte; }
+
+Json workpiece_json(const Simulation& simulation) {
+  const Workpiece& w = simulation.workpiece();
+  const VoxelGrid& grid = w.grid();
+  const auto& tissues = simulation.scene().tissues;
+  std::vector<std::uint64_t> voxels(tissues.size());
+  if (tissues.size() == 1) {
+    voxels[0] = w.solid_voxels();
+  } else {
+    for (std::uint32_t leaf = 0; leaf < grid.leaf_count(); ++leaf) {
+      if (w.model().leaves[leaf] == LeafBits{}) continue;
+      const Cell origin = grid.leaf_origin(leaf);
+      for (int v = 0; v < 512; ++v) {
+        const Cell c = origin + Cell(v & 7, v >> 3 & 7, v >> 6);
+        if (w.solid(c)) ++voxels[w.tissue(c)];
+      }
+    }
+  }
+  Json by_tissue = Json::object();
+  for (std::size_t t = 0; t < tissues.size(); ++t) {
+    by_tissue[tissues[t].name] =
+        static_cast<double>(voxels[t]) * grid.voxel_volume_m3() / kCubicMillimetre;
+  }
+  return {{"cells", {grid.cells.x(), grid.cells.y(), grid.cells.z()}},
+          {"voxel_mm", grid.voxel_m / kMillimetre},
+          {"solid_voxels", w.solid_voxels()},
+          {"surface_voxels", w.surface_voxels()},
+          {"tissue_mm3", by_tissue}};
+}
+
+Json times_json(const std::vector<float>& us) {
+  return {{"mean", mean(us)},
+          {"p50", quantile(us, 0.5)},
+          {"p99", quantile(us, 0.99)},
+          {"p999", quantile(us, 0.999)},
+          {"max", largest(us)}};
+}
+
+Json removed_json(const Simulation& simulation) {
+  Json removed = Json::object();
+  const auto& tissues = simulation.scene().tissues;
+  const double voxel_mm3 = simulation.workpiece().grid().voxel_volume_m3() / kCubicMillimetre;
+  for (std::size_t t = 0; t < tissues.size(); ++t) {
+    const auto& state = simulation.state().removal;
+    removed[tissues[t].name] =
+        state ? static_cast<double>(state->removed_voxels[t]) * voxel_mm3 : 0.0;
+  }
+  return removed;
+}
+
+Json faults_json(const RunStatistics& statistics) {
+  constexpr std::array<const char*, 4> kNames{"not_finite", "contacts_full", "cut_state_full",
+                                              "rows_dropped"};
+  Json faults = Json::object();
+  for (std::size_t bit = 0; bit < kNames.size(); ++bit) {
+    if (statistics.faults[bit] > 0) faults[kNames[bit]] = statistics.faults[bit];
+  }
+  return faults;
+}
+
+}  // namespace
+
+Json make_summary(const Simulation& simulation, const SessionResult& result, Pace pace,
+                  const std::vector<PartUse>& loading) {
+  const Scene& scene = simulation.scene();
+  const RunStatistics& s = result.statistics;
+  const double ticks = std::max<double>(1.0, static_cast<double>(s.tick_us.size()));
+  const auto& removal = simulation.state().removal;
+  std::vector<PartUse> parts = loading;
+  parts.push_back({"contact", 1e-6 * mean(s.tick_us) * ticks, simulation.contact_bytes()});
+  if (scene.cutting) {
+    const auto& us = s.stage_us[static_cast<int>(Stage::kRemoval)];
+    parts.push_back({"cutting", 1e-6 * mean(us) * ticks, simulation.cutting_bytes()});
+  }
+  parts.insert(parts.end(), result.parts.begin(), result.parts.end());
+
+  Json j;
+  j["scene"] = scene.title;
+  j["scene_sha256"] = sha256_hex(scene.text);
+  j["build"] = build_info();
+  j["pace"] = pace == Pace::kReal ? "real" : "fast";
+  j["ticks"] = s.tick_us.size();
+  j["interrupted"] = result.interrupted;
+  j["wall_s"] = result.wall_seconds;
+  j["frames"] = result.frames;
+  j["parts"] = Json::array();
+  Json memory = Json::object();
+  for (const PartUse& part : parts) {
+    j["parts"].push_back({{"name", part.name},
+                          {"time_s", part.seconds},
+                          {"memory_MiB", mebibytes(part.bytes)}});
+    memory[part.name] = mebibytes(part.bytes);
+  }
+  memory["peak_rss"] = mebibytes(peak_resident_bytes());
+  j["workpiece"] = workpiece_json(simulation);
+  j["tick_us"] = times_json(s.tick_us);
+  j["stage_us"] = Json::object();
+  for (int stage = 0; stage < kStageCount; ++stage) {
+    if (Stage(stage) == Stage::kRemoval && !scene.cutting) continue;  // was not there
+    j["stage_us"][kStageNames[stage]] = {{"mean", mean(s.stage_us[stage])},
+                                         {"p99", quantile(s.stage_us[stage], 0.99)}};
+  }
+  j["late_us"] = {{"p50", quantile(s.late_us, 0.5)},
+                  {"p99", quantile(s.late_us, 0.99)},
+                  {"max", largest(s.late_us)}};
+  j["missed_ticks"] = result.missed_ticks;
+  j["realtime_refused"] = result.refused;
+  j["leaves_in_contact"] = {{"mean", s.leaves_sum / ticks}, {"max", s.leaves_max}};
+  j["voxels_tested"] = {{"mean", s.tested_sum / ticks}, {"max", s.tested_max}};
+  double contacts = 0.0;
+  std::uint32_t contacts_max = 0;
+  for (std::uint32_t n : s.contacts) {
+    contacts += n;
+    contacts_max = std::max(contacts_max, n);
+  }
+  j["voxels_in_contact"] = {{"mean", contacts / ticks}, {"max", contacts_max}};
+  j["force_N"] = {{"mean", mean(s.force_N)}, {"max", largest(s.force_N)}};
+  j["force_step_N"] = {{"max", s.force_step_max_N}};
+  j["torque_mNm"] = {{"mean", mean(s.torque_mNm)}, {"max", largest(s.torque_mNm)}};
+  j["removed_voxels"] = s.removed;
+  j["removed_mm3"] = removed_json(simulation);
+  j["tangential_work_J"] = removal ? removal->work_J : 0.0;
+  j["removed_energy_J"] = removal ? removal->removed_J : 0.0;
+  j["stored_energy_J"] = removal ? removal->stored_J() : 0.0;
+  j["fragments"] = 0;
+  j["memory_MiB"] = memory;
+  j["volume_hash"] = hex(simulation.workpiece().hash());
+  j["force_hash"] = hex(s.force_hash);
+  j["faults"] = faults_json(s);
+  return j;
+}
+
+void write_text(const std::string& file, const std::string& text) {
+  std::ofstream out(file, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) throw std::runtime_error(file + ": cannot be written");
+}
+
+}  // namespace sulcus

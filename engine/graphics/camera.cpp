@@ -1,0 +1,101 @@
+#include "engine/graphics/camera.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/units.hpp"
+
+namespace sulcus {
+namespace {
+
+constexpr double kFieldOfView = 22.0 * kDegree;  // of the height: little perspective
+constexpr double kFill = 0.93;                   // of the frame that the box takes
+
+/// From the point looked at towards the eye. Crown +z, buccal -y, mesial +x.
+Eigen::Vector3d towards_eye(Camera camera) {
+  switch (camera) {
+    case Camera::kReview:
+      return Eigen::Vector3d(0.50, -0.72, 0.66).normalized();
+    case Camera::kOcclusal:
+      return Eigen::Vector3d::UnitZ();
+    case Camera::kBuccal:
+      return -Eigen::Vector3d::UnitY();
+    case Camera::kMesial:
+      return Eigen::Vector3d::UnitX();
+    case Camera::kBurr:
+      return Eigen::Vector3d(0.42, -0.66, 0.95).normalized();
+  }
+  return Eigen::Vector3d::UnitZ();
+}
+
+}  // namespace
+
+View make_view(Camera camera, std::span<const Eigen::AlignedBox3d> solid_world,
+               const Eigen::Vector3d& tip_world, double burr_radius_m, int width, int height) {
+  const Eigen::AlignedBox3d centimetre(Eigen::Vector3d::Constant(-5.0 * kMillimetre),
+                                       Eigen::Vector3d::Constant(5.0 * kMillimetre));
+  if (solid_world.empty()) solid_world = {&centimetre, 1};
+  Eigen::AlignedBox3d box;
+  for (const Eigen::AlignedBox3d& part : solid_world) box.extend(part);
+  const Eigen::Vector3d back = towards_eye(camera);
+  const Eigen::Vector3d upright =
+      camera == Camera::kOcclusal ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d right = upright.cross(back).normalized();
+  const Eigen::Vector3d up = back.cross(right);
+  const double aspect = static_cast<double>(width) / height;
+  const double slope_y = std::tan(0.5 * kFieldOfView);
+  const double slope_x = slope_y * aspect;
+
+  Eigen::Vector3d focus = box.center();
+  double distance = 0.0;
+  if (camera == Camera::kBurr) {
+    focus = tip_world + Eigen::Vector3d::UnitZ() * 0.5 * burr_radius_m;
+    distance = std::max(1.5 * kMillimetre, 3.2 * burr_radius_m) / slope_y;
+  } else {
+    // First the middle of what is seen is brought to the middle of the frame.
+    for (int pass = 0; pass < 2; ++pass) {
+      double low = 0.0, high = 0.0;
+      double nearest = 0.0;
+      for (const Eigen::AlignedBox3d& part : solid_world) {
+        for (int corner = 0; corner < 8; ++corner) {
+          const Eigen::Vector3d d =
+              part.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)) - focus;
+          low = std::min(low, d.dot(up));
+          high = std::max(high, d.dot(up));
+          const double x = std::abs(d.dot(right)) / (slope_x * kFill);
+          const double y = std::abs(d.dot(up)) / (slope_y * kFill);
+          nearest = std::max(nearest, d.dot(back) + std::max(x, y));
+        }
+      }
+      if (pass == 0) focus += 0.5 * (low + high) * up;
+      distance = nearest;
+    }
+  }
+  const Eigen::Vector3d eye = focus + distance * back;
+  // The burr's shank may reach far behind the box and towards the eye.
+  const double far = distance + box.diagonal().norm() + 60.0 * kMillimetre;
+  const double near = std::max(0.05 * distance, 0.5 * kMillimetre);
+
+  Eigen::Matrix4d view = Eigen::Matrix4d::Identity();
+  view.block<1, 3>(0, 0) = right.transpose();
+  view.block<1, 3>(1, 0) = up.transpose();
+  view.block<1, 3>(2, 0) = back.transpose();
+  view.block<3, 1>(0, 3) = -view.block<3, 3>(0, 0) * eye;
+  Eigen::Matrix4d clip = Eigen::Matrix4d::Zero();
+  clip(0, 0) = 1.0 / slope_x;
+  clip(1, 1) = 1.0 / slope_y;
+  clip(2, 2) = -(far + near) / (far - near);
+  clip(2, 3) = -2.0 * far * near / (far - near);
+  clip(3, 2) = -1.0;
+
+  View result;
+  result.clip_from_world = (clip * view).cast<float>();
+  result.eye_world = eye.cast<float>();
+  result.right_world = right.cast<float>();
+  result.up_world = up.cast<float>();
+  result.back_world = back.cast<float>();
+  result.metres_per_pixel = 2.0 * slope_y * distance / height;
+  return result;
+}
+
+}  // namespace sulcus

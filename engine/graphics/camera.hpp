@@ -1,0 +1,26 @@
+#pragma once
+
+#include <span>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "engine/scene/scene.hpp"
+
+namespace sulcus {
+
+/// What a camera sees: everything the shaders and the scale bar need of it.
+struct View {
+  Eigen::Matrix4f clip_from_world;                    // OpenGL: x, y, z within -w to w
+  Eigen::Vector3f eye_world;                          // m
+  Eigen::Vector3f right_world, up_world, back_world;  // unit, right-handed; it looks along -back
+  double metres_per_pixel = 0.0;                      // at the depth of the point that it looks at
+};
+
+/// The view of a named camera. `solid_world`: boxes that hold all that is solid at the start; every
+/// camera but kBurr frames them whole; none are taken as a box of 1 cm round the origin. kBurr
+/// follows the burr's tip at a scale set by the burr's radius (m).
+View make_view(Camera camera, std::span<const Eigen::AlignedBox3d> solid_world,
+               const Eigen::Vector3d& tip_world, double burr_radius_m, int width, int height);
+
+}  // namespace sulcus

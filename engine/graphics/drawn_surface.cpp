@@ -1,0 +1,335 @@
+#include "engine/graphics/drawn_surface.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <stdexcept>
+#include <utility>
+
+namespace sulcus {
+namespace {
+
+// What the three normals of a vertex are taken from: cells of 2, 4 and 4 voxels, blurred to
+// standard deviations of about 3, 6 and 8 voxels, the last by blurring the second again. The narrow
+// one keeps edges; the wide ones take away the terraces that binary voxels make of gentle slopes.
+// (Cells of 8 voxels would be cheaper, but their lattice shows.)
+constexpr int kNearLevel = 1, kNearBlur = 4;
+constexpr int kWideLevel = 2, kMiddleBlur = 4, kWideBlur = 2 * kMiddleBlur;
+// Voxels from a voxel to the farthest vertex whose normal it can change: the blur and 1.5 cells of
+// spline, and half a cell.
+constexpr int kReach = (kWideBlur + 2) * (1 << kWideLevel);
+// The wider of two normals holds up to the first angle between them, the narrower one from the
+// second on. Terraces tilt the narrow normal by up to 4 degrees; the change is drawn out, or they
+// would show as one normal taking turns with the other.
+struct Change {
+  float cosine_wide, cosine_near;
+};
+constexpr Change kNearToMiddle{0.96f, 0.82f};    // 16 to 35 degrees
+constexpr Change kMiddleToWide{0.995f, 0.966f};  // 6 to 15 degrees
+// More triangles than this cost a software rasteriser more than 30 ms a frame.
+constexpr double kTriangles = 0.6e6;
+
+/// Exposed voxel faces inside leaves, scaled for those between leaves.
+double estimated_faces(const VoxelModel& model) {
+  constexpr std::uint64_t kNotLastColumn = 0x7F7F7F7F7F7F7F7Fu;
+  std::uint64_t faces = 0;
+  for (const LeafBits& leaf : model.leaves) {
+    for (int k = 0; k < kLeafEdge; ++k) {
+      const std::uint64_t w = leaf.words[k];
+      if (w == 0 && (k == 7 || leaf.words[k + 1] == 0)) continue;
+      faces += std::popcount((w ^ w >> 1) & kNotLastColumn);
+      faces += std::popcount((w ^ w >> 8) & 0x00FFFFFFFFFFFFFFu);
+      if (k < 7) faces += std::popcount(w ^ leaf.words[k + 1]);
+    }
+  }
+  return static_cast<double>(faces) * 8.0 / 7.0;
+}
+
+/// A point of index space in the lattice of cells of 2^level voxels.
+Eigen::Vector3f lattice_from_index(const Eigen::Vector3f& p_index, int level) {
+  const float edge = static_cast<float>(1 << level);
+  return (p_index + Eigen::Vector3f::Constant(0.5f)) / edge - Eigen::Vector3f::Constant(0.5f);
+}
+Eigen::Vector3f index_from_lattice(const Eigen::Vector3f& p_lattice, int level) {
+  const float edge = static_cast<float>(1 << level);
+  return (p_lattice + Eigen::Vector3f::Constant(0.5f)) * edge - Eigen::Vector3f::Constant(0.5f);
+}
+
+/// Samples a block that serves every point within `margin` voxels of [low, high) once it has been
+/// blurred by `radius` in all.
+void prepare(const VoxelModel& model, const Density& density, const Eigen::Vector3i& low,
+             const Eigen::Vector3i& high, int margin, int level, int radius, DensityBlock& block) {
+  const int edge = 1 << level;
+  Eigen::Vector3i first;
+  Eigen::Vector3i last;
+  for (int a = 0; a < 3; ++a) {
+    first[a] = (low[a] - margin) / edge - 3 - radius;  // 3: the quotient is rounded towards zero
+    last[a] = (high[a] + margin) / edge + 3 + radius;
+  }
+  block.reshape(first, last - first + Eigen::Vector3i::Ones());
+  density.sample(model, level, block);
+}
+
+/// Outward: down the density.
+Eigen::Vector3f outward(const DensityBlock& block, int level, const Eigen::Vector3f& p_index) {
+  return -spline(block, lattice_from_index(p_index, level)).gradient.stableNormalized();
+}
+
+Eigen::Vector3f blend(const Eigen::Vector3f& near, const Eigen::Vector3f& wide,
+                      const Change& change) {
+  const float t =
+      std::clamp((near.dot(wide) - change.cosine_near) / (change.cosine_wide - change.cosine_near),
+                 0.0f, 1.0f);
+  const Eigen::Vector3f sum = near + t * t * (3.0f - 2.0f * t) * (wide - near);
+  const float length = sum.norm();
+  // No gradient at all in the very middle of a thin symmetrical part.
+  return length > 1e-6f ? Eigen::Vector3f(sum / length) : Eigen::Vector3f::UnitZ();
+}
+
+}  // namespace
+
+DrawnSurface::DrawnSurface(VoxelModel model, std::vector<TissueLook> looks)
+    : model_(std::move(model)), looks_(std::move(looks)), density_(model_) {
+  if (looks_.empty()) throw std::invalid_argument("a drawn surface needs the look of a tissue");
+  const double triangles = 2.0 * estimated_faces(model_);
+  level_ = triangles <= kTriangles ? 0 : triangles / 4.0 <= kTriangles ? 1 : 2;
+  brick_voxels_ = level_ == 2 ? 64 : 32;
+  bricks_ = (model_.grid.cells + Eigen::Vector3i::Constant(brick_voxels_ - 1)) / brick_voxels_;
+  changed_.assign(brick_count(), 1);
+}
+
+void DrawnSurface::remove(std::span<const std::uint32_t> voxels) {
+  // Vertices lie up to two cells beyond their brick.
+  const int reach = kReach + 2 * cell_voxels();
+  std::vector<std::uint32_t> leaves;
+  for (const std::uint32_t voxel : voxels) {
+    const Cell c = model_.grid.cell_of_linear(voxel);
+    if (!model_.solid(c)) continue;
+    model_.set(c, false);
+    const std::uint32_t leaf = model_.grid.leaf_of(c);
+    removed_[leaf].words[leaf_word(c.z())] |= std::uint64_t{1} << leaf_bit(c.x(), c.y());
+    if (leaves.empty() || leaf != leaves.back()) leaves.push_back(leaf);
+    const Eigen::Vector3i low = (c - Cell::Constant(reach)).cwiseMax(0) / brick_voxels_;
+    const Eigen::Vector3i high =
+        (c + Cell::Constant(reach)).cwiseMin(model_.grid.cells - Cell::Ones()) / brick_voxels_;
+    for (int z = low.z(); z <= high.z(); ++z) {
+      for (int y = low.y(); y <= high.y(); ++y) {
+        for (int x = low.x(); x <= high.x(); ++x) {
+          changed_[x + bricks_.x() * (y + bricks_.y() * z)] = 1;
+        }
+      }
+    }
+  }
+  std::sort(leaves.begin(), leaves.end());
+  leaves.erase(std::unique(leaves.begin(), leaves.end()), leaves.end());
+  for (const std::uint32_t leaf : leaves) density_.update(model_, leaf);
+  changed_leaves_.insert(changed_leaves_.end(), leaves.begin(), leaves.end());
+}
+
+std::vector<int> DrawnSurface::take_changed() {
+  std::vector<int> bricks;
+  for (std::size_t b = 0; b < changed_.size(); ++b) {
+    if (changed_[b] != 0) bricks.push_back(static_cast<int>(b));
+    changed_[b] = 0;
+  }
+  return bricks;
+}
+
+std::vector<std::uint32_t> DrawnSurface::take_changed_leaves() {
+  std::vector<std::uint32_t> leaves = std::exchange(changed_leaves_, {});
+  std::sort(leaves.begin(), leaves.end());
+  leaves.erase(std::unique(leaves.begin(), leaves.end()), leaves.end());
+  return leaves;
+}
+
+bool DrawnSurface::may_have_surface(const Eigen::Vector3i& low_voxel,
+                                    const Eigen::Vector3i& high_voxel) const {
+  const Eigen::Vector3i low = low_voxel.cwiseMax(0) / kLeafEdge;
+  const Eigen::Vector3i high =
+      (high_voxel.cwiseMin(model_.grid.cells) - Eigen::Vector3i::Ones()) / kLeafEdge;
+  const bool at_border =
+      (low_voxel.array() < 0).any() || (high_voxel.array() > model_.grid.cells.array()).any();
+  bool empty = at_border;
+  bool full = false;
+  for (int z = low.z(); z <= high.z(); ++z) {
+    for (int y = low.y(); y <= high.y(); ++y) {
+      for (int x = low.x(); x <= high.x(); ++x) {
+        for (std::uint64_t w : model_.leaves[model_.grid.leaf_of(Cell(x, y, z) * 8)].words) {
+          empty = empty || w != ~std::uint64_t{0};
+          full = full || w != 0;
+        }
+        if (empty && full) return true;
+      }
+    }
+  }
+  return false;
+}
+
+bool DrawnSurface::removed(const Cell& c) const {
+  if (!model_.grid.contains(c)) return false;
+  const auto found = removed_.find(model_.grid.leaf_of(c));
+  return found != removed_.end() &&
+         (found->second.words[leaf_word(c.z())] >> leaf_bit(c.x(), c.y()) & 1u) != 0;
+}
+
+std::array<std::uint8_t, 4> DrawnSurface::colour_at(const Eigen::Vector3f& p_index,
+                                                    const Eigen::Vector3f& normal,
+                                                    bool was_cut) const {
+  auto rounded = [](const Eigen::Vector3f& p) {
+    return Cell(static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y())),
+                static_cast<int>(std::lround(p.z())));
+  };
+  // Binomial weights over 27 voxels, 2 apart, round a point just inside: a border between tissues
+  // is then as wide as the triangles and shows no teeth.
+  Eigen::Vector3f colour = Eigen::Vector3f::Zero();
+  float weight = 0.0f;
+  auto add = [&](const Cell& c, float w) {
+    const auto& look = looks_[std::min<std::size_t>(model_.tissue(c), looks_.size() - 1)];
+    colour += w * Eigen::Vector3f(look.colour[0], look.colour[1], look.colour[2]);
+    weight += w;
+  };
+  const Cell inside = rounded(p_index - 1.8f * normal);
+  for (int n = 0; n < 27; ++n) {
+    const Cell d(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+    const Cell c = inside + 2 * d;
+    if (model_.solid(c)) add(c, 1.0f / static_cast<float>(1 << d.cwiseAbs().sum()));
+  }
+  if (weight == 0.0f) add(inside.cwiseMax(0).cwiseMin(model_.grid.cells - Cell::Ones()), 1.0f);
+  float cut = 0.0f;
+  if (was_cut) {
+    const Cell outside = rounded(p_index + 1.5f * normal);
+    int empty = 0;
+    int gone = 0;
+    for (int n = 0; n < 27; ++n) {
+      const Cell c = outside + Cell(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1) * 2;
+      if (model_.solid(c)) continue;
+      ++empty;
+      gone += removed(c) ? 1 : 0;
+    }
+    if (empty > 0) cut = static_cast<float>(gone) / static_cast<float>(empty);
+  }
+  std::array<std::uint8_t, 4> packed{};
+  for (int i = 0; i < 3; ++i) {
+    const float encoded = std::sqrt(std::clamp(colour[i] / weight, 0.0f, 1.0f));
+    packed[i] = static_cast<std::uint8_t>(std::lround(255.0f * encoded));
+  }
+  packed[3] = static_cast<std::uint8_t>(std::lround(255.0f * cut));
+  return packed;
+}
+
+void DrawnSurface::mesh(int brick, Scratch& scratch, DrawnMesh& out) const {
+  out.vertices.clear();
+  out.indices.clear();
+  const Eigen::Vector3i at(brick % bricks_.x(), brick / bricks_.x() % bricks_.y(),
+                           brick / bricks_.x() / bricks_.y());
+  const Eigen::Vector3i low = at * brick_voxels_;
+  const Eigen::Vector3i high =
+      (low + Eigen::Vector3i::Constant(brick_voxels_)).cwiseMin(model_.grid.cells);
+  const int edge = cell_voxels();
+  const int margin = 3 * edge;
+  if (!may_have_surface(low - Eigen::Vector3i::Constant(margin),
+                        high + Eigen::Vector3i::Constant(margin))) {
+    return;
+  }
+
+  // The shape. The first brick along an axis also takes the lattice edges that enter the grid.
+  constexpr int kShapeBlur = 1;
+  NetsBlock& field = scratch.field;
+  for (int a = 0; a < 3; ++a) {
+    field.begin[a] = at[a] == 0 ? -1 : low[a] / edge;
+    field.end[a] = high[a] / edge;
+  }
+  DensityBlock block;
+  block.values.swap(field.values);
+  block.reshape(field.begin - Eigen::Vector3i::Constant(2 + kShapeBlur),
+                field.end - field.begin + Eigen::Vector3i::Constant(4 + 2 * kShapeBlur));
+  density_.sample(model_, level_, block);
+  blur(block, kShapeBlur, scratch.blur);
+  field.first = block.first;
+  field.dims = block.dims;
+  field.values.swap(block.values);
+  surface_nets(field, 0.5f, scratch.nets, scratch.mesh);
+  if (scratch.mesh.quads.empty()) return;
+
+  prepare(model_, density_, low, high, 2 * edge, kNearLevel, kNearBlur, scratch.near);
+  blur(scratch.near, kNearBlur, scratch.blur);
+  prepare(model_, density_, low, high, 2 * edge, kWideLevel, kWideBlur, scratch.wide);
+  blur(scratch.wide, kMiddleBlur, scratch.blur);
+  scratch.middle = scratch.wide;
+  blur(scratch.wide, kMiddleBlur, scratch.blur);
+  bool was_cut = false;
+  if (!removed_.empty()) {
+    // As far as `colour_at` looks from a vertex beyond the brick.
+    const Eigen::Vector3i far = Eigen::Vector3i::Constant(edge + 8);
+    const Eigen::Vector3i from = (low - far).cwiseMax(0) / kLeafEdge;
+    const Eigen::Vector3i to = (high + far).cwiseMin(model_.grid.cells - Cell::Ones()) / kLeafEdge;
+    for (int z = from.z(); z <= to.z() && !was_cut; ++z) {
+      for (int y = from.y(); y <= to.y() && !was_cut; ++y) {
+        for (int x = from.x(); x <= to.x() && !was_cut; ++x) {
+          was_cut = removed_.contains(model_.grid.leaf_of(Cell(x, y, z) * kLeafEdge));
+        }
+      }
+    }
+  }
+
+  out.vertices.reserve(scratch.mesh.vertices.size());
+  for (const NetsVertex& vertex : scratch.mesh.vertices) {
+    const Eigen::Vector3f p_index =
+        index_from_lattice(vertex.cell.cast<float>() + vertex.offset, level_);
+    const Eigen::Vector3f wide = blend(outward(scratch.middle, kWideLevel, p_index),
+                                       outward(scratch.wide, kWideLevel, p_index), kMiddleToWide);
+    const Eigen::Vector3f normal =
+        blend(outward(scratch.near, kNearLevel, p_index), wide, kNearToMiddle);
+    const Eigen::Vector3d p_world = model_.grid.world_from_index(p_index.cast<double>());
+    DrawnVertex drawn{};
+    for (int a = 0; a < 3; ++a) {
+      drawn.position_m[a] = static_cast<float>(p_world[a]);
+      drawn.normal[a] = static_cast<std::int16_t>(std::lround(32767.0f * normal[a]));
+    }
+    drawn.colour_cut = colour_at(p_index, normal, was_cut);
+    out.vertices.push_back(drawn);
+  }
+  out.indices.reserve(6 * scratch.mesh.quads.size());
+  for (const auto& quad : scratch.mesh.quads) {
+    Eigen::Vector3f p[4];
+    for (int i = 0; i < 4; ++i) {
+      const NetsVertex& vertex = scratch.mesh.vertices[quad[i]];
+      p[i] = vertex.cell.cast<float>() + vertex.offset;
+    }
+    for (const auto& triangle : split_quad(quad, p[0], p[1], p[2], p[3])) {
+      out.indices.insert(out.indices.end(), triangle.begin(), triangle.end());
+    }
+  }
+}
+
+std::size_t DrawnSurface::memory_bytes() const {
+  return model_.leaves.capacity() * sizeof(LeafBits) + density_.memory_bytes() +
+         changed_.capacity() + removed_.size() * (sizeof(LeafBits) + 3 * sizeof(void*));
+}
+
+std::vector<Eigen::AlignedBox3d> solid_slabs(const VoxelModel& model) {
+  std::vector<Eigen::AlignedBox3d> slabs;
+  const Eigen::Vector3i leaves = model.grid.leaf_dims();
+  const std::uint32_t plane = static_cast<std::uint32_t>(leaves.x() * leaves.y());
+  for (int k = 0; k < leaves.z(); ++k) {
+    Eigen::AlignedBox3d slab;
+    for (std::uint32_t l = 0; l < plane; ++l) {
+      const std::uint32_t leaf = l + plane * static_cast<std::uint32_t>(k);
+      const Cell origin = model.grid.leaf_origin(leaf);
+      std::uint64_t any = 0;  // over z: the slab is as thick as a leaf
+      for (std::uint64_t word : model.leaves[leaf].words) any |= word;
+      for (std::uint64_t rest = any; rest != 0; rest &= rest - 1) {
+        const int bit = std::countr_zero(rest);
+        const Eigen::Vector3d low =
+            (origin + Cell(bit & 7, bit >> 3, 0)).cast<double>() - Eigen::Vector3d::Constant(0.5);
+        slab.extend(model.grid.world_from_index(low));
+        slab.extend(model.grid.world_from_index(low + Eigen::Vector3d(1, 1, kLeafEdge)));
+      }
+    }
+    if (!slab.isEmpty()) slabs.push_back(slab);
+  }
+  return slabs;
+}
+
+}  // namespace sulcus

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "engine/graphics/density.hpp"
+#include "engine/graphics/surface_nets.hpp"
+#include "engine/volume/voxel_model.hpp"
+
+namespace sulcus {
+
+/// How a tissue is drawn.
+struct TissueLook {
+  std::string name;
+  std::array<float, 3> colour;  // linear RGB
+};
+
+/// A vertex as the graphics card gets it.
+struct DrawnVertex {
+  std::array<float, 3> position_m;     // world
+  std::array<std::int16_t, 4> normal;  // outward unit normal times 32767; the fourth is 0
+  // Square root of the linear RGB of the tissue just inside, times 255 (dark tones need the
+  // steps); the fourth: how much of the surface here was made by cutting.
+  std::array<std::uint8_t, 4> colour_cut;
+
+  bool operator==(const DrawnVertex&) const = default;
+};
+static_assert(sizeof(DrawnVertex) == 24);
+
+struct DrawnMesh {
+  std::vector<DrawnVertex> vertices;
+  std::vector<std::uint32_t> indices;  // triangles, counter-clockwise seen from outside
+};
+
+/// The surface of a voxel model as it is drawn: in bricks that fit together without cracks, and
+/// from which a removed voxel touches only those near it. The shape is the half-level of the
+/// lightly blurred density of cells of 1, 2 or 4 voxels; normals come from wider blurs, so that no
+/// staircase shows. No graphics library in it.
+class DrawnSurface {
+ public:
+  /// Takes its own copy of the model. `looks`: one per tissue label, at least one; labels beyond
+  /// are drawn as the last.
+  DrawnSurface(VoxelModel model, std::vector<TissueLook> looks);
+
+  /// Voxels (VoxelGrid::linear) that are no longer solid; those that were not are ignored.
+  void remove(std::span<const std::uint32_t> voxels);
+
+  const VoxelModel& model() const { return model_; }
+  const Density& density() const { return density_; }
+  int brick_count() const { return bricks_.prod(); }
+  /// Edge of the cells that are meshed, in voxels: the finest at which a tooth draws fluently.
+  int cell_voxels() const { return 1 << level_; }
+  /// Bricks to be meshed again, rising: all of them at first. Clears the list.
+  std::vector<int> take_changed();
+  /// Leaves with removals since the last call, rising. Clears the list.
+  std::vector<std::uint32_t> take_changed_leaves();
+
+  struct Scratch {
+    NetsBlock field;
+    DensityBlock near, middle, wide;
+    std::vector<float> blur;
+    NetsScratch nets;
+    NetsMesh mesh;
+  };
+  /// Meshes one brick; empty where no surface passes. Any thread, while nothing is removed.
+  void mesh(int brick, Scratch& scratch, DrawnMesh& out) const;
+
+  std::size_t memory_bytes() const;
+
+ private:
+  bool may_have_surface(const Eigen::Vector3i& low_voxel, const Eigen::Vector3i& high_voxel) const;
+  std::array<std::uint8_t, 4> colour_at(const Eigen::Vector3f& p_index,
+                                        const Eigen::Vector3f& normal, bool was_cut) const;
+  bool removed(const Cell& c) const;
+
+  VoxelModel model_;
+  std::vector<TissueLook> looks_;
+  Density density_;
+  int level_ = 1;          // log2 of cell_voxels()
+  int brick_voxels_ = 32;  // along an edge
+  Eigen::Vector3i bricks_;
+  std::vector<std::uint8_t> changed_;                    // per brick
+  std::unordered_map<std::uint32_t, LeafBits> removed_;  // per leaf that was cut
+  std::vector<std::uint32_t> changed_leaves_;
+};
+
+/// Boxes, world, that hold the solid voxels, one for each layer of leaves that has any: closer to
+/// the shape of a tooth than one box.
+std::vector<Eigen::AlignedBox3d> solid_slabs(const VoxelModel& model);
+
+}  // namespace sulcus

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include <Eigen/Core>
+
+#include "engine/core/pose.hpp"
+
+namespace sulcus {
+
+/// What a frame shows besides the tooth.
+struct FrameState {
+  std::string title;
+  double time_s = 0.0;
+  std::uint64_t tick = 0;
+  Pose world_from_tool;
+  double burr_turn_rad = 0.0;                           // of the spindle, about the tool's +y
+  Eigen::Vector3d force_N = Eigen::Vector3d::Zero();    // world
+  Eigen::Vector3d torque_Nm = Eigen::Vector3d::Zero();  // world
+  std::uint32_t contacts = 0;
+  double tick_us = 0.0;
+  double removed_mm3 = 0.0;
+  // For the curves, magnitudes, the newest last; any length, also none.
+  std::span<const float> force_history_N;
+  std::span<const float> torque_history_mNm;
+  std::span<const float> tick_history_us;
+};
+
+}  // namespace sulcus

@@ -1,0 +1,213 @@
+#include "engine/graphics/hud.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+#include "engine/core/units.hpp"
+
+namespace sulcus {
+namespace {
+
+constexpr ImU32 kInk = IM_COL32(34, 40, 49, 255);
+constexpr ImU32 kFaint = IM_COL32(34, 40, 49, 150);
+constexpr ImU32 kCard = IM_COL32(255, 255, 255, 150);
+constexpr ImU32 kGrid = IM_COL32(34, 40, 49, 38);
+constexpr ImU32 kForce = IM_COL32(32, 98, 178, 255);
+constexpr ImU32 kTorque = IM_COL32(196, 94, 18, 255);
+constexpr ImU32 kTick = IM_COL32(28, 128, 84, 255);
+constexpr ImU32 kLimit = IM_COL32(190, 40, 40, 220);
+constexpr double kTickBudget_us = 1000.0;
+
+template <class... Values>
+std::string format(const char* pattern, Values... values) {
+  char text[160];
+  std::snprintf(text, sizeof text, pattern, values...);
+  return text;
+}
+
+/// The smallest of 1, 2, 5 times a power of ten that is not below `value`.
+double round_up(double value) {
+  const double power = std::pow(10.0, std::floor(std::log10(value)));
+  for (const double step : {1.0, 2.0, 5.0}) {
+    if (step * power >= value * (1.0 - 1e-9)) return step * power;
+  }
+  return 10.0 * power;
+}
+
+/// What a drawing function needs: everything in pixels of a frame 720 high, scaled here.
+struct Pen {
+  ImDrawList* list;
+  ImFont* font;
+  ImFont* title_font;
+  float scale;
+
+  ImVec2 at(float x, float y) const { return {x * scale, y * scale}; }
+  void text(float x, float y, ImU32 colour, const std::string& words, float size = 15.0f) const {
+    list->AddText(size > 18.0f ? title_font : font, size * scale, at(x, y), colour, words.c_str());
+  }
+  void text_right(float x, float y, ImU32 colour, const std::string& words,
+                  float size = 15.0f) const {
+    const float wide = font->CalcTextSizeA(size * scale, 1e6f, 0.0f, words.c_str()).x / scale;
+    text(x - wide, y, colour, words, size);
+  }
+};
+
+struct Curve {
+  const char* name;
+  std::string value;
+  std::span<const float> history;
+  ImU32 colour;
+  bool logarithmic;
+  double top;  // of the axis
+};
+
+constexpr float kCardWidth = 236.0f, kCardHeight = 104.0f;
+
+void draw_curve(const Pen& pen, float x, float y, const Curve& curve) {
+  pen.list->AddRectFilled(pen.at(x, y), pen.at(x + kCardWidth, y + kCardHeight), kCard,
+                          6.0f * pen.scale);
+  pen.text(x + 10, y + 6, kInk, curve.name);
+  pen.text_right(x + kCardWidth - 10, y + 6, curve.colour, curve.value);
+  const float left = x + 10, right = x + kCardWidth - 10;
+  const float low = y + kCardHeight - 10, high = y + 32;
+  constexpr double kBottom = 1.0;  // of a logarithmic axis
+  auto height = [&](double value) {
+    const double part = curve.logarithmic ? std::log(std::max(value, kBottom) / kBottom) /
+                                                std::log(curve.top / kBottom)
+                                          : value / curve.top;
+    return low - static_cast<float>(std::clamp(part, 0.0, 1.0)) * (low - high);
+  };
+  if (curve.logarithmic) {
+    for (double v = 10.0; v < curve.top; v *= 10.0) {
+      const bool limit = v == kTickBudget_us;
+      pen.list->AddLine(pen.at(left, height(v)), pen.at(right, height(v)), limit ? kLimit : kGrid,
+                        pen.scale);
+    }
+    pen.text(left, height(kTickBudget_us) - 13, kLimit, "1 ms", 11.0f);
+  } else {
+    for (const double v : {0.0, 0.5 * curve.top, curve.top}) {
+      pen.list->AddLine(pen.at(left, height(v)), pen.at(right, height(v)), kGrid, pen.scale);
+    }
+    pen.text(left, high - 1, kFaint, format("%g", curve.top), 11.0f);
+  }
+  if (curve.history.size() < 2) return;
+  // One point a pixel at most: the largest of the ticks that fall on it, so no peak is lost.
+  const auto count = curve.history.size();
+  const auto columns =
+      std::min<std::size_t>(count, static_cast<std::size_t>((right - left) * pen.scale));
+  std::vector<ImVec2> points;
+  points.reserve(columns);
+  for (std::size_t c = 0; c < columns; ++c) {
+    const std::size_t from = c * count / columns;
+    const std::size_t to = (c + 1) * count / columns;
+    double peak = 0.0;
+    for (std::size_t i = from; i < to; ++i) {
+      if (std::isfinite(curve.history[i])) {
+        peak = std::max(peak, static_cast<double>(curve.history[i]));
+      }
+    }
+    const float along = static_cast<float>(c) / static_cast<float>(columns - 1);
+    points.push_back(pen.at(left + along * (right - left), height(peak)));
+  }
+  pen.list->AddPolyline(points.data(), static_cast<int>(points.size()), curve.colour,
+                        ImDrawFlags_None, 1.6f * pen.scale);
+}
+
+double axis_top(std::span<const float> history, double least) {
+  double top = least;
+  for (const float v : history) {
+    if (std::isfinite(v)) top = std::max(top, static_cast<double>(v));
+  }
+  return round_up(top);
+}
+
+void draw_scale_bar(const Pen& pen, float bottom, double metres_per_pixel) {
+  const double per_unit_mm = metres_per_pixel * pen.scale / kMillimetre;
+  const double length_mm = round_up(70.0 * per_unit_mm);
+  const float wide = static_cast<float>(length_mm / per_unit_mm);
+  const float x = 24, y = bottom - 26;
+  pen.list->AddRectFilled(pen.at(x, y), pen.at(x + wide, y + 4), kInk);
+  for (const float end : {x, x + wide - 2}) {
+    pen.list->AddRectFilled(pen.at(end, y - 5), pen.at(end + 2, y + 4), kInk);
+  }
+  pen.text(x, y - 26, kInk, format("%g mm", length_mm));
+}
+
+}  // namespace
+
+Hud::Hud(int frame_height) : scale_(static_cast<float>(frame_height) / 720.0f) {
+  IMGUI_CHECKVERSION();
+  ImGuiContext* const previous = ImGui::GetCurrentContext();
+  context_ = ImGui::CreateContext();
+  ImGui::SetCurrentContext(context_);
+  ImGuiIO& io = ImGui::GetIO();
+  io.IniFilename = nullptr;  // a window's place in some file must not change a picture
+  io.LogFilename = nullptr;
+  io.Fonts->Flags |= ImFontAtlasFlags_NoMouseCursors;
+  // The font of the system where there is one, since ImGui's own has one size of 13 pixels.
+  const char* const font = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+  if (std::filesystem::exists(font)) {
+    text_ = io.Fonts->AddFontFromFileTTF(font, std::round(15.0f * scale_));
+    title_ = io.Fonts->AddFontFromFileTTF(font, std::round(21.0f * scale_));
+  }
+  if (text_ == nullptr || title_ == nullptr) text_ = title_ = io.Fonts->AddFontDefault();
+  ImGui_ImplOpenGL3_Init("#version 330 core");
+  ImGui::SetCurrentContext(previous);
+}
+
+Hud::~Hud() {
+  ImGuiContext* const previous = ImGui::GetCurrentContext();
+  ImGui::SetCurrentContext(context_);
+  ImGui_ImplOpenGL3_Shutdown();
+  ImGui::DestroyContext(context_);
+  ImGui::SetCurrentContext(previous == context_ ? nullptr : previous);
+}
+
+void Hud::draw(const FrameState& state, int width, int height, double metres_per_pixel) {
+  ImGui::SetCurrentContext(context_);
+  ImGuiIO& io = ImGui::GetIO();
+  io.DisplaySize = ImVec2(static_cast<float>(width), static_cast<float>(height));
+  io.DeltaTime = 1.0f / 60.0f;  // no clock
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui::NewFrame();
+  const Pen pen{ImGui::GetBackgroundDrawList(), text_, title_, scale_};
+  const float wide = static_cast<float>(width) / scale_;
+  const float tall = static_cast<float>(height) / scale_;
+
+  pen.text(24, 18, kInk, state.title, 21.0f);
+  pen.text(24, 48, kFaint, format("%.3f s", state.time_s));
+  pen.text(24, 68, kFaint, format("tick %llu", static_cast<unsigned long long>(state.tick)));
+
+  const float x = wide - kCardWidth - 18;
+  float y = 18;
+  const Curve curves[] = {
+      {"Force", format("%.2f N", state.force_N.norm()), state.force_history_N, kForce, false,
+       axis_top(state.force_history_N, 0.5)},
+      {"Torque", format("%.2f mN m", 1e3 * state.torque_Nm.norm()), state.torque_history_mNm,
+       kTorque, false, axis_top(state.torque_history_mNm, 5.0)},
+      {"Tick", format("%.0f \xC2\xB5s", state.tick_us), state.tick_history_us, kTick, true,
+       10.0 * kTickBudget_us},
+  };
+  for (const Curve& curve : curves) {
+    draw_curve(pen, x, y, curve);
+    y += kCardHeight + 10;
+  }
+  pen.list->AddRectFilled(pen.at(x, y), pen.at(x + kCardWidth, y + 54), kCard, 6.0f * pen.scale);
+  pen.text(x + 10, y + 6, kInk, "Contacts");
+  pen.text_right(x + kCardWidth - 10, y + 6, kInk, format("%u", state.contacts));
+  pen.text(x + 10, y + 28, kInk, "Removed");
+  pen.text_right(x + kCardWidth - 10, y + 28, kInk, format("%.3f mm\xC2\xB3", state.removed_mm3));
+  draw_scale_bar(pen, tall, metres_per_pixel);
+
+  ImGui::Render();
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+}  // namespace sulcus

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "engine/core/triangle_mesh.hpp"
+#include "engine/graphics/drawn_surface.hpp"
+#include "engine/graphics/egl_context.hpp"
+#include "engine/graphics/frame_state.hpp"
+#include "engine/graphics/gl_framebuffer.hpp"
+#include "engine/graphics/gl_program.hpp"
+#include "engine/graphics/hud.hpp"
+#include "engine/graphics/image.hpp"
+#include "engine/graphics/occlusion.hpp"
+#include "engine/scene/scene.hpp"
+#include "engine/volume/voxel_model.hpp"
+
+namespace sulcus {
+
+/// Draws a tooth, the burr and the figures into pictures, with no display:
+///
+///   removals -> bricks of the surface meshed again -> tooth, burr -> edges smoothed -> figures ->
+///   Image
+///
+/// It has its own copy of the volume and its own OpenGL context, and belongs to the thread that
+/// made it. The same calls give the same pictures, bit for bit, on the same machine.
+class Renderer {
+ public:
+  /// `looks`: one per tissue label. `burr_mesh_tool`: tool space, m; blades are shown up to
+  /// `burr_head_length_m` from the tip. Throws std::runtime_error where nothing can be drawn.
+  Renderer(const RenderSettings& settings, VoxelModel model, std::vector<TissueLook> looks,
+           const TriangleMesh& burr_mesh_tool, double burr_head_length_m);
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+
+  /// Voxels (VoxelGrid::linear) that are no longer solid.
+  void remove(std::span<const std::uint32_t> voxels) { surface_.remove(voxels); }
+  void set_camera(Camera camera) { camera_ = camera; }
+  /// Pixels. Throws std::runtime_error beyond what OpenGL here can draw.
+  void set_size(int width, int height);
+  /// Meshes what has changed and draws a frame.
+  Image draw(const FrameState& state);
+
+  /// What draws, for the log.
+  const std::string& device() const { return context_.description(); }
+  const DrawnSurface& surface() const { return surface_; }
+  std::size_t triangle_count() const;
+  /// Of the volume, the meshes and the pictures, as far as they are ours.
+  std::size_t memory_bytes() const;
+
+ private:
+  /// A brick in the graphics card's memory.
+  struct Brick {
+    unsigned array = 0, vertices = 0, indices = 0;
+    int index_count = 0;
+    std::size_t bytes = 0;
+    Eigen::Vector3f centre_world = Eigen::Vector3f::Zero();
+  };
+
+  void upload(Brick& brick, const DrawnMesh& mesh);
+  void upload_burr(const TriangleMesh& mesh_tool);
+  void upload_occlusion(const Occlusion::Box& box);
+  void mesh_changes();
+  void draw_tooth(const struct View& view);
+  void draw_burr(const struct View& view, const FrameState& state);
+
+  EglContext context_;
+  RenderSettings settings_;
+  Camera camera_;
+  DrawnSurface surface_;
+  Occlusion occlusion_;
+  std::vector<Eigen::AlignedBox3d> solid_world_;  // of the start
+  double burr_head_length_m_;
+  double burr_radius_m_ = 0.0;  // of the head
+  std::optional<GlFramebuffer> frame_;
+  std::optional<Hud> hud_;
+  GlProgram background_program_, tooth_program_, burr_program_, smooth_program_;
+  std::vector<Brick> bricks_;
+  Brick burr_;
+  unsigned background_array_ = 0;
+  unsigned occlusion_texture_ = 0;
+};
+
+}  // namespace sulcus

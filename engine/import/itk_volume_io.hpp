@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace sulcus {
+
+// The seam to ITK, in plain types: ITK brings an Eigen of its own, which cannot meet ours in one
+// source file. Everybody else reads and writes through medical_volume.hpp.
+
+/// A scalar volume as ITK reads it; the fields are those of MedicalVolume.
+struct ItkVolume {
+  std::array<int, 3> sizes{};
+  std::array<double, 3> spacing_m{};
+  bool spacing_known = true;
+  std::array<double, 3> origin_m{};
+  std::array<std::array<double, 3>, 3> axes{};  // axes[d]: unit vector along index d
+  std::vector<float> values;                    // x fastest
+};
+
+/// A uint8 volume of cubic voxels to be written, axes along the scene's.
+struct ItkMask {
+  std::array<int, 3> sizes{};
+  double spacing_m = 0.0;
+  std::array<double, 3> origin_m{};  // centre of the first voxel
+  std::vector<std::uint8_t> voxels;  // x fastest
+};
+
+/// @throws InputError, see read_medical_volume.
+ItkVolume read_volume_with_itk(const std::string& path);
+/// @throws std::runtime_error where the file cannot be written.
+void write_nrrd_with_itk(const std::string& path, const ItkMask& mask);
+
+}  // namespace sulcus

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "engine/volume/voxel_model.hpp"
+
+namespace sulcus {
+
+/// Grey values on a lattice as a file holds them. The centre of voxel (i, j, k) lies at
+/// `origin_m + direction * (spacing_m .* (i, j, k))` in the file's own space (for medical files:
+/// the patient's, +x left, +y posterior, +z superior).
+struct MedicalVolume {
+  std::string file;                                 // for messages
+  Eigen::Vector3i sizes = Eigen::Vector3i::Zero();  // voxels
+  Eigen::Vector3d spacing_m = Eigen::Vector3d::Constant(1e-3);
+  bool spacing_known = true;  // false: the file does not say
+  Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d direction = Eigen::Matrix3d::Identity();  // columns: the lattice's axes
+  std::vector<float> values;                                // sizes.prod(), x fastest; all finite
+
+  std::size_t index(int i, int j, int k) const {
+    return static_cast<std::size_t>(i) +
+           static_cast<std::size_t>(sizes.x()) *
+               (static_cast<std::size_t>(j) +
+                static_cast<std::size_t>(sizes.y()) * static_cast<std::size_t>(k));
+  }
+  float at(int i, int j, int k) const { return values[index(i, j, k)]; }
+};
+
+/// Reads NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), NIfTI (.nii, .nii.gz, .hdr, .img), TIFF
+/// (.tif, .tiff: a stack of pages, or a folder of slices in the order of their numbers) and DICOM
+/// (.dcm, or a folder that holds one series; grey values rescaled). Lengths in the file are mm
+/// unless an NRRD names its `space units`; a TIFF and a header without spacing leave
+/// `spacing_known` false. Values that are not finite become the smallest finite one.
+/// Announced sizes are checked, and compared with the length of the file, before memory is taken.
+/// @throws InputError: missing, not of its format, truncated, not 3-dimensional, not scalar, too
+/// large, spacing not positive.
+/// Not to be called from two threads at once: it silences `std::cerr` while ITK reads.
+MedicalVolume read_medical_volume(const std::string& path);
+
+/// What the voxels of an exported volume say.
+enum class VolumeContent : std::uint8_t {
+  kMask,    // 1 where solid
+  kLabels,  // 1 + tissue where solid
+};
+
+/// Writes the voxels of `model` as NRRD: uint8, gzip, 0 where empty, spacing in mm, placed so that
+/// the file's coordinates are the scene's (in mm). Read back as a binary mask it holds as many
+/// voxels.
+/// @throws std::runtime_error where the file cannot be written.
+void write_volume_nrrd(const std::string& path, const VoxelModel& model, VolumeContent content);
+
+}  // namespace sulcus

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "engine/core/triangle_mesh.hpp"
+#include "engine/scene/scene.hpp"
+#include "engine/volume/grid.hpp"
+#include "engine/volume/voxel_model.hpp"
+
+namespace sulcus {
+
+/// Fills a closed or slightly open mesh: solid is every voxel whose centre has a generalised
+/// winding number of more than 0.5 either way, so that it does not matter which way round the
+/// triangles are, as long as they agree. Overlapping parts are one solid; a shell inside another,
+/// turned the other way, is a cavity.
+///
+/// Lines along the three axes decide where at least two of them are sound (they leave as often as
+/// they enter) and none that is disagrees. That is everywhere for a closed mesh; beside holes the
+/// winding number itself is evaluated [Jacobson et al. 2013; Barill et al. 2018].
+///
+/// `mesh` in metres. The centre of its bounding box comes to the scene's origin, is turned by
+/// `settings.rotation` and moved by `settings.position_m`. `clipped` is set where the mesh reaches
+/// beyond the grid. There are no labels: a mesh is of one tissue.
+///
+/// Parallel (oneTBB); the result does not depend on the number of threads.
+/// @throws InputError: no voxel inside (too small, too open, or beside the grid).
+VoxelModel voxelise_mesh(const TriangleMesh& mesh, const VoxelGrid& grid,
+                         const WorkpieceSettings& settings);
+
+}  // namespace sulcus

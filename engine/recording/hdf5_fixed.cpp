@@ -1,0 +1,145 @@
+#include "engine/recording/hdf5_fixed.hpp"
+
+#include <algorithm>
+
+namespace sulcus {
+namespace {
+
+// Deflate makes at most 1032 bytes of one [RFC 1951: 258 bytes from 2 bits], so small chunks
+// bound what a hostile one can inflate to before HDF5 sees that it is too long.
+constexpr hsize_t kChunkBytes = 64 * 1024;
+constexpr std::uint64_t kDeflateRatio = 1032;
+constexpr unsigned kDeflateLevel = 4;
+
+/// Deflate never adds more than this to what it cannot compress [zlib, compressBound].
+constexpr hsize_t deflate_bound(hsize_t bytes) { return bytes + bytes / 1000 + 64; }
+
+Hdf5Handle text_type(std::size_t bytes) {
+  auto type = hdf5_checked(H5Tcopy(H5T_C_S1), H5Tclose, "text type");
+  hdf5_check(H5Tset_size(type, std::max<std::size_t>(bytes, 1)), "text type");
+  hdf5_check(H5Tset_strpad(type, H5T_STR_NULLPAD), "text type");
+  hdf5_check(H5Tset_cset(type, H5T_CSET_UTF8), "text type");
+  return type;
+}
+
+Hdf5Handle open_attribute(hid_t object, const char* name, hsize_t count) {
+  if (H5Aexists(object, name) <= 0) throw Hdf5Error(std::string(name) + ": no such attribute");
+  auto attribute = hdf5_checked(H5Aopen(object, name, H5P_DEFAULT), H5Aclose, name);
+  const auto space = hdf5_checked(H5Aget_space(attribute), H5Sclose, name);
+  if (H5Sget_simple_extent_npoints(space) != static_cast<hssize_t>(count)) {
+    throw Hdf5Error(std::string(name) + ": another number of values than " + std::to_string(count));
+  }
+  return attribute;
+}
+
+}  // namespace
+
+void write_attribute(hid_t object, const char* name, hid_t type, const void* value, hsize_t count) {
+  const auto space = hdf5_checked(
+      count == 1 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &count, nullptr), H5Sclose, name);
+  const auto attribute =
+      hdf5_checked(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, name);
+  hdf5_check(H5Awrite(attribute, type, value), name);
+}
+
+void write_text_attribute(hid_t object, const char* name, const std::string& text) {
+  write_attribute(object, name, text_type(text.size()), text.c_str());
+}
+
+std::string read_text_attribute(hid_t object, const char* name, std::uint64_t max_bytes) {
+  const auto attribute = open_attribute(object, name, 1);
+  const auto type = hdf5_checked(H5Aget_type(attribute), H5Tclose, name);
+  const std::size_t bytes = H5Tget_size(type);
+  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0 || bytes > max_bytes) {
+    throw Hdf5Error(std::string(name) + ": no text of fixed length");
+  }
+  std::string text(bytes, '\0');
+  hdf5_check(H5Aread(attribute, type, text.data()), name);
+  text.erase(std::min(text.find('\0'), text.size()));
+  return text;
+}
+
+void read_attribute(hid_t object, const char* name, hid_t memory_type, void* value, hsize_t count) {
+  const auto attribute = open_attribute(object, name, count);
+  const auto type = hdf5_checked(H5Aget_type(attribute), H5Tclose, name);
+  if (H5Tget_class(type) != H5Tget_class(memory_type)) {
+    throw Hdf5Error(std::string(name) + ": another type of number");
+  }
+  hdf5_check(H5Aread(attribute, memory_type, value), name);
+}
+
+void write_fixed_rows(const Hdf5Handle& group, const char* name, hid_t type, const void* values,
+                      hsize_t rows, hsize_t columns) {
+  const hsize_t dims[2] = {rows, columns};
+  const int rank = columns == 1 ? 1 : 2;
+  const auto space = hdf5_checked(H5Screate_simple(rank, dims, nullptr), H5Sclose, name);
+  const auto properties = hdf5_checked(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, name);
+  if (rows > 0) {  // HDF5 has no chunks of no rows
+    const hsize_t row_bytes = columns * H5Tget_size(type);
+    const hsize_t chunk[2] = {std::clamp<hsize_t>(kChunkBytes / row_bytes, 1, rows), columns};
+    hdf5_check(H5Pset_chunk(properties, rank, chunk), name);
+    hdf5_check(H5Pset_shuffle(properties), name);
+    hdf5_check(H5Pset_deflate(properties, kDeflateLevel), name);
+  }
+  const auto dataset = hdf5_checked(
+      H5Dcreate2(group, name, type, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose, name);
+  if (rows > 0) hdf5_check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), name);
+}
+
+FixedRows::FixedRows(const Hdf5Handle& group, const char* name, hid_t type, hsize_t columns,
+                     hsize_t max_rows, std::uint64_t file_bytes)
+    : name_(name), type_(hdf5_checked(H5Tcopy(type), H5Tclose, name)) {
+  if (H5Lexists(group, name, H5P_DEFAULT) <= 0) throw Hdf5Error(name_ + ": no such data set");
+  dataset_ = hdf5_checked(H5Dopen2(group, name, H5P_DEFAULT), H5Dclose, name);
+  const auto stored_type = hdf5_checked(H5Dget_type(dataset_), H5Tclose, name);
+  if (H5Tequal(stored_type, type) <= 0) throw Hdf5Error(name_ + ": another type of values");
+  const auto space = hdf5_checked(H5Dget_space(dataset_), H5Sclose, name);
+  hsize_t dims[2] = {0, 1};
+  const int rank = columns == 1 ? 1 : 2;
+  if (H5Sget_simple_extent_ndims(space) != rank ||
+      H5Sget_simple_extent_dims(space, dims, nullptr) != rank || dims[1] != columns) {
+    throw Hdf5Error(name_ + ": another shape");
+  }
+  rows_ = dims[0];
+  if (rows_ > max_rows) throw Hdf5Error(name_ + ": more rows than there can be");
+  const std::size_t value_bytes = H5Tget_size(type);
+  if (rows_ * columns * value_bytes > file_bytes * kDeflateRatio) {
+    throw Hdf5Error(name_ + ": more rows than the file has room for");
+  }
+  if (rows_ > 0) check_storage(columns, value_bytes);
+}
+
+void FixedRows::check_storage(hsize_t columns, std::size_t value_bytes) const {
+  const auto properties =
+      hdf5_checked(H5Dget_create_plist(dataset_), H5Pclose, "data set properties");
+  const int rank = columns == 1 ? 1 : 2;
+  hsize_t chunk[2] = {0, 1};
+  if (H5Pget_layout(properties) != H5D_CHUNKED || H5Pget_chunk(properties, rank, chunk) != rank ||
+      chunk[1] != columns || chunk[0] * columns * value_bytes > kChunkBytes) {
+    throw Hdf5Error(name_ + ": another layout");
+  }
+  for (int i = 0; i < H5Pget_nfilters(properties); ++i) {
+    unsigned flags = 0, config = 0;
+    std::size_t values = 0;
+    const auto filter =
+        H5Pget_filter2(properties, i, &flags, &values, nullptr, 0, nullptr, &config);
+    if (filter != H5Z_FILTER_DEFLATE && filter != H5Z_FILTER_SHUFFLE) {
+      throw Hdf5Error(name_ + ": another compression");
+    }
+  }
+  for (hsize_t row = 0; row < rows_; row += chunk[0]) {
+    const hsize_t offset[2] = {row, 0};
+    hsize_t bytes = 0;
+    hdf5_check(H5Dget_chunk_storage_size(dataset_, offset, &bytes), name_.c_str());
+    if (bytes == 0 || bytes > deflate_bound(chunk[0] * columns * value_bytes)) {
+      throw Hdf5Error(name_ + ": a chunk of a size that cannot be");
+    }
+  }
+}
+
+void FixedRows::read(void* values) const {
+  if (rows_ == 0) return;
+  hdf5_check(H5Dread(dataset_, type_, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), name_.c_str());
+}
+
+}  // namespace sulcus

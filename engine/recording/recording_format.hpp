@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "engine/recording/hdf5_handle.hpp"
+#include "engine/recording/recording_header.hpp"
+#include "engine/volume/edit.hpp"
+
+namespace sulcus {
+
+// The layout of a recording, shared by the writer and the reader:
+//
+//   /            attributes format, version, scene, scene_sha256, workpiece_hash, build, rate_hz,
+//                and header_check over all of them
+//   /workpiece   see recording_workpiece.hpp     /burr   only where the scene does not generate it
+//   /ticks  /edits  /state_hashes                one dimension, extensible, no filters
+//   /end         one row, written when the recording is closed: what it holds
+//
+// Texts are of fixed length: HDF5 keeps those of variable length in a heap without checksums, and
+// 1.10.8 writes beyond its buffer when a size in that heap is damaged.
+
+inline constexpr char kFormatName[] = "sulcus-recording";
+inline constexpr std::uint32_t kFormatVersion = 1;
+
+// Rows per chunk. A flush writes the last chunk whole, so it is about as long as 50 ms of rows.
+inline constexpr hsize_t kTickChunk = 128;
+inline constexpr hsize_t kEditChunk = 1024;
+inline constexpr hsize_t kStateHashChunk = 512;
+
+#pragma pack(push, 1)
+/// A row of /edits.
+struct EditRow {
+  std::uint64_t tick = 0;
+  std::uint16_t body = 0;
+  std::uint32_t voxel = 0;
+  std::uint8_t cause = 0;
+  std::uint32_t check = 0;  // low half of XXH3-64 of the bytes before it
+};
+#pragma pack(pop)
+static_assert(sizeof(EditRow) == 19);
+
+/// A row of /state_hashes.
+struct StateHashRow {
+  std::uint64_t tick = 0;
+  std::uint64_t volume = 0;
+  std::uint64_t state = 0;
+  std::uint64_t check = 0;  // XXH3-64 of the bytes before it
+};
+static_assert(sizeof(StateHashRow) == 32);
+
+/// The row of /end; all zero until the recording is closed. (No attribute or data set can be added
+/// once other processes may read.)
+struct EndRow {
+  std::uint64_t ticks = 0;
+  std::uint64_t edits = 0;
+  std::uint64_t state_hashes = 0;
+  std::uint64_t check = 0;  // XXH3-64 of the bytes before it
+};
+static_assert(sizeof(EndRow) == 32);
+
+/// XXH3-64 of what stands before the row's `check`.
+std::uint64_t check_of(const StateHashRow& row);
+std::uint64_t check_of(const EndRow& row);
+/// The low half of it.
+std::uint32_t check_of(const EditRow& row);
+
+EditRow packed(const Edit& edit);
+
+/// The types of the rows, in memory and in the file alike: packed, little-endian.
+Hdf5Handle tick_type();
+Hdf5Handle edit_type();
+Hdf5Handle state_hash_type();
+Hdf5Handle end_type();
+
+/// What the attribute `header_check` holds for a header of this version.
+std::uint64_t header_check(const RecordingHeader& header);
+
+}  // namespace sulcus

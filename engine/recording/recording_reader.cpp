@@ -1,0 +1,357 @@
+#include "engine/recording/recording_reader.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "engine/core/error.hpp"
+#include "engine/recording/hdf5_fixed.hpp"
+#include "engine/recording/hdf5_handle.hpp"
+#include "engine/recording/recording_format.hpp"
+#include "engine/recording/recording_workpiece.hpp"
+
+namespace sulcus {
+namespace {
+
+constexpr std::uint64_t kMaxSceneBytes = 16u << 20;
+constexpr std::uint64_t kMaxShortText = 4096;
+
+/// How often a block of metadata that a living writer is just changing is read again; the pauses
+/// double from 1 ns, so that a damaged one costs about a millisecond with the system's own delays.
+constexpr unsigned kReadAttempts = 16;
+
+constexpr hsize_t kMaxChunkBytes = 1 << 20;
+
+/// An extensible data set of the file, checked before memory is taken for it.
+template <class Row>
+class StoredTable {
+ public:
+  StoredTable(const Hdf5Handle& file, const char* name, Hdf5Handle type, std::uint64_t file_bytes)
+      : name_(name), type_(std::move(type)) {
+    if (H5Lexists(file, name, H5P_DEFAULT) <= 0) throw Hdf5Error(name_ + ": no such data set");
+    dataset_ = hdf5_checked(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose, name);
+    const auto stored_type = hdf5_checked(H5Dget_type(dataset_), H5Tclose, name);
+    if (H5Tequal(stored_type, type_) <= 0) throw Hdf5Error(name_ + ": rows of other fields");
+    const auto properties = hdf5_checked(H5Dget_create_plist(dataset_), H5Pclose, name);
+    if (H5Pget_layout(properties) != H5D_CHUNKED || H5Pget_nfilters(properties) != 0 ||
+        H5Pget_chunk(properties, 1, &chunk_rows_) != 1 || chunk_rows_ == 0 ||
+        chunk_rows_ > kMaxChunkBytes / sizeof(Row)) {
+      throw Hdf5Error(name_ + ": another layout");
+    }
+    const auto space = hdf5_checked(H5Dget_space(dataset_), H5Sclose, name);
+    if (H5Sget_simple_extent_ndims(space) != 1 ||
+        H5Sget_simple_extent_dims(space, &announced_, nullptr) != 1) {
+      throw Hdf5Error(name_ + ": another shape");
+    }
+    rows_ = std::min<hsize_t>(announced_, file_bytes / sizeof(Row));
+  }
+
+  /// Rows that the file says it has; and how many of them it has room for.
+  hsize_t announced() const { return announced_; }
+  hsize_t rows() const { return rows_; }
+  /// What to read at a time: some whole chunks.
+  hsize_t block_rows() const { return chunk_rows_ * std::max<hsize_t>(1, 4096 / chunk_rows_); }
+  hsize_t chunk_rows() const { return chunk_rows_; }
+
+  /// `count` rows from `first`, unchecked. Throws Hdf5Error.
+  std::vector<Row> read(hsize_t first, hsize_t count) const {
+    std::vector<Row> rows(count);
+    if (count == 0) return rows;
+    const auto memory = hdf5_checked(H5Screate_simple(1, &count, nullptr), H5Sclose, "rows");
+    const auto space = hdf5_checked(H5Dget_space(dataset_), H5Sclose, "rows");
+    hdf5_check(H5Sselect_hyperslab(space, H5S_SELECT_SET, &first, nullptr, &count, nullptr),
+               name_.c_str());
+    hdf5_check(H5Dread(dataset_, type_, memory, space, H5P_DEFAULT, rows.data()), name_.c_str());
+    return rows;
+  }
+
+ private:
+  std::string name_;
+  Hdf5Handle type_;
+  Hdf5Handle dataset_;
+  hsize_t announced_ = 0;
+  hsize_t rows_ = 0;
+  hsize_t chunk_rows_ = 0;
+};
+
+/// The rows of a table one by one, read by blocks.
+template <class Row>
+class RowCursor {
+ public:
+  explicit RowCursor(const StoredTable<Row>& table) : table_(table) {}
+
+  /// The next row, or null where there is none or its chunk cannot be read.
+  const Row* next() {
+    if (at_ == block_.size()) {
+      first_ += block_.size();
+      at_ = 0;
+      read_block();
+    }
+    return at_ < block_.size() ? &block_[at_++] : nullptr;
+  }
+
+ private:
+  void read_block() {
+    const hsize_t left = table_.rows() - first_;
+    for (hsize_t count : {table_.block_rows(), table_.chunk_rows()}) {
+      try {
+        block_ = table_.read(first_, std::min(count, left));
+        return;
+      } catch (const Hdf5Error&) {
+        block_.clear();  // one chunk of the block cannot be read: those before it may
+      }
+    }
+  }
+
+  const StoredTable<Row>& table_;
+  std::vector<Row> block_;
+  hsize_t first_ = 0;
+  std::size_t at_ = 0;
+};
+
+bool intact(const EditRow& row, const VoxelGrid& grid) {
+  return row.check == check_of(row) && row.cause <= static_cast<std::uint8_t>(EditCause::kUndo) &&
+         (row.body != 0 || row.voxel < grid.cell_count());
+}
+
+Hdf5Handle open_file(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) throw InputError(path, "", "no such file", "a recording");
+  if (!fs::is_regular_file(status)) throw InputError(path, "", "no regular file", "a recording");
+  const htri_t is_hdf5 = H5Fis_hdf5(path.c_str());
+  if (is_hdf5 < 0) {
+    throw InputError(path, "", "a file that cannot be opened (" + hdf5_reason() + ")",
+                     "a recording");
+  }
+  if (is_hdf5 == 0) throw InputError(path, "", "no HDF5 file", "a recording");
+
+  const auto access = hdf5_checked(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "file");
+  hdf5_check(H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST), "file");
+  hdf5_check(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG), "file");
+  hdf5_check(H5Pset_metadata_read_attempts(access, kReadAttempts), "file");
+  // HDF5 refuses a file that is shorter than it was meant to be; a disk that filled up or a copy
+  // that broke off leaves such. What lies beyond its end then reads as zeros, which no check fits.
+  // The property has no name in the public headers; h5clear sets it for the same reason.
+  if (H5Pexist(access, "skip_eof_check") > 0) {
+    const hbool_t skip = true;
+    hdf5_check(H5Pset(access, "skip_eof_check", &skip), "file");
+  }
+  // The file of a killed writer opens in this mode only; one that was closed opens too.
+  Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access), H5Fclose);
+  if (!file.valid()) {
+    throw InputError(path, "", "a damaged or unfinished HDF5 file (" + hdf5_reason() + ")",
+                     "a recording");
+  }
+  return file;
+}
+
+void check_format(const std::string& path, const Hdf5Handle& file) {
+  if (H5Aexists(file, "format") <= 0) {
+    throw InputError(path, "format", "an HDF5 file without it", kFormatName);
+  }
+  const std::string format = read_text_attribute(file, "format", kMaxShortText);
+  if (format != kFormatName) throw InputError(path, "format", '"' + format + '"', kFormatName);
+  std::uint64_t version = 0;
+  read_attribute(file, "version", H5T_NATIVE_UINT64, &version);
+  if (version != kFormatVersion) {
+    throw InputError(path, "version", std::to_string(version),
+                     std::to_string(kFormatVersion) + ", the newest that this program reads");
+  }
+}
+
+RecordingHeader read_header(const Hdf5Handle& file, std::uint64_t file_bytes) {
+  RecordingHeader header;
+  header.scene_toml = read_text_attribute(file, "scene", std::min(kMaxSceneBytes, file_bytes));
+  header.scene_sha256 = read_text_attribute(file, "scene_sha256", kMaxShortText);
+  header.build = read_text_attribute(file, "build", kMaxShortText);
+  read_attribute(file, "rate_hz", H5T_NATIVE_DOUBLE, &header.rate_hz);
+  read_attribute(file, "workpiece_hash", H5T_NATIVE_UINT64, &header.workpiece_hash);
+  std::uint64_t check = 0;
+  read_attribute(file, "header_check", H5T_NATIVE_UINT64, &check);
+  if (check != header_check(header)) {
+    throw Hdf5Error("attributes: their header_check does not fit, one was changed");
+  }
+  if (!(std::isfinite(header.rate_hz) && header.rate_hz > 0.0)) {
+    throw Hdf5Error("rate_hz: not a positive number");
+  }
+  return header;
+}
+
+EndRow read_end(const Hdf5Handle& file) {
+  if (H5Lexists(file, "end", H5P_DEFAULT) <= 0) throw Hdf5Error("end: no such data set");
+  const auto dataset = hdf5_checked(H5Dopen2(file, "end", H5P_DEFAULT), H5Dclose, "end");
+  const auto type = end_type();
+  const auto stored_type = hdf5_checked(H5Dget_type(dataset), H5Tclose, "end");
+  const auto space = hdf5_checked(H5Dget_space(dataset), H5Sclose, "end");
+  if (H5Tequal(stored_type, type) <= 0 || H5Sget_simple_extent_npoints(space) != 1) {
+    throw Hdf5Error("end: another shape");
+  }
+  EndRow row;
+  hdf5_check(H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &row), "end");
+  return row;
+}
+
+std::string row_name(const char* table, std::uint64_t row) {
+  return "row " + std::to_string(row) + " of /" + table;
+}
+
+}  // namespace
+
+struct RecordingReader::File {
+  std::string path;
+  Hdf5Handle file;
+  std::uint64_t bytes = 0;
+  RecordingHeader header;
+  VoxelGrid grid;
+  std::optional<StoredTable<TickRecord>> tick_table;
+  std::optional<StoredTable<EditRow>> edit_table;
+  std::size_t ticks = 0;
+  std::size_t edits = 0;
+  std::uint64_t last_tick = 0;
+  std::vector<StateHash> state_hashes;
+  std::string missing;
+
+  void open() {
+    check_format(path, file);
+    header = read_header(file, bytes);
+    grid = read_grid(file);
+    tick_table.emplace(file, "ticks", tick_type(), bytes);
+    edit_table.emplace(file, "edits", edit_type(), bytes);
+    const StoredTable<StateHashRow> hash_table(file, "state_hashes", state_hash_type(), bytes);
+    const EndRow end = read_end(file);
+    const std::string damage = scan_rows();
+    const std::string hash_damage = scan_state_hashes(hash_table);
+    missing = what_is_missing(end, damage, hash_damage);
+  }
+
+  /// Counts the ticks that can be trusted; says what is wrong with the one after them.
+  std::string scan_rows() {
+    RowCursor<TickRecord> tick_rows(*tick_table);
+    RowCursor<EditRow> edit_rows(*edit_table);
+    while (const TickRecord* row = tick_rows.next()) {
+      if (!is_sealed(*row)) return row_name("ticks", ticks) + " is damaged";
+      if ((ticks > 0 && row->tick != last_tick + 1) || row->edits_end < edits) {
+        return row_name("ticks", ticks) + " does not follow on the one before it";
+      }
+      if (row->edits_end > edit_table->rows()) {
+        return "edits of tick " + std::to_string(row->tick) + " are missing";
+      }
+      std::size_t end = edits;
+      while (end < row->edits_end) {
+        const EditRow* edit = edit_rows.next();
+        if (!edit || !intact(*edit, grid) || edit->tick != row->tick) {
+          return row_name("edits", end) + " is damaged";
+        }
+        ++end;
+      }
+      edits = end;
+      last_tick = row->tick;
+      ++ticks;
+    }
+    return ticks == tick_table->announced() ? "" : row_name("ticks", ticks) + " cannot be read";
+  }
+
+  std::string scan_state_hashes(const StoredTable<StateHashRow>& table) {
+    RowCursor<StateHashRow> rows(table);
+    std::uint64_t at = 0;
+    for (; const StateHashRow* row = rows.next(); ++at) {
+      if (row->check != check_of(*row) ||
+          (!state_hashes.empty() && row->tick <= state_hashes.back().tick)) {
+        return row_name("state_hashes", at) + " is damaged";
+      }
+      if (ticks == 0 || row->tick > last_tick) return "";
+      state_hashes.push_back({row->tick, row->volume, row->state});
+    }
+    return at == table.announced() ? "" : row_name("state_hashes", at) + " cannot be read";
+  }
+
+  std::string what_is_missing(const EndRow& end, const std::string& damage,
+                              const std::string& hash_damage) const {
+    const bool closed = end.check == check_of(end);
+    const bool whole = closed && end.ticks == ticks && end.edits == edits &&
+                       end.state_hashes == state_hashes.size();
+    if (whole) return "";
+    std::string text = ticks == 0 ? "recording holds no tick"
+                                  : "recording ends at tick " + std::to_string(last_tick);
+    if (closed) text += " (" + std::to_string(ticks) + " of " + std::to_string(end.ticks) + ")";
+    const char* separator = ": ";
+    const std::string unclosed = closed ? "" : "it was not closed cleanly";
+    for (const std::string& reason : {damage, hash_damage, unclosed}) {
+      if (!reason.empty()) text.append(std::exchange(separator, "; ")).append(reason);
+    }
+    return text;
+  }
+
+  /// Runs `step`, and names the file where HDF5 fails.
+  template <class Step>
+  auto guarded(Step step) const {
+    silence_hdf5();
+    try {
+      return step();
+    } catch (const Hdf5Error& error) {
+      throw InputError(path, "", std::string("a damaged recording (") + error.what() + ")",
+                       "a whole one");
+    }
+  }
+};
+
+RecordingReader::RecordingReader(const std::string& path) : file_(std::make_unique<File>()) {
+  file_->path = path;
+  file_->guarded([&] {
+    file_->file = open_file(path);
+    std::error_code error;
+    file_->bytes = std::filesystem::file_size(path, error);
+    if (error) throw Hdf5Error("size: " + error.message());
+    file_->open();
+  });
+}
+
+RecordingReader::~RecordingReader() = default;
+RecordingReader::RecordingReader(RecordingReader&&) noexcept = default;
+
+const RecordingHeader& RecordingReader::header() const { return file_->header; }
+const VoxelGrid& RecordingReader::grid() const { return file_->grid; }
+
+VoxelModel RecordingReader::workpiece() const {
+  return file_->guarded([this] { return read_workpiece(file_->file, file_->bytes); });
+}
+
+std::optional<TriangleMesh> RecordingReader::burr_mesh() const {
+  return file_->guarded([this] { return read_burr(file_->file, file_->bytes); });
+}
+
+std::size_t RecordingReader::tick_count() const { return file_->ticks; }
+std::size_t RecordingReader::edit_count() const { return file_->edits; }
+
+std::vector<TickRecord> RecordingReader::ticks(std::size_t first, std::size_t count) const {
+  return file_->guarded([&] {
+    const std::size_t begin = std::min(first, file_->ticks);
+    auto rows = file_->tick_table->read(begin, std::min(count, file_->ticks - begin));
+    if (!std::all_of(rows.begin(), rows.end(), is_sealed)) {
+      throw Hdf5Error("ticks: changed since it was opened");
+    }
+    return rows;
+  });
+}
+
+std::vector<Edit> RecordingReader::edits(std::size_t first, std::size_t count) const {
+  return file_->guarded([&] {
+    const std::size_t begin = std::min(first, file_->edits);
+    const auto rows = file_->edit_table->read(begin, std::min(count, file_->edits - begin));
+    std::vector<Edit> edits;
+    edits.reserve(rows.size());
+    for (const EditRow& row : rows) {
+      if (!intact(row, file_->grid)) throw Hdf5Error("edits: changed since it was opened");
+      edits.push_back({row.tick, row.voxel, row.body, static_cast<EditCause>(row.cause)});
+    }
+    return edits;
+  });
+}
+
+const std::vector<StateHash>& RecordingReader::state_hashes() const { return file_->state_hashes; }
+const std::string& RecordingReader::missing() const { return file_->missing; }
+
+}  // namespace sulcus

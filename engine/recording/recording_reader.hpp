@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/core/triangle_mesh.hpp"
+#include "engine/recording/recording_header.hpp"
+#include "engine/recording/tick_record.hpp"
+#include "engine/volume/edit.hpp"
+#include "engine/volume/voxel_model.hpp"
+
+namespace sulcus {
+
+/// Reads a recording: one closed cleanly, one whose writer was killed, or one that still grows in
+/// another process (as far as it was when opened). Not thread-safe.
+///
+/// What can be trusted is found once, on opening: every row up to the last tick that is intact,
+/// follows on the one before it and has all its edits, intact too. What comes after is not given,
+/// and `missing` says so. Nothing but the rows asked for is held in memory.
+///
+/// Errors: InputError where there is no such file, it is no recording, one of a newer version, or
+/// damaged before its rows; also later, where the file changed underneath.
+class RecordingReader {
+ public:
+  static constexpr std::size_t kAll = static_cast<std::size_t>(-1);
+
+  explicit RecordingReader(const std::string& path);
+  ~RecordingReader();
+  RecordingReader(RecordingReader&&) noexcept;
+
+  const RecordingHeader& header() const;
+  const VoxelGrid& grid() const;
+  /// The workpiece before the first tick. Labels of leaves without a solid voxel are 0.
+  VoxelModel workpiece() const;
+  /// The burr in metres, tool space; empty where the scene alone gives it.
+  std::optional<TriangleMesh> burr_mesh() const;
+
+  std::size_t tick_count() const;
+  /// Edits of these ticks.
+  std::size_t edit_count() const;
+  /// Rows `first` to `first + count`, cut at the end.
+  std::vector<TickRecord> ticks(std::size_t first = 0, std::size_t count = kAll) const;
+  std::vector<Edit> edits(std::size_t first = 0, std::size_t count = kAll) const;
+  /// Of these ticks, rising.
+  const std::vector<StateHash>& state_hashes() const;
+
+  /// Empty where the recording is whole, else one line: where it ends and why.
+  const std::string& missing() const;
+
+ private:
+  struct File;
+  std::unique_ptr<File> file_;
+};
+
+}  // namespace sulcus

@@ -1,0 +1,231 @@
+#include "engine/recording/recording_workpiece.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "engine/core/hash.hpp"
+#include "engine/recording/hdf5_fixed.hpp"
+
+namespace sulcus {
+namespace {
+
+static_assert(sizeof(LeafBits) == 64 && sizeof(LabelBlock) == 512);
+static_assert(sizeof(Eigen::Vector3f) == 12 && sizeof(std::array<std::uint32_t, 3>) == 12);
+
+/// The fixed part as the file holds it.
+struct StoredWorkpiece {
+  std::uint32_t cells[3]{};
+  double voxel_m = 0.0;
+  std::uint8_t clipped = 0;
+  bool labelled = false;
+  std::vector<std::uint32_t> leaves;
+  std::vector<LeafBits> words;
+  std::vector<std::uint8_t> leaf_labels;
+  std::vector<std::uint32_t> mixed;
+  std::vector<LabelBlock> mixed_labels;
+};
+
+template <class T>
+std::uint64_t hash_of(const std::vector<T>& values, std::uint64_t seed) {
+  return hash_bytes(values.data(), values.size() * sizeof(T), seed);
+}
+
+std::uint64_t check_of(const StoredWorkpiece& stored) {
+  std::uint64_t hash = hash_bytes(stored.cells, sizeof stored.cells);
+  hash = hash_bytes(&stored.voxel_m, sizeof stored.voxel_m, hash);
+  hash = hash_bytes(&stored.clipped, 1, hash);
+  hash = hash_of(stored.leaves, hash);
+  hash = hash_of(stored.words, hash);
+  hash = hash_of(stored.leaf_labels, hash);
+  hash = hash_of(stored.mixed, hash);
+  return hash_of(stored.mixed_labels, hash);
+}
+
+std::uint64_t check_of(const TriangleMesh& mesh) {
+  return hash_of(mesh.triangles, hash_of(mesh.positions, 0));
+}
+
+StoredWorkpiece stored(const VoxelModel& model) {
+  StoredWorkpiece out;
+  for (int axis = 0; axis < 3; ++axis) {
+    out.cells[axis] = static_cast<std::uint32_t>(model.grid.cells[axis]);
+  }
+  out.voxel_m = model.grid.voxel_m;
+  out.clipped = model.clipped ? 1 : 0;
+  out.labelled = model.tissues != nullptr;
+  for (std::uint32_t leaf = 0; leaf < model.leaves.size(); ++leaf) {
+    if (model.leaves[leaf] == LeafBits{}) continue;
+    const auto row = static_cast<std::uint32_t>(out.leaves.size());
+    out.leaves.push_back(leaf);
+    out.words.push_back(model.leaves[leaf]);
+    if (!out.labelled) continue;
+    const LabelBlock* block = model.tissues->block(leaf);
+    out.leaf_labels.push_back(block ? std::uint8_t{0} : model.tissues->uniform_label(leaf));
+    if (block) {
+      out.mixed.push_back(row);
+      out.mixed_labels.push_back(*block);
+    }
+  }
+  return out;
+}
+
+template <class T>
+std::vector<T> read_rows(const Hdf5Handle& group, const char* name, hid_t type, hsize_t columns,
+                         hsize_t max_rows, std::uint64_t file_bytes) {
+  const FixedRows rows(group, name, type, columns, max_rows, file_bytes);
+  std::vector<T> values(rows.rows());
+  rows.read(values.data());
+  return values;
+}
+
+/// Rising and below `end`.
+void check_indices(const std::vector<std::uint32_t>& indices, std::uint64_t end, const char* name) {
+  const bool rising =
+      std::adjacent_find(indices.begin(), indices.end(), std::greater_equal<>()) == indices.end();
+  if (!rising || (!indices.empty() && indices.back() >= end)) {
+    throw Hdf5Error(std::string(name) + ": indices out of order or range");
+  }
+}
+
+Hdf5Handle open_group(const Hdf5Handle& file, const char* name) {
+  if (H5Lexists(file, name, H5P_DEFAULT) <= 0) {
+    throw Hdf5Error(std::string(name) + ": no such group");
+  }
+  return hdf5_checked(H5Gopen2(file, name, H5P_DEFAULT), H5Gclose, name);
+}
+
+Hdf5Handle create_group(const Hdf5Handle& file, const char* name) {
+  return hdf5_checked(H5Gcreate2(file, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose,
+                      name);
+}
+
+VoxelGrid read_grid_of(const Hdf5Handle& group) {
+  VoxelGrid grid;
+  std::uint32_t cells[3]{};
+  read_attribute(group, "cells", H5T_NATIVE_UINT32, cells, 3);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (cells[axis] == 0 || cells[axis] > kMaxCellsPerAxis || cells[axis] % kLeafEdge != 0) {
+      throw Hdf5Error("cells: " + std::to_string(cells[axis]) + " is no multiple of 8 up to 1024");
+    }
+    grid.cells[axis] = static_cast<int>(cells[axis]);
+  }
+  read_attribute(group, "voxel_m", H5T_NATIVE_DOUBLE, &grid.voxel_m);
+  if (!(std::isfinite(grid.voxel_m) && grid.voxel_m > 0.0)) {
+    throw Hdf5Error("voxel_m: not a positive length");
+  }
+  return grid;
+}
+
+void read_labels(const Hdf5Handle& group, std::uint64_t file_bytes, StoredWorkpiece& in) {
+  const std::size_t n = in.leaves.size();
+  in.leaf_labels = read_rows<std::uint8_t>(group, "leaf_labels", H5T_STD_U8LE, 1, n, file_bytes);
+  if (in.leaf_labels.size() != n) throw Hdf5Error("leaf_labels: not as many as leaves");
+  in.mixed = read_rows<std::uint32_t>(group, "mixed", H5T_STD_U32LE, 1, n, file_bytes);
+  check_indices(in.mixed, n, "mixed");
+  in.mixed_labels =
+      read_rows<LabelBlock>(group, "mixed_labels", H5T_STD_U8LE, sizeof(LabelBlock), n, file_bytes);
+  if (in.mixed_labels.size() != in.mixed.size()) {
+    throw Hdf5Error("mixed_labels: not as many as mixed");
+  }
+}
+
+}  // namespace
+
+void write_workpiece(const Hdf5Handle& file, const VoxelModel& model) {
+  const StoredWorkpiece out = stored(model);
+  const auto group = create_group(file, "workpiece");
+  write_attribute(group, "cells", H5T_STD_U32LE, out.cells, 3);
+  write_attribute(group, "voxel_m", H5T_IEEE_F64LE, &out.voxel_m);
+  write_attribute(group, "clipped", H5T_STD_U8LE, &out.clipped);
+  const std::uint64_t check = check_of(out);
+  write_attribute(group, "check", H5T_STD_U64LE, &check);
+  write_fixed_rows(group, "leaves", H5T_STD_U32LE, out.leaves.data(), out.leaves.size());
+  write_fixed_rows(group, "words", H5T_STD_U64LE, out.words.data(), out.words.size(), 8);
+  if (!out.labelled) return;
+  write_fixed_rows(group, "leaf_labels", H5T_STD_U8LE, out.leaf_labels.data(),
+                   out.leaf_labels.size());
+  write_fixed_rows(group, "mixed", H5T_STD_U32LE, out.mixed.data(), out.mixed.size());
+  write_fixed_rows(group, "mixed_labels", H5T_STD_U8LE, out.mixed_labels.data(),
+                   out.mixed_labels.size(), sizeof(LabelBlock));
+}
+
+VoxelGrid read_grid(const Hdf5Handle& file) { return read_grid_of(open_group(file, "workpiece")); }
+
+VoxelModel read_workpiece(const Hdf5Handle& file, std::uint64_t file_bytes) {
+  const auto group = open_group(file, "workpiece");
+  VoxelModel model;
+  model.grid = read_grid_of(group);
+  const std::uint32_t leaf_count = model.grid.leaf_count();
+
+  StoredWorkpiece in;
+  for (int axis = 0; axis < 3; ++axis) {
+    in.cells[axis] = static_cast<std::uint32_t>(model.grid.cells[axis]);
+  }
+  in.voxel_m = model.grid.voxel_m;
+  read_attribute(group, "clipped", H5T_NATIVE_UINT8, &in.clipped);
+  in.leaves = read_rows<std::uint32_t>(group, "leaves", H5T_STD_U32LE, 1, leaf_count, file_bytes);
+  check_indices(in.leaves, leaf_count, "leaves");
+  in.words = read_rows<LeafBits>(group, "words", H5T_STD_U64LE, 8, leaf_count, file_bytes);
+  if (in.words.size() != in.leaves.size()) throw Hdf5Error("words: not as many as leaves");
+  in.labelled = H5Lexists(group, "leaf_labels", H5P_DEFAULT) > 0;
+  if (in.labelled) read_labels(group, file_bytes, in);
+  std::uint64_t check = 0;
+  read_attribute(group, "check", H5T_NATIVE_UINT64, &check);
+  if (check != check_of(in)) throw Hdf5Error("workpiece: its check does not fit, it is damaged");
+
+  model.clipped = in.clipped != 0;
+  model.leaves.resize(leaf_count);
+  for (std::size_t row = 0; row < in.leaves.size(); ++row) {
+    model.leaves[in.leaves[row]] = in.words[row];
+  }
+  if (!in.labelled) return model;
+  auto tissues = std::make_shared<TissueMap>(leaf_count);
+  for (std::size_t row = 0; row < in.leaves.size(); ++row) {
+    tissues->set_uniform(in.leaves[row], in.leaf_labels[row]);
+  }
+  for (std::size_t m = 0; m < in.mixed.size(); ++m) {
+    const std::uint32_t row = in.mixed[m];
+    tissues->set_block(in.leaves[row], in.mixed_labels[m], in.words[row].words);
+  }
+  model.tissues = std::move(tissues);
+  return model;
+}
+
+void write_burr(const Hdf5Handle& file, const TriangleMesh& mesh_tool) {
+  const auto group = create_group(file, "burr");
+  const std::uint64_t check = check_of(mesh_tool);
+  write_attribute(group, "check", H5T_STD_U64LE, &check);
+  write_fixed_rows(group, "positions", H5T_IEEE_F32LE, mesh_tool.positions.data(),
+                   mesh_tool.positions.size(), 3);
+  write_fixed_rows(group, "triangles", H5T_STD_U32LE, mesh_tool.triangles.data(),
+                   mesh_tool.triangles.size(), 3);
+}
+
+std::optional<TriangleMesh> read_burr(const Hdf5Handle& file, std::uint64_t file_bytes) {
+  const htri_t exists = H5Lexists(file, "burr", H5P_DEFAULT);
+  hdf5_check(exists, "burr");
+  if (exists == 0) return std::nullopt;
+  const auto group = open_group(file, "burr");
+  constexpr hsize_t kMaxRows = 1u << 28;  // a mesh of 3 GiB
+  TriangleMesh mesh;
+  mesh.positions =
+      read_rows<Eigen::Vector3f>(group, "positions", H5T_IEEE_F32LE, 3, kMaxRows, file_bytes);
+  mesh.triangles = read_rows<std::array<std::uint32_t, 3>>(group, "triangles", H5T_STD_U32LE, 3,
+                                                           kMaxRows, file_bytes);
+  std::uint64_t check = 0;
+  read_attribute(group, "check", H5T_NATIVE_UINT64, &check);
+  if (check != check_of(mesh)) throw Hdf5Error("burr: its check does not fit, it is damaged");
+  for (const Eigen::Vector3f& p : mesh.positions) {
+    if (!p.allFinite()) throw Hdf5Error("burr/positions: a value that is not finite");
+  }
+  for (const auto& triangle : mesh.triangles) {
+    for (std::uint32_t corner : triangle) {
+      if (corner >= mesh.positions.size()) throw Hdf5Error("burr/triangles: a corner out of range");
+    }
+  }
+  return mesh;
+}
+
+}  // namespace sulcus

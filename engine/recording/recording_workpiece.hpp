@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "engine/core/triangle_mesh.hpp"
+#include "engine/recording/hdf5_handle.hpp"
+#include "engine/volume/voxel_model.hpp"
+
+namespace sulcus {
+
+// The part of a recording that never changes: it is written before readers are let in, so it may
+// be compressed.
+//
+//   /workpiece  attributes cells u32[3], voxel_m f64, clipped u8, check u64 (XXH3-64 over all)
+//     leaves        u32[n]       indices of the leaves with a solid voxel, rising
+//     words         u64[n][8]    their voxels, as LeafBits
+//     leaf_labels   u8[n]        their tissue; with it and the next two only where there are labels
+//     mixed         u32[m]       which of the n leaves hold more than one tissue, rising
+//     mixed_labels  u8[m][512]   the tissues of their voxels, x fastest
+//   /burr       attribute check u64
+//     positions     f32[p][3]    m, tool space
+//     triangles     u32[t][3]
+//
+// Labels of leaves without a solid voxel are not kept: nothing can come to be there.
+
+/// Throws Hdf5Error.
+void write_workpiece(const Hdf5Handle& file, const VoxelModel& model);
+void write_burr(const Hdf5Handle& file, const TriangleMesh& mesh_tool);
+
+/// The grid alone, checked. Throws Hdf5Error.
+VoxelGrid read_grid(const Hdf5Handle& file);
+/// `file_bytes` bounds what the file can hold, and so the memory taken. Throws Hdf5Error.
+VoxelModel read_workpiece(const Hdf5Handle& file, std::uint64_t file_bytes);
+/// Empty where the scene generates the burr. Throws Hdf5Error.
+std::optional<TriangleMesh> read_burr(const Hdf5Handle& file, std::uint64_t file_bytes);
+
+}  // namespace sulcus

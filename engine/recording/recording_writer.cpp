@@ -1,0 +1,243 @@
+#include "engine/recording/recording_writer.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+#include <vector>
+
+#include "engine/core/error.hpp"
+#include "engine/recording/hdf5_fixed.hpp"
+#include "engine/recording/hdf5_handle.hpp"
+#include "engine/recording/recording_format.hpp"
+#include "engine/recording/recording_workpiece.hpp"
+
+namespace sulcus {
+namespace {
+
+// Beyond these a caller who does not flush is helped: memory stays bounded.
+constexpr std::size_t kMaxWaitingTicks = 4096;
+constexpr std::size_t kMaxWaitingEdits = 1 << 16;
+
+/// A data set that grows by rows, and the rows that wait for it.
+template <class Row>
+class Table {
+ public:
+  Table(const Hdf5Handle& file, const char* name, Hdf5Handle type, hsize_t chunk_rows)
+      : name_(name), type_(std::move(type)) {
+    const hsize_t none = 0, unlimited = H5S_UNLIMITED;
+    const auto space = hdf5_checked(H5Screate_simple(1, &none, &unlimited), H5Sclose, name);
+    const auto properties = hdf5_checked(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, name);
+    hdf5_check(H5Pset_chunk(properties, 1, &chunk_rows), name);
+    dataset_ = hdf5_checked(
+        H5Dcreate2(file, name, type_, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose, name);
+  }
+
+  hsize_t written() const { return written_; }
+  std::size_t waiting() const { return waiting_.size(); }
+  const Row& waiting_row(std::size_t i) const { return waiting_[i]; }
+  void add(const Row& row) { waiting_.push_back(row); }
+
+  /// Writes the first `count` waiting rows and hands them to the system.
+  void flush(std::size_t count) {
+    if (count == 0) return;
+    const hsize_t rows = count, end = written_ + count;
+    hdf5_check(H5Dset_extent(dataset_, &end), name_);
+    const auto memory = hdf5_checked(H5Screate_simple(1, &rows, nullptr), H5Sclose, name_);
+    const auto space = hdf5_checked(H5Dget_space(dataset_), H5Sclose, name_);
+    hdf5_check(H5Sselect_hyperslab(space, H5S_SELECT_SET, &written_, nullptr, &rows, nullptr),
+               name_);
+    hdf5_check(H5Dwrite(dataset_, type_, memory, space, H5P_DEFAULT, waiting_.data()), name_);
+    hdf5_check(H5Dflush(dataset_), name_);
+    written_ = end;
+    waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(count));
+  }
+  void flush() { flush(waiting_.size()); }
+  void forget() { dataset_.forget(); }
+
+ private:
+  const char* name_;
+  Hdf5Handle type_;
+  Hdf5Handle dataset_;
+  hsize_t written_ = 0;
+  std::vector<Row> waiting_;
+};
+
+/// `path` must not name anything but a regular file: HDF5 would write into a device.
+void check_path(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;  // what cannot be looked at cannot be created either, and that says why
+  const fs::file_status status = fs::status(path, ignored);
+  if (fs::is_directory(status)) throw InputError(path, "", "a folder", "a file to record into");
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    throw InputError(path, "", "no regular file", "a file to record into");
+  }
+}
+
+Hdf5Handle create_file(const std::string& path) {
+  check_path(path);
+  const auto access = hdf5_checked(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "file");
+  hdf5_check(H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST), "file");
+  hdf5_check(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG), "file");
+  Hdf5Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
+  if (!file.valid()) {
+    throw InputError(path, "", "a path that cannot be written (" + hdf5_reason() + ")",
+                     "a file to record into");
+  }
+  return file;
+}
+
+void write_header(const Hdf5Handle& file, const RecordingHeader& header) {
+  write_text_attribute(file, "format", kFormatName);
+  write_attribute(file, "version", H5T_STD_U32LE, &kFormatVersion);
+  write_text_attribute(file, "scene", header.scene_toml);
+  write_text_attribute(file, "scene_sha256", header.scene_sha256);
+  write_attribute(file, "workpiece_hash", H5T_STD_U64LE, &header.workpiece_hash);
+  write_text_attribute(file, "build", header.build);
+  write_attribute(file, "rate_hz", H5T_IEEE_F64LE, &header.rate_hz);
+  const std::uint64_t check = header_check(header);
+  write_attribute(file, "header_check", H5T_STD_U64LE, &check);
+}
+
+/// The row of /end has its place in the file from the start: writing it changes nothing else.
+Hdf5Handle create_end(const Hdf5Handle& file) {
+  const auto type = end_type();
+  const auto space = hdf5_checked(H5Screate(H5S_SCALAR), H5Sclose, "end");
+  const auto properties = hdf5_checked(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "end");
+  hdf5_check(H5Pset_alloc_time(properties, H5D_ALLOC_TIME_EARLY), "end");
+  auto end = hdf5_checked(
+      H5Dcreate2(file, "end", type, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose, "end");
+  const EndRow open{};
+  hdf5_check(H5Dwrite(end, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &open), "end");
+  return end;
+}
+
+}  // namespace
+
+struct RecordingWriter::File {
+  std::string path;
+  Hdf5Handle file;
+  std::optional<Table<EditRow>> edits;
+  std::optional<Table<TickRecord>> ticks;
+  std::optional<Table<StateHashRow>> state_hashes;
+  Hdf5Handle end;
+  std::string failure;  // of the first call that failed
+
+  void create(const RecordingHeader& header, const VoxelModel& start,
+              const TriangleMesh* burr_mesh_tool) {
+    write_header(file, header);
+    write_workpiece(file, start);
+    if (burr_mesh_tool) write_burr(file, *burr_mesh_tool);
+    edits.emplace(file, "edits", edit_type(), kEditChunk);
+    ticks.emplace(file, "ticks", tick_type(), kTickChunk);
+    state_hashes.emplace(file, "state_hashes", state_hash_type(), kStateHashChunk);
+    end = create_end(file);
+    hdf5_check(H5Fstart_swmr_write(file), "start of recording");
+  }
+
+  void flush() {
+    edits->flush();
+    std::size_t ready = 0;
+    while (ready < ticks->waiting() && ticks->waiting_row(ready).edits_end <= edits->written()) {
+      ++ready;
+    }
+    ticks->flush(ready);
+    state_hashes->flush();
+  }
+
+  void close() {
+    flush();
+    if (ticks->waiting() > 0) {
+      throw std::runtime_error(path + ": ticks: " + std::to_string(ticks->waiting()) +
+                               " rows name edits that were never given");
+    }
+    EndRow row{ticks->written(), edits->written(), state_hashes->written(), 0};
+    row.check = check_of(row);
+    const auto type = end_type();
+    hdf5_check(H5Dwrite(end, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &row), "end");
+    // What can fail for want of room fails here, where the file can still be left as it is.
+    hdf5_check(H5Fflush(file, H5F_SCOPE_GLOBAL), "close");
+    edits.reset();
+    ticks.reset();
+    state_hashes.reset();
+    end.close();
+    if (!file.close()) throw Hdf5Error("close: " + hdf5_reason());
+  }
+
+  /// After a failure HDF5 is not asked anything more about this file: it could not close it, and
+  /// crashes at exit over what it then frees twice. The file stays as a killed process leaves it.
+  void forget() {
+    if (edits) edits->forget();
+    if (ticks) ticks->forget();
+    if (state_hashes) state_hashes->forget();
+    end.forget();
+    file.forget();
+  }
+
+  /// Runs `step`; the first failure is kept and told again by every later call.
+  template <class Step>
+  void guarded(Step step) {
+    if (!failure.empty()) throw std::runtime_error(failure);
+    silence_hdf5();
+    try {
+      if (!file.valid()) throw Hdf5Error("the recording is closed");
+      step();
+    } catch (const Hdf5Error& error) {
+      failure = path + ": " + error.what();
+      forget();
+      throw std::runtime_error(failure);
+    }
+  }
+};
+
+RecordingWriter::RecordingWriter(const std::string& path, const RecordingHeader& header,
+                                 const VoxelModel& start, const TriangleMesh* burr_mesh_tool)
+    : file_(std::make_unique<File>()) {
+  silence_hdf5();
+  file_->path = path;
+  file_->file = create_file(path);
+  file_->guarded([&] { file_->create(header, start, burr_mesh_tool); });
+}
+
+RecordingWriter::RecordingWriter(RecordingWriter&&) noexcept = default;
+
+RecordingWriter::~RecordingWriter() {
+  if (!file_ || !file_->file.valid()) return;
+  try {
+    file_->guarded([this] { file_->flush(); });
+  } catch (const std::exception&) {
+    // Nobody is left to tell; the reader says where the recording ends.
+  }
+}
+
+void RecordingWriter::append_edits(std::span<const Edit> edits) {
+  file_->guarded([&] {
+    for (const Edit& edit : edits) file_->edits->add(packed(edit));
+    if (file_->edits->waiting() > kMaxWaitingEdits) file_->edits->flush();
+  });
+}
+
+void RecordingWriter::append_ticks(std::span<const TickRecord> ticks) {
+  file_->guarded([&] {
+    for (const TickRecord& tick : ticks) file_->ticks->add(tick);
+    if (file_->ticks->waiting() > kMaxWaitingTicks) file_->flush();
+  });
+}
+
+void RecordingWriter::append_state_hash(const StateHash& hash) {
+  file_->guarded([&] {
+    StateHashRow row{hash.tick, hash.volume, hash.state, 0};
+    row.check = check_of(row);
+    file_->state_hashes->add(row);
+  });
+}
+
+void RecordingWriter::flush() {
+  file_->guarded([this] { file_->flush(); });
+}
+
+void RecordingWriter::close() {
+  file_->guarded([this] { file_->close(); });
+}
+
+}  // namespace sulcus

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+
+#include "engine/core/triangle_mesh.hpp"
+#include "engine/recording/recording_header.hpp"
+#include "engine/recording/tick_record.hpp"
+#include "engine/volume/edit.hpp"
+#include "engine/volume/voxel_model.hpp"
+
+namespace sulcus {
+
+/// Writes a recording that other processes may read while it grows, and that reads whole up to the
+/// last flush when this process is killed. Not thread-safe: one thread at a time uses it (HDF5 here
+/// is a thread-safe build, so a reader of another file may work beside it).
+///
+/// The rows given wait in memory for `flush`, which writes edits before the ticks that name them
+/// (`TickRecord::edits_end`); a tick whose edits were not given yet waits for a later flush.
+/// Too many waiting rows flush themselves. The caller flushes every 50 ms.
+///
+/// Errors: std::runtime_error "PATH: what: reason", one line, when a write fails (disk full). From
+/// then on every call but the destructor throws the same; what was flushed before stays readable.
+class RecordingWriter {
+ public:
+  /// Creates the file, replacing one that is there, and writes what never changes. `start` is the
+  /// workpiece before the first tick; `burr_mesh_tool` (m, tool space) is null where the scene
+  /// alone gives the burr. Throws InputError where `path` cannot be created or is no regular file.
+  RecordingWriter(const std::string& path, const RecordingHeader& header, const VoxelModel& start,
+                  const TriangleMesh* burr_mesh_tool);
+  /// Writes what still waits, as far as that works, but leaves the recording marked as not closed:
+  /// who gets here without `close` was interrupted.
+  ~RecordingWriter();
+  RecordingWriter(RecordingWriter&&) noexcept;
+
+  /// In the order of their ticks, all edits of a tick in one or several calls.
+  void append_edits(std::span<const Edit> edits);
+  /// Sealed rows of consecutive ticks.
+  void append_ticks(std::span<const TickRecord> ticks);
+  /// After the tick it names was appended.
+  void append_state_hash(const StateHash& hash);
+
+  void flush();
+  /// Flushes, marks the recording as whole and closes it; nothing can be appended afterwards.
+  /// Throws also where ticks still wait for edits that were never given.
+  void close();
+
+ private:
+  struct File;
+  std::unique_ptr<File> file_;
+};
+
+}  // namespace sulcus

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+
+namespace sulcus {
+
+/// Bits of `TickRecord::faults`.
+enum Fault : std::uint32_t {
+  kFaultNotFinite = 1u << 0,     // a force or pose was not finite: zero force, and the run stops
+  kFaultContactsFull = 1u << 1,  // haptics.max_contacts exceeded: the deepest were kept
+  kFaultCutStateFull = 1u << 2,  // cutting.max_cut_voxels exceeded: energy kept in the pool
+  kFaultRowsDropped = 1u << 3,   // the recorder fell behind before this row
+};
+
+/// One row of /ticks, in the order and types of the file. Plain, without padding.
+#pragma pack(push, 1)
+struct TickRecord {
+  std::uint64_t tick = 0;
+  double time_s = 0.0;
+  double device_position_m[3]{};
+  double device_orientation[4]{1, 0, 0, 0};  // w, x, y, z; world from tool
+  double tool_position_m[3]{};
+  double tool_orientation[4]{1, 0, 0, 0};
+  double force_N[3]{};  // sent to the device
+  double torque_Nm[3]{};
+  double contact_force_N[3]{};
+  double contact_torque_Nm[3]{};
+  std::uint32_t contacts = 0;
+  std::uint32_t tested = 0;
+  std::uint32_t leaves = 0;
+  std::uint32_t removed = 0;
+  float step_us = 0.0f;  // compute time of the tick; no part of the result
+  float late_us = 0.0f;  // how late it woke; no part of the result
+  std::uint32_t faults = 0;
+  std::uint64_t edits_end = 0;  // rows of /edits up to and with this tick
+  std::uint64_t check = 0;      // XXH3-64 of the bytes before it
+};
+#pragma pack(pop)
+static_assert(sizeof(TickRecord) == 8 + 8 + 26 * 8 + 7 * 4 + 8 + 8);
+
+/// Sets `check`.
+void seal(TickRecord& record);
+/// Whether `check` fits the row.
+bool is_sealed(const TickRecord& record);
+
+}  // namespace sulcus
