@@ -4,8 +4,8 @@
 
 namespace sulcus {
 
-// One file per command. Each adds its subcommand with its options to the program; when it is the one
-// called, its callback does the work and throws InputError (status 2) or another std::exception
+// One file per command. Each adds its subcommand with its options to the program; when it is the
+// one called, its callback does the work and throws InputError (status 2) or another std::exception
 // (status 1).
 void add_run_command(CLI::App& program);
 void add_replay_command(CLI::App& program);

@@ -1,13 +1,13 @@
+#include <cstdio>
+#include <memory>
+#include <stdexcept>
+
 #include "app/commands.hpp"
 #include "app/recorded_run.hpp"
 #include "engine/core/error.hpp"
 #include "engine/graphics/surface_mesh.hpp"
 #include "engine/import/medical_volume.hpp"
 #include "engine/import/mesh_file.hpp"
-
-#include <cstdio>
-#include <memory>
-#include <stdexcept>
 
 namespace sulcus {
 
@@ -22,10 +22,11 @@ void write_csv(const std::string& file, std::span<const TickRecord> rows) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(std::fopen(file.c_str(), "w"),
                                                             std::fclose);
   if (!out) throw InputError(file, "", "no file that can be written", "a path for the table");
-  std::fputs("tick,time_s,tool_x_mm,tool_y_mm,tool_z_mm,tool_qw,tool_qx,tool_qy,tool_qz,"
-             "force_x_N,force_y_N,force_z_N,torque_x_mNm,torque_y_mNm,torque_z_mNm,"
-             "contacts,removed,step_us,late_us,faults\n",
-             out.get());
+  std::fputs(
+      "tick,time_s,tool_x_mm,tool_y_mm,tool_z_mm,tool_qw,tool_qx,tool_qy,tool_qz,"
+      "force_x_N,force_y_N,force_z_N,torque_x_mNm,torque_y_mNm,torque_z_mNm,"
+      "contacts,removed,step_us,late_us,faults\n",
+      out.get());
   for (const TickRecord& r : rows) {
     const double *p = r.tool_position_m, *q = r.tool_orientation;
     const double *f = r.force_N, *t = r.torque_Nm;
@@ -50,8 +51,7 @@ void export_recording(const ExportOptions& options) {
   }
   if (!reader.missing().empty()) std::fprintf(stderr, "sulcus: %s\n", reader.missing().c_str());
   RecordedShape shape(reader);
-  const std::size_t row =
-      options.at_s < 0.0 ? shape.rows().size() - 1 : shape.row_at(options.at_s);
+  const std::size_t row = options.at_s < 0.0 ? shape.rows().size() - 1 : shape.row_at(options.at_s);
   shape.advance_to_row(row);
   const VoxelModel& model = shape.model();
   if (!options.mesh.empty()) {

@@ -1,15 +1,15 @@
 #pragma once
 
+#include <array>
+#include <atomic>
+#include <cstdint>
+
+#include <readerwriterqueue/readerwriterqueue.h>
+
 #include "engine/recording/recording_header.hpp"
 #include "engine/recording/tick_record.hpp"
 #include "engine/volume/edit.hpp"
 #include "haptics/stage_clock.hpp"
-
-#include <readerwriterqueue/readerwriterqueue.h>
-
-#include <array>
-#include <atomic>
-#include <cstdint>
 
 namespace sulcus {
 

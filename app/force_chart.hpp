@@ -1,8 +1,8 @@
 #pragma once
 
-#include "app/statistics.hpp"
-
 #include <string>
+
+#include "app/statistics.hpp"
 
 namespace sulcus {
 

@@ -1,10 +1,10 @@
 #include "app/frame_history.hpp"
 
-#include "engine/core/units.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "engine/core/units.hpp"
 
 namespace sulcus {
 

@@ -1,11 +1,11 @@
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "engine/graphics/frame_state.hpp"
 #include "engine/recording/tick_record.hpp"
 #include "engine/scene/scene.hpp"
-
-#include <cstdint>
-#include <vector>
 
 namespace sulcus {
 
@@ -22,7 +22,7 @@ class FrameHistory {
 
  private:
   std::string title_;
-  std::size_t window_;           // ticks
+  std::size_t window_;  // ticks
   double spindle_rad_per_s_;
   double voxel_mm3_;
   TickRecord latest_;

@@ -1,3 +1,10 @@
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include <Eigen/Dense>
+
 #include "app/commands.hpp"
 #include "app/recorded_run.hpp"
 #include "engine/core/error.hpp"
@@ -6,13 +13,6 @@
 #include "engine/import/mesh_file.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/scene/trajectory.hpp"
-
-#include <Eigen/Dense>
-
-#include <algorithm>
-#include <cstdio>
-#include <filesystem>
-#include <memory>
 
 namespace sulcus {
 
@@ -87,8 +87,8 @@ void inspect_mesh(const std::string& file) {
 void inspect_volume(const std::string& file) {
   const MedicalVolume volume = read_medical_volume(file);
   const auto [least, most] = std::minmax_element(volume.values.begin(), volume.values.end());
-  const auto solid = std::count_if(volume.values.begin(), volume.values.end(),
-                                   [](float v) { return v > 0.0f; });
+  const auto solid =
+      std::count_if(volume.values.begin(), volume.values.end(), [](float v) { return v > 0.0f; });
   const Eigen::Vector3d mm = volume.spacing_m / kMillimetre;
   std::printf("volume           %d x %d x %d voxels\n", volume.sizes.x(), volume.sizes.y(),
               volume.sizes.z());
@@ -96,8 +96,7 @@ void inspect_volume(const std::string& file) {
               volume.spacing_known ? "" : " (not said by the file)");
   std::printf("values           %g to %g\n", static_cast<double>(*least),
               static_cast<double>(*most));
-  std::printf("voxels above 0   %td (%.3f mm3)\n", solid,
-              static_cast<double>(solid) * mm.prod());
+  std::printf("voxels above 0   %td (%.3f mm3)\n", solid, static_cast<double>(solid) * mm.prod());
 }
 
 void inspect(const std::string& file) {

@@ -1,12 +1,12 @@
-#include "app/build_info.hpp"
-#include "app/commands.hpp"
-#include "app/session.hpp"
-#include "engine/core/error.hpp"
-
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
+
+#include "app/build_info.hpp"
+#include "app/commands.hpp"
+#include "app/session.hpp"
+#include "engine/core/error.hpp"
 
 namespace {
 

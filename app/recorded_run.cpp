@@ -1,9 +1,9 @@
 #include "app/recorded_run.hpp"
 
+#include <algorithm>
+
 #include "engine/core/error.hpp"
 #include "engine/scene/scene_file.hpp"
-
-#include <algorithm>
 
 namespace sulcus {
 

@@ -1,11 +1,11 @@
 #pragma once
 
-#include "app/simulation.hpp"
-#include "engine/recording/recording_reader.hpp"
-
 #include <memory>
 #include <string>
 #include <vector>
+
+#include "app/simulation.hpp"
+#include "engine/recording/recording_reader.hpp"
 
 namespace sulcus {
 
@@ -32,8 +32,8 @@ class RecordedShape {
  public:
   explicit RecordedShape(const RecordingReader& reader);
 
-  /// Applies the edits of all rows up to and with that row; forward only. Returns the voxels that it
-  /// removed.
+  /// Applies the edits of all rows up to and with that row; forward only. Returns the voxels that
+  /// it removed.
   std::span<const std::uint32_t> advance_to_row(std::size_t row);
   const VoxelModel& model() const { return model_; }
   const std::vector<TickRecord>& rows() const { return rows_; }

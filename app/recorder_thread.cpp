@@ -1,9 +1,9 @@
 #include "app/recorder_thread.hpp"
 
-#include "engine/core/realtime.hpp"
-
 #include <chrono>
 #include <vector>
+
+#include "engine/core/realtime.hpp"
 
 namespace sulcus {
 

@@ -1,12 +1,12 @@
 #pragma once
 
-#include "app/feed.hpp"
-#include "app/statistics.hpp"
-#include "engine/recording/recording_writer.hpp"
-
 #include <exception>
 #include <optional>
 #include <thread>
+
+#include "app/feed.hpp"
+#include "app/statistics.hpp"
+#include "engine/recording/recording_writer.hpp"
 
 namespace sulcus {
 

@@ -1,9 +1,3 @@
-#include "app/commands.hpp"
-#include "app/frame_history.hpp"
-#include "app/recorded_run.hpp"
-#include "app/render_thread.hpp"
-#include "engine/core/error.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,6 +5,12 @@
 #include <memory>
 #include <regex>
 #include <stdexcept>
+
+#include "app/commands.hpp"
+#include "app/frame_history.hpp"
+#include "app/recorded_run.hpp"
+#include "app/render_thread.hpp"
+#include "engine/core/error.hpp"
 
 namespace sulcus {
 
@@ -113,8 +113,8 @@ void render(RenderOptions options) {
 
   std::unique_ptr<VideoWriter> writer;
   if (video) {
-    writer = std::make_unique<VideoWriter>(options.video, settings.width, settings.height,
-                                           options.fps);
+    writer =
+        std::make_unique<VideoWriter>(options.video, settings.width, settings.height, options.fps);
   }
   if (options.folder.empty()) {
     options.folder = (std::filesystem::path(options.recording).parent_path() / "render").string();

@@ -1,11 +1,11 @@
 #include "app/render_thread.hpp"
 
-#include "app/frame_history.hpp"
-#include "engine/core/realtime.hpp"
-
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+
+#include "app/frame_history.hpp"
+#include "engine/core/realtime.hpp"
 
 namespace sulcus {
 
@@ -15,8 +15,8 @@ std::vector<TissueLook> tissue_looks(const Scene& scene) {
   return looks;
 }
 
-RenderThread::RenderThread(Feed& feed, const Scene& scene, VoxelModel start,
-                           const Burr& burr, std::string folder, bool drop_frames)
+RenderThread::RenderThread(Feed& feed, const Scene& scene, VoxelModel start, const Burr& burr,
+                           std::string folder, bool drop_frames)
     : feed_(feed),
       scene_(scene),
       start_(std::move(start)),

@@ -1,16 +1,16 @@
 #pragma once
 
-#include "app/feed.hpp"
-#include "engine/tool/burr.hpp"
-#include "engine/graphics/renderer.hpp"
-#include "engine/scene/scene.hpp"
-#include "engine/volume/voxel_model.hpp"
-
 #include <exception>
 #include <future>
 #include <string>
 #include <thread>
 #include <vector>
+
+#include "app/feed.hpp"
+#include "engine/graphics/renderer.hpp"
+#include "engine/scene/scene.hpp"
+#include "engine/tool/burr.hpp"
+#include "engine/volume/voxel_model.hpp"
 
 namespace sulcus {
 
@@ -31,7 +31,7 @@ class RenderThread {
   /// After `feed.ended`: waits for the last frame.
   void finish();
   std::uint64_t frames() const { return frames_; }
-  double seconds() const { return seconds_; }            // spent drawing and writing
+  double seconds() const { return seconds_; }  // spent drawing and writing
   std::size_t memory_bytes() const { return memory_bytes_; }
 
  private:

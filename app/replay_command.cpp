@@ -1,15 +1,15 @@
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+
 #include "app/build_info.hpp"
 #include "app/commands.hpp"
 #include "app/recorded_run.hpp"
 #include "app/results.hpp"
 #include "engine/core/hash.hpp"
 #include "engine/core/realtime.hpp"
-
-#include <cstdio>
-#include <cstring>
-#include <filesystem>
-#include <memory>
-#include <stdexcept>
 
 namespace sulcus {
 
@@ -76,10 +76,11 @@ void verify(const RecordedRun& run) {
       ++hash;
     }
   }
-  std::printf("%s: %zu ticks, %zu removed voxels and %zu state hashes agree bit for bit; "
-              "volume %s\n",
-              run.path.c_str(), rows.size(), edits.size(), hash,
-              hex(simulation.workpiece().hash()).c_str());
+  std::printf(
+      "%s: %zu ticks, %zu removed voxels and %zu state hashes agree bit for bit; "
+      "volume %s\n",
+      run.path.c_str(), rows.size(), edits.size(), hash,
+      hex(simulation.workpiece().hash()).c_str());
 }
 
 void replay(const ReplayOptions& options) {
@@ -92,10 +93,10 @@ void replay(const ReplayOptions& options) {
     return;
   }
   SessionOptions session;
-  session.folder = options.folder.empty()
-                       ? "out/" + std::filesystem::path(options.recording).stem().string() +
-                             "_replay"
-                       : options.folder;
+  session.folder =
+      options.folder.empty()
+          ? "out/" + std::filesystem::path(options.recording).stem().string() + "_replay"
+          : options.folder;
   session.ticks = run.poses.size();
   open_log(session.folder);
   PlaybackDevice device(run.poses);

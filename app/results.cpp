@@ -1,21 +1,21 @@
 #include "app/results.hpp"
 
-#include "app/build_info.hpp"
-#include "app/force_chart.hpp"
-#include "app/summary.hpp"
-#include "engine/core/error.hpp"
-#include "engine/core/units.hpp"
-
-#include <spdlog/sinks/basic_file_sink.h>
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+
 #include <nlohmann/json.hpp>
+#include <spdlog/sinks/basic_file_sink.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "app/build_info.hpp"
+#include "app/force_chart.hpp"
+#include "app/summary.hpp"
+#include "engine/core/error.hpp"
+#include "engine/core/units.hpp"
 
 namespace sulcus {
 
@@ -27,8 +27,8 @@ void open_log(const std::string& folder) {
     auto terminal = std::make_shared<spdlog::sinks::stderr_sink_mt>();
     terminal->set_level(spdlog::level::warn);
     terminal->set_pattern("sulcus: %v");
-    spdlog::set_default_logger(std::make_shared<spdlog::logger>(
-        "sulcus", spdlog::sinks_init_list{file, terminal}));
+    spdlog::set_default_logger(
+        std::make_shared<spdlog::logger>("sulcus", spdlog::sinks_init_list{file, terminal}));
   } catch (const std::exception&) {
     throw InputError(folder, "", "no folder that can be written", "one for the results, -o DIR");
   }

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "app/session.hpp"
-
 #include <string>
 #include <vector>
+
+#include "app/session.hpp"
 
 namespace sulcus {
 

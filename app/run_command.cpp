@@ -1,3 +1,10 @@
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+#include <spdlog/spdlog.h>
+#include <tbb/global_control.h>
+
 #include "app/commands.hpp"
 #include "app/results.hpp"
 #include "app/simulation.hpp"
@@ -6,13 +13,6 @@
 #include "engine/import/build_workpiece.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/scene/trajectory.hpp"
-
-#include <spdlog/spdlog.h>
-#include <tbb/global_control.h>
-
-#include <cmath>
-#include <filesystem>
-#include <memory>
 
 namespace sulcus {
 
@@ -56,17 +56,17 @@ void run(const RunOptions& options) {
                        : options.folder;
   session.pace = options.pace == "real" ? Pace::kReal : Pace::kFast;
   session.render = !options.no_render;
-  const double duration_s =
-      options.duration_s > 0.0 ? options.duration_s : trajectory.duration_s();
+  const double duration_s = options.duration_s > 0.0 ? options.duration_s : trajectory.duration_s();
   session.ticks = static_cast<std::uint64_t>(
       std::max(1.0, std::ceil(duration_s * scene.haptics.rate_hz - 1e-6)));
 
   open_log(session.folder);
   if (clipped) {
-    spdlog::warn("the solid reaches beyond the grid of {} x {} x {} voxels of {} mm and is cut "
-                 "flat at its faces",
-                 scene.workpiece.cells.x(), scene.workpiece.cells.y(), scene.workpiece.cells.z(),
-                 scene.workpiece.voxel_m / kMillimetre);
+    spdlog::warn(
+        "the solid reaches beyond the grid of {} x {} x {} voxels of {} mm and is cut "
+        "flat at its faces",
+        scene.workpiece.cells.x(), scene.workpiece.cells.y(), scene.workpiece.cells.z(),
+        scene.workpiece.voxel_m / kMillimetre);
   }
   ScriptedDevice device(trajectory, scene.haptics.rate_hz);
   const SessionResult result = run_session(simulation, device, session);

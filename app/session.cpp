@@ -1,5 +1,15 @@
 #include "app/session.hpp"
 
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <memory>
+#include <thread>
+
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
 #include "app/build_info.hpp"
 #include "app/feed.hpp"
 #include "app/recorder_thread.hpp"
@@ -7,16 +17,6 @@
 #include "engine/core/hash.hpp"
 #include "engine/core/realtime.hpp"
 #include "engine/core/units.hpp"
-
-#include <spdlog/spdlog.h>
-#include <unistd.h>
-
-#include <algorithm>
-#include <cstdio>
-#include <exception>
-#include <filesystem>
-#include <memory>
-#include <thread>
 
 namespace sulcus {
 
@@ -108,7 +108,8 @@ class HapticLoop {
   void progress() {
     if (options_.pace == Pace::kReal || !terminal_) return;  // no writing beside a real-time tick
     if (done_ % 200 != 0) return;
-    std::fprintf(stderr, "\r%3llu %%", static_cast<unsigned long long>(100 * done_ / options_.ticks));
+    std::fprintf(stderr, "\r%3llu %%",
+                 static_cast<unsigned long long>(100 * done_ / options_.ticks));
     if (done_ + 200 >= options_.ticks) std::fprintf(stderr, "\r     \r");
   }
 
@@ -152,8 +153,9 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
   RecorderThread recorder(record_feed, open_recording(simulation, recording), options.ticks);
   if (scene.record) {
     result.files.push_back(recording);
-    result.parts.push_back({"record", 1e-9 * static_cast<double>(steady_ns() - record_begin),
-                            10 * sizeof(TickReport) * static_cast<std::size_t>(scene.haptics.rate_hz)});
+    result.parts.push_back(
+        {"record", 1e-9 * static_cast<double>(steady_ns() - record_begin),
+         10 * sizeof(TickReport) * static_cast<std::size_t>(scene.haptics.rate_hz)});
   }
   std::vector<Feed*> feeds{&record_feed};
   std::optional<Feed> render_feed;
@@ -161,8 +163,8 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
   if (renders) {
     render_feed.emplace(scene.haptics.rate_hz);
     feeds.push_back(&*render_feed);
-    renderer.emplace(*render_feed, scene, simulation.workpiece().model(),
-                     simulation.burr(), options.folder, options.pace == Pace::kReal);
+    renderer.emplace(*render_feed, scene, simulation.workpiece().model(), simulation.burr(),
+                     options.folder, options.pace == Pace::kReal);
   }
 
   HapticLoop loop(simulation, device, options, feeds);

@@ -1,39 +1,39 @@
 #pragma once
 
-#include "app/simulation.hpp"
-#include "app/statistics.hpp"
-
 #include <atomic>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/simulation.hpp"
+#include "app/statistics.hpp"
+
 namespace sulcus {
 
 enum class Pace : std::uint8_t { kReal, kFast };
 
 struct SessionOptions {
-  std::string folder;        // summary.json, forces.png, log.txt, recording.h5, frames/
+  std::string folder;  // summary.json, forces.png, log.txt, recording.h5, frames/
   Pace pace = Pace::kFast;
-  std::uint64_t ticks = 0;   // at most
-  bool render = true;        // draw, where the scene has [render]
+  std::uint64_t ticks = 0;  // at most
+  bool render = true;       // draw, where the scene has [render]
 };
 
 /// A part of the program that ran, as the summary lists it.
 struct PartUse {
   std::string name;
-  double seconds = 0.0;      // to set it up, or of its own work
+  double seconds = 0.0;  // to set it up, or of its own work
   std::size_t bytes = 0;
 };
 
 struct SessionResult {
   RunStatistics statistics;
   std::vector<PartUse> parts;
-  std::uint64_t missed_ticks = 0;        // whole periods that late wakes cost
+  std::uint64_t missed_ticks = 0;  // whole periods that late wakes cost
   bool interrupted = false;
-  std::vector<std::string> refused;      // by the system, at real pace
-  std::vector<std::string> files;        // written, in the order to be named
+  std::vector<std::string> refused;  // by the system, at real pace
+  std::vector<std::string> files;    // written, in the order to be named
   std::uint64_t frames = 0;
   double wall_seconds = 0.0;
 };

@@ -1,12 +1,12 @@
 #include "app/simulation.hpp"
 
+#include <array>
+#include <sstream>
+
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
 #include "engine/import/mesh_file.hpp"
 #include "engine/tool/burr_mesh.hpp"
-
-#include <array>
-#include <sstream>
 
 namespace sulcus {
 
@@ -42,8 +42,7 @@ Burr load_burr(const Scene& scene) {
 }
 
 void check_start(const Scene& scene, const VoxelModel& model, const Burr& burr, const Pose& start) {
-  const Eigen::Vector3d middle =
-      start.point(Eigen::Vector3d(0.0, 0.5 * burr.head_length_m, 0.0));
+  const Eigen::Vector3d middle = start.point(Eigen::Vector3d(0.0, 0.5 * burr.head_length_m, 0.0));
   const Eigen::Vector3d index = model.grid.index_from_world(middle);
   const Cell cell = (index.array() + 0.5).floor().cast<int>();
   if (!model.solid(cell)) return;

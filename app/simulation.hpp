@@ -1,12 +1,12 @@
 #pragma once
 
+#include <span>
+
 #include "engine/bodies/body_tree.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/tool/burr.hpp"
 #include "engine/volume/workpiece.hpp"
 #include "haptics/tick.hpp"
-
-#include <span>
 
 namespace sulcus {
 

@@ -1,11 +1,11 @@
 #include "app/statistics.hpp"
 
-#include "engine/core/hash.hpp"
-#include "engine/core/units.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+
+#include "engine/core/hash.hpp"
+#include "engine/core/units.hpp"
 
 namespace sulcus {
 

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "app/feed.hpp"
-
 #include <array>
 #include <cstdint>
 #include <vector>
+
+#include "app/feed.hpp"
 
 namespace sulcus {
 

@@ -1,14 +1,15 @@
 #include "app/summary.hpp"
 
+#include <algorithm>
+#include <fstream>
+#include <stdexcept>
+
+#include <nlohmann/json.hpp>
+
 #include "app/build_info.hpp"
 #include "engine/core/hash.hpp"
 #include "engine/core/realtime.hpp"
 #include "engine/core/units.hpp"
-
-#include <algorithm>
-#include <fstream>
-#include <nlohmann/json.hpp>
-#include <stdexcept>
 
 namespace sulcus {
 
@@ -111,9 +112,8 @@ Json make_summary(const Simulation& simulation, const SessionResult& result, Pac
   j["parts"] = Json::array();
   Json memory = Json::object();
   for (const PartUse& part : parts) {
-    j["parts"].push_back({{"name", part.name},
-                          {"time_s", part.seconds},
-                          {"memory_MiB", mebibytes(part.bytes)}});
+    j["parts"].push_back(
+        {{"name", part.name}, {"time_s", part.seconds}, {"memory_MiB", mebibytes(part.bytes)}});
     memory[part.name] = mebibytes(part.bytes);
   }
   memory["peak_rss"] = mebibytes(peak_resident_bytes());

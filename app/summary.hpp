@@ -1,9 +1,10 @@
 #pragma once
 
-#include "app/session.hpp"
+#include <string>
 
 #include <nlohmann/json_fwd.hpp>
-#include <string>
+
+#include "app/session.hpp"
 
 namespace sulcus {
 

@@ -82,9 +82,9 @@ bool broad_phase(const Workpiece& workpiece, const Capsule& capsule_tool,
     bool any_child = false;
     const Eigen::Vector3i& n_child = octree.dims(place.level + 1);
     for (int c = 7; c >= 0; --c) {  // pushed in reverse, so that they are visited in order
-      const Octree::Place child{place.level + 1, {2 * place.at.x() + (c & 1),
-                                                  2 * place.at.y() + (c >> 1 & 1),
-                                                  2 * place.at.z() + (c >> 2)}};
+      const Octree::Place child{place.level + 1,
+                                {2 * place.at.x() + (c & 1), 2 * place.at.y() + (c >> 1 & 1),
+                                 2 * place.at.z() + (c >> 2)}};
       if ((child.at.array() >= n_child.array()).any()) continue;
       if (octree.node(octree.index(child)).status == ChildStatus::kNone) continue;
       any_child = true;

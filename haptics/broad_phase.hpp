@@ -1,11 +1,11 @@
 #pragma once
 
+#include <Eigen/Geometry>
+
 #include "engine/core/pose.hpp"
 #include "engine/tool/burr.hpp"
 #include "engine/volume/workpiece.hpp"
 #include "haptics/contact.hpp"
-
-#include <Eigen/Geometry>
 
 namespace sulcus {
 

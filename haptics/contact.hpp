@@ -1,31 +1,31 @@
 #pragma once
 
-#include "engine/core/pose.hpp"
-#include "engine/scene/scene.hpp"
-#include "haptics/stage_clock.hpp"
+#include <cstdint>
+#include <vector>
 
 #include <Eigen/Core>
 
-#include <cstdint>
-#include <vector>
+#include "engine/core/pose.hpp"
+#include "engine/scene/scene.hpp"
+#include "haptics/stage_clock.hpp"
 
 namespace sulcus {
 
 /// A surface voxel that the burr may touch, and what the stages find out about it.
 struct Contact {
   // [narrow_phase]
-  std::uint32_t voxel = 0;            // VoxelGrid::linear
+  std::uint32_t voxel = 0;  // VoxelGrid::linear
   Eigen::Vector3i cell = Eigen::Vector3i::Zero();
-  float distance_m = 0.0f;            // of the voxel's centre to the burr, negative inside
+  float distance_m = 0.0f;  // of the voxel's centre to the burr, negative inside
   // [normals]
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // unit, out of the tooth; zero: none
-  float offset_m = 0.0f;              // of the surface from the voxel's centre along the normal
+  float offset_m = 0.0f;  // of the surface from the voxel's centre along the normal
   // [contact_force]
-  Eigen::Vector3d arm_m = Eigen::Vector3d::Zero();   // world, from the torque reference
-  float depth_m = 0.0f;               // where depth is measured, positive inside the burr
-  float weight = 0.0f;                // 0: dropped
-  double normal_force_N = 0.0;        // |F_n|, after scaling
-  double power_W = 0.0;               // beta |F_n| |v_t|; 0 without cutting
+  Eigen::Vector3d arm_m = Eigen::Vector3d::Zero();  // world, from the torque reference
+  float depth_m = 0.0f;         // where depth is measured, positive inside the burr
+  float weight = 0.0f;          // 0: dropped
+  double normal_force_N = 0.0;  // |F_n|, after scaling
+  double power_W = 0.0;         // beta |F_n| |v_t|; 0 without cutting
 };
 
 /// Force and torque on the tool, world axes, torque about the burr's reference point.
@@ -44,12 +44,12 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 /// What one evaluation of the contact found. The contacts are in the scratch it was given.
 struct ContactResult {
-  Wrench wrench;                               // normal and tangential part
-  Matrix6d stiffness = Matrix6d::Zero();       // -d(wrench)/d(translation, rotation), normals held
-  std::uint32_t contacts = 0;                  // voxels that take part in the force
-  std::uint32_t tested = 0;                    // voxels whose distance was asked for
-  std::uint32_t leaves = 0;                    // leaves that the capsule reaches
-  std::uint32_t faults = 0;                    // bits of Fault
+  Wrench wrench;                          // normal and tangential part
+  Matrix6d stiffness = Matrix6d::Zero();  // -d(wrench)/d(translation, rotation), normals held
+  std::uint32_t contacts = 0;             // voxels that take part in the force
+  std::uint32_t tested = 0;               // voxels whose distance was asked for
+  std::uint32_t leaves = 0;               // leaves that the capsule reaches
+  std::uint32_t faults = 0;               // bits of Fault
 };
 
 /// All the memory a contact evaluation uses, taken once when the scene loads. One per thread.
@@ -67,10 +67,10 @@ struct ContactScratch {
 
   static constexpr std::size_t kMaxLeaves = 1 << 16;
   StageClock clock;
-  std::size_t capacity;                 // contacts that are kept
-  std::vector<std::uint32_t> leaves;    // [broad_phase] leaf numbers
-  std::vector<std::uint32_t> hollow;    // [broad_phase] internal nodes without children left
-  std::vector<Contact> contacts;        // [narrow_phase] and on
+  std::size_t capacity;               // contacts that are kept
+  std::vector<std::uint32_t> leaves;  // [broad_phase] leaf numbers
+  std::vector<std::uint32_t> hollow;  // [broad_phase] internal nodes without children left
+  std::vector<Contact> contacts;      // [narrow_phase] and on
 };
 
 }  // namespace sulcus

@@ -1,17 +1,17 @@
 #include "haptics/contact_force.hpp"
 
-#include "engine/core/lane_sums.hpp"
-
 #include <algorithm>
 #include <cmath>
+
+#include "engine/core/lane_sums.hpp"
 
 namespace sulcus {
 
 namespace {
 
-constexpr float kFadeBelow = 0.2f;       // cosine between the normal and the tool's
-constexpr double kFullWeights = 10.0;    // W0: sum of weights from which the stiffness is K
-constexpr double kSlowEdge = 10e-3;      // v0, m/s
+constexpr float kFadeBelow = 0.2f;     // cosine between the normal and the tool's
+constexpr double kFullWeights = 10.0;  // W0: sum of weights from which the stiffness is K
+constexpr double kSlowEdge = 10e-3;    // v0, m/s
 
 /// Depth, normal and weight of one contact; weight 0 drops it.
 void measure(Contact& contact, const DistanceField& field, const Pose& world_from_tool,
@@ -52,8 +52,8 @@ void measure(Contact& contact, const DistanceField& field, const Pose& world_fro
   if (contact.depth_m <= 0.0f || (at_surface && cosine <= 0.0f)) {
     contact.weight = 0.0f;
   } else if (at_surface) {
-    contact.weight = contact.depth_m / static_cast<float>(grid.voxel_m) *
-                     std::min(1.0f, cosine / kFadeBelow);
+    contact.weight =
+        contact.depth_m / static_cast<float>(grid.voxel_m) * std::min(1.0f, cosine / kFadeBelow);
   } else {
     contact.weight = 1.0f;
   }
@@ -94,12 +94,12 @@ void contact_force(const Workpiece& workpiece, std::span<const TissueSettings> t
     Eigen::Vector3d force = contact.normal_force_N * normal;  // eq. 1
     if (twist) {
       const Eigen::Vector3d arm_tip = contact.arm_m + to_reference;
-      const Eigen::Vector3d turning =
-          twist->angular_rad_per_s + burr.speed_rad_per_s * axis_world;
+      const Eigen::Vector3d turning = twist->angular_rad_per_s + burr.speed_rad_per_s * axis_world;
       const Eigen::Vector3d velocity = twist->linear_m_per_s + turning.cross(arm_tip);
       const Eigen::Vector3d sliding = velocity - velocity.dot(normal) * normal;
       const double speed = std::sqrt(sliding.squaredNorm());
-      const double along = burr.tangential_ratio * contact.normal_force_N / std::max(speed, kSlowEdge);
+      const double along =
+          burr.tangential_ratio * contact.normal_force_N / std::max(speed, kSlowEdge);
       force -= along * sliding;  // eq. 7
       contact.power_W = along * speed * speed;
     }

@@ -1,17 +1,17 @@
 #pragma once
 
-#include "engine/core/pose.hpp"
-#include "engine/scene/trajectory.hpp"
-#include "haptics/contact.hpp"
-
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "engine/core/pose.hpp"
+#include "engine/scene/trajectory.hpp"
+#include "haptics/contact.hpp"
+
 namespace sulcus {
 
-/// Where the tool's pose comes from and the wrench goes to. Called by the haptic thread once a tick:
-/// `pose`, then `apply`. Neither blocks nor allocates nor throws.
+/// Where the tool's pose comes from and the wrench goes to. Called by the haptic thread once a
+/// tick: `pose`, then `apply`. Neither blocks nor allocates nor throws.
 class Device {
  public:
   virtual ~Device() = default;

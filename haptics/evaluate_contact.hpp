@@ -1,10 +1,10 @@
 #pragma once
 
+#include <span>
+
 #include "engine/tool/burr.hpp"
 #include "engine/volume/workpiece.hpp"
 #include "haptics/contact.hpp"
-
-#include <span>
 
 namespace sulcus {
 

@@ -1,13 +1,13 @@
 #pragma once
 
+#include <array>
+#include <span>
+#include <vector>
+
 #include "engine/volume/edit.hpp"
 #include "engine/volume/workpiece.hpp"
 #include "haptics/contact.hpp"
 #include "haptics/cut_state.hpp"
-
-#include <array>
-#include <span>
-#include <vector>
 
 namespace sulcus {
 
@@ -17,9 +17,9 @@ struct RemovalState {
       : part_cut(static_cast<std::uint32_t>(settings.max_cut_voxels)) {}
 
   CutState part_cut;
-  double pool_J = 0.0;       // work done that no voxel in contact could take
-  double work_J = 0.0;       // of the tangential force, all ticks
-  double removed_J = 0.0;    // spent on voxels that are gone
+  double pool_J = 0.0;                              // work done that no voxel in contact could take
+  double work_J = 0.0;                              // of the tangential force, all ticks
+  double removed_J = 0.0;                           // spent on voxels that are gone
   std::array<std::uint64_t, 256> removed_voxels{};  // by tissue label
 
   /// work_J less removed_J: in part-cut voxels and the pool.
@@ -29,9 +29,10 @@ struct RemovalState {
 /// Volume removal [Kim and Park 2019, eq. 6] as conservation of energy: the work of each contact's
 /// tangential force in a tick is spent on its voxel, which goes when it has received its tissue's
 /// specific cutting energy times its volume. (The paper divides by fracture toughness, which orders
-/// dental tissues wrongly.) What a voxel does not need goes in equal shares to the voxels in contact
-/// that still stand, and what none can take waits in the pool for the next contact; nothing is lost.
-/// Removed voxels are appended to `edits`, which has room for every contact. Returns fault bits.
+/// dental tissues wrongly.) What a voxel does not need goes in equal shares to the voxels in
+/// contact that still stand, and what none can take waits in the pool for the next contact; nothing
+/// is lost. Removed voxels are appended to `edits`, which has room for every contact. Returns fault
+/// bits.
 std::uint32_t removal(Workpiece& workpiece, std::span<const TissueSettings> tissues, double dt_s,
                       std::uint64_t tick, const ContactScratch& scratch, RemovalState& state,
                       std::vector<Edit>& edits) noexcept;

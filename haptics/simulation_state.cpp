@@ -1,9 +1,9 @@
 #include "haptics/simulation_state.hpp"
 
-#include "engine/core/hash.hpp"
-
 #include <algorithm>
 #include <array>
+
+#include "engine/core/hash.hpp"
 
 namespace sulcus {
 

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "engine/core/pose.hpp"
-#include "haptics/removal.hpp"
-
 #include <cstdint>
 #include <optional>
+
+#include "engine/core/pose.hpp"
+#include "haptics/removal.hpp"
 
 namespace sulcus {
 

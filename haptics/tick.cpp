@@ -1,10 +1,10 @@
 #include "haptics/tick.hpp"
 
-#include "haptics/broad_phase.hpp"
-#include "haptics/evaluate_contact.hpp"
-
 #include <algorithm>
 #include <array>
+
+#include "haptics/broad_phase.hpp"
+#include "haptics/evaluate_contact.hpp"
 
 namespace sulcus {
 
@@ -95,8 +95,8 @@ TickRecord tick(const TickContext& context, Device& device, Workpiece& workpiece
     contact = contact_with_bodies(context, workpiece, state, twist, scratch.contact);
     if (state.removal) {
       const auto timed = scratch.contact.clock.time(Stage::kRemoval);
-      contact.faults |= removal(workpiece, context.scene.tissues, dt_s, state.tick,
-                                scratch.contact, *state.removal, scratch.edits);
+      contact.faults |= removal(workpiece, context.scene.tissues, dt_s, state.tick, scratch.contact,
+                                *state.removal, scratch.edits);
       workpiece.switch_off(scratch.contact.hollow);
     }
   } else {

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "engine/bodies/body_query.hpp"
 #include "engine/recording/tick_record.hpp"
 #include "engine/scene/scene.hpp"
@@ -9,9 +12,6 @@
 #include "haptics/contact.hpp"
 #include "haptics/device.hpp"
 #include "haptics/simulation_state.hpp"
-
-#include <span>
-#include <vector>
 
 namespace sulcus {
 

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <Eigen/Geometry>
-
 #include <cstdint>
 #include <span>
+
+#include <Eigen/Geometry>
 
 namespace sulcus {
 

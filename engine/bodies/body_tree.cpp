@@ -1,8 +1,8 @@
 #include "engine/bodies/body_tree.hpp"
 
-#include <BulletCollision/BroadphaseCollision/btDbvt.h>
-
 #include <algorithm>
+
+#include <BulletCollision/BroadphaseCollision/btDbvt.h>
 
 namespace sulcus {
 

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "engine/bodies/body_query.hpp"
-
 #include <memory>
 #include <span>
+
+#include "engine/bodies/body_query.hpp"
 
 namespace sulcus {
 

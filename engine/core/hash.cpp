@@ -1,9 +1,9 @@
 #include "engine/core/hash.hpp"
 
-#include <openssl/evp.h>
-
 #include <array>
 #include <cstdio>
+
+#include <openssl/evp.h>
 
 namespace sulcus {
 

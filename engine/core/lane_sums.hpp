@@ -5,9 +5,9 @@
 
 namespace sulcus {
 
-/// N sums over a sequence, in a fixed order: term i goes to virtual lane i mod 16, and the lanes are
-/// added pairwise at the end. A kernel of 4, 8 or 16 lanes adds in the same order, so the sums have
-/// the same bits whichever was chosen.
+/// N sums over a sequence, in a fixed order: term i goes to virtual lane i mod 16, and the lanes
+/// are added pairwise at the end. A kernel of 4, 8 or 16 lanes adds in the same order, so the sums
+/// have the same bits whichever was chosen.
 template <std::size_t N>
 class LaneSums {
  public:

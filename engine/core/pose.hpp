@@ -8,8 +8,8 @@ namespace sulcus {
 /// A rigid pose, "A from B": points by `point`, directions by `direction`. (A gradient of a
 /// function of B turns like a direction, since the pose is rigid.) The quaternion is unit length.
 struct Pose {
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();              // m, of B's origin in A
-  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity(); // A from B
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();               // m, of B's origin in A
+  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  // A from B
 
   Eigen::Vector3d point(const Eigen::Vector3d& p) const { return position + orientation * p; }
   Eigen::Vector3d direction(const Eigen::Vector3d& d) const { return orientation * d; }

@@ -1,5 +1,8 @@
 #include "engine/core/realtime.hpp"
 
+#include <cerrno>
+#include <cstring>
+
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
@@ -7,9 +10,6 @@
 #include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
-
-#include <cerrno>
-#include <cstring>
 
 namespace sulcus {
 

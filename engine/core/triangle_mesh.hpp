@@ -1,10 +1,10 @@
 #pragma once
 
-#include <Eigen/Core>
-
 #include <array>
 #include <cstdint>
 #include <vector>
+
+#include <Eigen/Core>
 
 namespace sulcus {
 

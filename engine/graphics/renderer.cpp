@@ -77,7 +77,7 @@ Renderer::~Renderer() {
 void Renderer::set_size(int width, int height) {
   context_.make_current();
   if (frame_ && frame_->width() == width && frame_->height() == height) return;
-  frame_.emplace(width, height);
+  frame_ = std::make_unique<GlFramebuffer>(width, height);
   if (settings_.hud) hud_.emplace(height);
 }
 

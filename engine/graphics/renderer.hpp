@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -43,7 +44,7 @@ class Renderer {
   /// Voxels (VoxelGrid::linear) that are no longer solid.
   void remove(std::span<const std::uint32_t> voxels) { surface_.remove(voxels); }
   void set_camera(Camera camera) { camera_ = camera; }
-  /// Pixels. Throws std::runtime_error beyond what OpenGL here can draw.
+  /// Pixels. Throws std::runtime_error beyond what OpenGL here can draw; the size then stays.
   void set_size(int width, int height);
   /// Meshes what has changed and draws a frame.
   Image draw(const FrameState& state);
@@ -79,7 +80,7 @@ class Renderer {
   std::vector<Eigen::AlignedBox3d> solid_world_;  // of the start
   double burr_head_length_m_;
   double burr_radius_m_ = 0.0;  // of the head
-  std::optional<GlFramebuffer> frame_;
+  std::unique_ptr<GlFramebuffer> frame_;
   std::optional<Hud> hud_;
   GlProgram background_program_, tooth_program_, burr_program_, smooth_program_;
   std::vector<Brick> bricks_;

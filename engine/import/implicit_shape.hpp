@@ -1,11 +1,11 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <Eigen/Geometry>
-
 #include <concepts>
 #include <cstdint>
 #include <limits>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace sulcus {
 

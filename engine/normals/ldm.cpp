@@ -1,12 +1,12 @@
 #include "engine/normals/ldm.hpp"
 
-#include <Eigen/Dense>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+
+#include <Eigen/Dense>
 
 namespace sulcus {
 
@@ -16,8 +16,8 @@ constexpr int kSide = 2 * kMaxNeighbourhood + 1;
 constexpr int kPixels = kSide * kSide;
 constexpr std::size_t kLanes = 8;  // of the sums over a map, added up in a fixed order
 constexpr std::size_t kPaddedPixels = (kPixels + kLanes - 1) / kLanes * kLanes;
-constexpr int kMaxStep = 2;       // of the surface from one column to the next, voxels
-constexpr int kMaxUneven = 3;     // |z(p) + z(-p) - 2 z(0)|, voxels
+constexpr int kMaxStep = 2;    // of the surface from one column to the next, voxels
+constexpr int kMaxUneven = 3;  // |z(p) + z(-p) - 2 z(0)|, voxels
 constexpr int kInvalid = 127;
 
 // --- Coarse normal ------------------------------------------------------------------------------
@@ -86,8 +86,8 @@ constexpr std::array<signed char, 32> nearest_of_five(int outer) {
 constexpr auto kNearestUp = nearest_of_five(1);
 constexpr auto kNearestDown = nearest_of_five(-1);
 
-/// Pixels of a map in the order of its rings, each walked once around, so that the pixel opposite to
-/// the k-th of ring r is the (k + 4 r)-th; a map of fewer rings is the front of one of more.
+/// Pixels of a map in the order of its rings, each walked once around, so that the pixel opposite
+/// to the k-th of ring r is the (k + 4 r)-th; a map of fewer rings is the front of one of more.
 struct Pixel {
   signed char i = 0, j = 0;
   std::int16_t inner = 0;  // place of the neighbour one ring further in
@@ -186,9 +186,9 @@ HeightMap trace_map(const SurfaceBits& surface, int rings, int trace) noexcept {
 
 // --- The fit ------------------------------------------------------------------------------------
 
-/// Filters of a square window that give the weighted least-squares quadric's value and slopes at its
-/// centre as plain sums over the heights [eqs. 3 and 4, with a taper and the square lattice's own
-/// moments]. In the order of kRingOrder, zero beyond the window.
+/// Filters of a square window that give the weighted least-squares quadric's value and slopes at
+/// its centre as plain sums over the heights [eqs. 3 and 4, with a taper and the square lattice's
+/// own moments]. In the order of kRingOrder, zero beyond the window.
 struct WindowFilter {
   alignas(32) std::array<float, kPaddedPixels> value{};    // sum value z: height at the centre
   alignas(32) std::array<float, kPaddedPixels> slope_u{};  // dz/di
@@ -216,8 +216,8 @@ WindowFilter make_filter(int ns) {
   // With one ring the window sees no more than a plane's worth of curvature: the even part would
   // interpolate the centre's own quantisation.
   const bool curved = ns >= 2;
-  const Eigen::Vector3d row =
-      curved ? Eigen::Vector3d(even.inverse().row(0).transpose()) : Eigen::Vector3d(1.0 / even(0, 0), 0, 0);
+  const Eigen::Vector3d row = curved ? Eigen::Vector3d(even.inverse().row(0).transpose())
+                                     : Eigen::Vector3d(1.0 / even(0, 0), 0, 0);
   for (int k = 0; k < pixel_count(ns); ++k) {
     const int i = kRingOrder[k].i, j = kRingOrder[k].j;
     const double w = weight(i, j);

@@ -1,10 +1,10 @@
 #include "engine/normals/ldm_paper.hpp"
 
-#include "engine/normals/neighbour_pattern.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+
+#include "engine/normals/neighbour_pattern.hpp"
 
 namespace sulcus {
 
@@ -46,8 +46,8 @@ int trace_column(const Workpiece& workpiece, const Cell& q, const Eigen::Vector3
 
 }  // namespace
 
-SurfaceEstimate estimate_ldm_paper(const Workpiece& workpiece, const Cell& voxel,
-                                   int neighbourhood, int trace) noexcept {
+SurfaceEstimate estimate_ldm_paper(const Workpiece& workpiece, const Cell& voxel, int neighbourhood,
+                                   int trace) noexcept {
   const Eigen::Vector3i direction = projection_directions()[exposed_faces(workpiece, voxel)];
   if ((direction.array() == 0).all()) return {};
   const MapFrame frame = frame_of(direction);

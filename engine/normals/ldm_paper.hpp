@@ -17,7 +17,7 @@ namespace sulcus {
 /// - a pattern whose faces all oppose each other has no direction: undefined.
 /// `neighbourhood` is NS, `trace` alpha, both in voxels. The offset is 0: the paper measures depth
 /// at voxel centres. Pure, no allocation.
-SurfaceEstimate estimate_ldm_paper(const Workpiece& workpiece, const Cell& voxel,
-                                   int neighbourhood, int trace) noexcept;
+SurfaceEstimate estimate_ldm_paper(const Workpiece& workpiece, const Cell& voxel, int neighbourhood,
+                                   int trace) noexcept;
 
 }  // namespace sulcus

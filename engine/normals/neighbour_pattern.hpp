@@ -1,11 +1,11 @@
 #pragma once
 
-#include "engine/volume/workpiece.hpp"
+#include <array>
+#include <cstdint>
 
 #include <Eigen/Core>
 
-#include <array>
-#include <cstdint>
+#include "engine/volume/workpiece.hpp"
 
 namespace sulcus {
 

@@ -9,7 +9,7 @@ namespace sulcus {
 /// tool's distance gradient; never NaN.
 struct SurfaceEstimate {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // unit, out of the solid
-  float offset = 0.0f;   // of the surface from the voxel's centre along the normal, voxels
+  float offset = 0.0f;  // of the surface from the voxel's centre along the normal, voxels
   bool defined = false;
 };
 

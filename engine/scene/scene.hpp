@@ -1,15 +1,15 @@
 #pragma once
 
-#include "engine/core/pose.hpp"
-
-#include <Eigen/Core>
-
 #include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <Eigen/Core>
+
+#include "engine/core/pose.hpp"
 
 namespace sulcus {
 
@@ -24,22 +24,22 @@ struct WorkpieceSettings {
 
   double sphere_radius_m = 3e-3;
   Eigen::Vector3d box_size_m{6e-3, 6e-3, 6e-3};
-  double plate_thickness_m = 1e-3, plate_tilt = 0.0;       // tilt in rad about y
+  double plate_thickness_m = 1e-3, plate_tilt = 0.0;  // tilt in rad about y
   double torus_major_m = 3e-3, torus_minor_m = 1e-3;
   double groove_angle = 1.5707963267948966, groove_depth_m = 1e-3;  // a V along x in a flat face
-  double molar_caries_radius_m = 0.0;                      // lesion under the central pit; 0: none
+  double molar_caries_radius_m = 0.0;  // lesion under the central pit; 0: none
 
-  std::optional<double> solid_above;                       // grey value; none: binary mask
-  std::optional<Eigen::Vector3d> spacing_m;                // instead of what a volume file says
+  std::optional<double> solid_above;         // grey value; none: binary mask
+  std::optional<Eigen::Vector3d> spacing_m;  // instead of what a volume file says
   double voxel_m = 34.8e-6;
   Eigen::Vector3i cells{512, 512, 512};
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();    // of the solid in the grid
-  Eigen::Vector3d rotation = Eigen::Vector3d::Zero();      // rad, about x, then y, then z
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  // of the solid in the grid
+  Eigen::Vector3d rotation = Eigen::Vector3d::Zero();    // rad, about x, then y, then z
 };
 
 struct TissueSettings {
   std::string name;
-  std::optional<double> above;             // grey value from which a voxel is of this tissue
+  std::optional<double> above;  // grey value from which a voxel is of this tissue
   double stiffness_N_per_m = 30e3;
   double specific_energy_J_per_m3 = 3.5e9;
   std::array<float, 3> colour{0.9f, 0.88f, 0.82f};  // linear RGB
@@ -51,12 +51,12 @@ struct BurrSettings {
   BurrShape shape = BurrShape::kRound;
   std::string file;
   double diameter_m = 1.4e-3;
-  std::optional<double> length_m;          // of the head; none: the shape's own ratio to the diameter
+  std::optional<double> length_m;  // of the head; none: the shape's own ratio to the diameter
   double speed_rad_per_s = 7000 * 0.10471975511965977;
-  double tangential_ratio = 0.3;           // beta of [Kim and Park 2019, eq. 7]
+  double tangential_ratio = 0.3;  // beta of [Kim and Park 2019, eq. 7]
   std::optional<Eigen::Vector3i> field_samples = Eigen::Vector3i{128, 512, 128};  // none: "auto"
-  std::optional<double> field_spacing_m;   // none: as fine as the samples allow
-  double reference_m = 40e-3;              // torque reference from the tip along the axis
+  std::optional<double> field_spacing_m;  // none: as fine as the samples allow
+  double reference_m = 40e-3;             // torque reference from the tip along the axis
 };
 
 /// A timed pose of the burr's tip.
@@ -66,9 +66,9 @@ struct TimedPose {
 };
 
 struct TrajectorySettings {
-  std::vector<Eigen::Vector3d> points_m;   // exactly one of points and file is set
+  std::vector<Eigen::Vector3d> points_m;  // exactly one of points and file is set
   std::string file;
-  Eigen::Vector3d axis{0, 0, 1};           // from tip to shank, unit
+  Eigen::Vector3d axis{0, 0, 1};  // from tip to shank, unit
   double speed_m_per_s = 0.4e-3;
 };
 
@@ -78,14 +78,14 @@ enum class Scaling : std::uint8_t { kNone, kCount, kSmooth };
 struct HapticsSettings {
   double rate_hz = 1000.0;
   NormalMethod normals = NormalMethod::kLdm;
-  int neighbourhood = 6;                   // NS, voxels
-  int trace = 12;                          // alpha, voxels; 5 under ldm_paper
+  int neighbourhood = 6;  // NS, voxels
+  int trace = 12;         // alpha, voxels; 5 under ldm_paper
   Scaling scaling = Scaling::kSmooth;
-  int max_contacts = 65536;                // capacity; beyond it the deepest are kept
+  int max_contacts = 65536;  // capacity; beyond it the deepest are kept
 };
 
 struct CuttingSettings {
-  int max_cut_voxels = 1 << 18;            // capacity of the part-cut state
+  int max_cut_voxels = 1 << 18;  // capacity of the part-cut state
 };
 
 enum class Camera : std::uint8_t { kReview, kOcclusal, kBuccal, kMesial, kBurr };
@@ -93,8 +93,8 @@ inline constexpr std::array<std::string_view, 5> kCameraNames{"review", "occlusa
                                                               "mesial", "burr"};
 
 struct RenderSettings {
-  int width = 1280, height = 720;          // pixels
-  double fps = 30.0;                       // frames per second of simulated time
+  int width = 1280, height = 720;  // pixels
+  double fps = 30.0;               // frames per second of simulated time
   Camera camera = Camera::kReview;
   bool hud = true;
 };
@@ -104,7 +104,7 @@ struct RecordSettings {};
 struct Scene {
   std::string title;
   WorkpieceSettings workpiece;
-  std::vector<TissueSettings> tissues;     // at least one
+  std::vector<TissueSettings> tissues;  // at least one
   BurrSettings burr;
   TrajectorySettings trajectory;
   HapticsSettings haptics;
@@ -112,8 +112,8 @@ struct Scene {
   std::optional<RenderSettings> render;
   std::optional<RecordSettings> record;
 
-  std::string text;    // the TOML as run, with every --set in it: a recording carries this
-  std::string file;    // where it came from, for messages
+  std::string text;  // the TOML as run, with every --set in it: a recording carries this
+  std::string file;  // where it came from, for messages
 };
 
 }  // namespace sulcus

@@ -1,5 +1,11 @@
 #include "engine/scene/scene_file.hpp"
 
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
 #include "engine/normals/ldm.hpp"
@@ -7,19 +13,13 @@
 #include "engine/scene/toml_table.hpp"
 #include "engine/volume/grid.hpp"
 
-#include <array>
-#include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-
 namespace sulcus {
 
 namespace {
 
-constexpr double kHuge = 1e300;
 constexpr Range kAnyLength_mm{-1e3, 1e3};
 constexpr Range kSize_mm{0.01, 1e3};
+constexpr Range kComponent{-1e6, 1e6};  // of a direction
 constexpr std::uintmax_t kMaxSceneBytes = 16 << 20;
 
 Eigen::Vector3d vector3(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
@@ -56,7 +56,11 @@ void read_shape_tables(TomlTable& table, WorkpieceSettings& w) {
   }
   if (auto t = table.table("torus")) {
     w.torus_major_m = t->number("major_mm", kSize_mm, 3.0) * kMillimetre;
-    w.torus_minor_m = t->number("minor_mm", {0.01, w.torus_major_m / kMillimetre}, 1.0) * kMillimetre;
+    w.torus_minor_m = t->number("minor_mm", kSize_mm, 1.0) * kMillimetre;
+    if (w.torus_minor_m >= w.torus_major_m) {
+      t->fail("minor_mm", "a tube as thick as its ring",
+              "less than major_mm (3 and 1 unless said)");
+    }
     t->finish();
   }
   if (auto t = table.table("groove")) {
@@ -108,9 +112,9 @@ TissueSettings read_tissue(TomlTable& table, const std::vector<TissueSettings>& 
     if (k.name == t.name) t = k;  // a known name brings its constants
   }
   t.above = table.number("above", {-1e9, 1e9});
-  t.stiffness_N_per_m = table.number("stiffness_N_per_mm", {1e-6, 1e6},
-                                     t.stiffness_N_per_m / kNewtonPerMillimetre) *
-                        kNewtonPerMillimetre;
+  t.stiffness_N_per_m =
+      table.number("stiffness_N_per_mm", {1e-6, 1e6}, t.stiffness_N_per_m / kNewtonPerMillimetre) *
+      kNewtonPerMillimetre;
   t.specific_energy_J_per_m3 = table.number("specific_energy_J_per_mm3", {1e-9, 1e6},
                                             t.specific_energy_J_per_m3 / kJoulePerMm3) *
                                kJoulePerMm3;
@@ -122,7 +126,8 @@ TissueSettings read_tissue(TomlTable& table, const std::vector<TissueSettings>& 
 
 /// The tissues of assets/tissues.toml.
 std::vector<TissueSettings> known_tissues() {
-  const toml::table parsed = toml::parse(tissue_table_toml(), std::string_view("assets/tissues.toml"));
+  const toml::table parsed =
+      toml::parse(tissue_table_toml(), std::string_view("assets/tissues.toml"));
   TomlTable root(parsed, "assets/tissues.toml", "");
   std::vector<TissueSettings> all;
   for (TomlTable& table : root.tables("tissue")) all.push_back(read_tissue(table, {}));
@@ -202,10 +207,11 @@ TrajectorySettings read_trajectory(TomlTable& root) {
   }
   t.file = table->path("file");
   if (t.points_m.empty() == t.file.empty()) {
-    table->fail("points_mm", t.file.empty() ? "neither points nor a file" : "both points and a file",
+    table->fail("points_mm",
+                t.file.empty() ? "neither points nor a file" : "both points and a file",
                 "one of them");
   }
-  const std::vector<double> axis = table->numbers("axis", 3, {-kHuge, kHuge});
+  const std::vector<double> axis = table->numbers("axis", 3, kComponent);
   if (!axis.empty()) {
     const double length = vector3(axis).norm();
     if (!(length > 1e-9)) table->fail("axis", "a vector of no length", "a direction");
@@ -356,10 +362,10 @@ Scene parse_scene(const std::string& text, const std::string& file,
     parsed = toml::parse(text, file);
   } catch (const toml::parse_error& error) {
     const toml::source_region& at = error.source();
-    throw InputError(file,
-                     "line " + std::to_string(at.begin.line) + ", column " +
-                         std::to_string(at.begin.column),
-                     "what is no TOML (" + std::string(error.description()) + ")", "a scene");
+    throw InputError(
+        file,
+        "line " + std::to_string(at.begin.line) + ", column " + std::to_string(at.begin.column),
+        "what is no TOML (" + std::string(error.description()) + ")", "a scene");
   }
   for (const std::string& override_text : overrides) apply_override(parsed, override_text);
 

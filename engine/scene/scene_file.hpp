@@ -1,14 +1,14 @@
 #pragma once
 
-#include "engine/scene/scene.hpp"
-
 #include <span>
 #include <string>
 
+#include "engine/scene/scene.hpp"
+
 namespace sulcus {
 
-/// Reads and checks a scene. `overrides` are the TABLE.KEY=VALUE of --set: the value is TOML, else a
-/// string; tissue.NAME.KEY addresses a [[tissue]]; workpiece.file drops workpiece.shape; paths in
+/// Reads and checks a scene. `overrides` are the TABLE.KEY=VALUE of --set: the value is TOML, else
+/// a string; tissue.NAME.KEY addresses a [[tissue]]; workpiece.file drops workpiece.shape; paths in
 /// them are relative to the current folder, in the file to the file's. InputError (with line and
 /// column) on an unknown key, which names the nearest known one, a wrong type, or a value out of
 /// range. Files that a scene names are not opened here.

@@ -1,12 +1,12 @@
 #include "engine/scene/toml_table.hpp"
 
-#include "engine/core/error.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numeric>
 #include <sstream>
+
+#include "engine/core/error.hpp"
 
 namespace sulcus {
 
@@ -19,7 +19,6 @@ std::string number_text(double value) {
 }
 
 std::string range_text(Range range) {
-  if (range.most >= 1e300) return "at least " + number_text(range.least);
   return number_text(range.least) + " to " + number_text(range.most);
 }
 
@@ -54,7 +53,13 @@ std::string nearest_word(std::string_view word, std::span<const std::string> wor
 
 std::string describe(const toml::node& node) {
   std::ostringstream text;
-  node.visit([&](const auto& value) { text << value; });
+  node.visit([&](const auto& value) {
+    if constexpr (toml::is_floating_point<decltype(value)>) {
+      text << number_text(value.get());  // toml++ writes 17 digits, which nobody typed
+    } else {
+      text << value;
+    }
+  });
   std::string line = text.str();
   std::replace(line.begin(), line.end(), '\n', ' ');
   return line.size() > 60 ? line.substr(0, 57) + "..." : line;
@@ -199,9 +204,8 @@ std::string TomlTable::path(std::string_view key) {
   }
   const toml::source_region& region = table_.get(key)->source();
   const bool from_override = region.path && *region.path == kFromOverride;
-  const std::filesystem::path base =
-      from_override ? std::filesystem::current_path()
-                    : std::filesystem::absolute(file_).parent_path();
+  const std::filesystem::path base = from_override ? std::filesystem::current_path()
+                                                   : std::filesystem::absolute(file_).parent_path();
   return (base / given).lexically_normal().string();
 }
 
@@ -213,7 +217,8 @@ void TomlTable::finish() const {
     if (!near.empty()) {
       expected = "'" + near + "'";
     } else {
-      for (const std::string& word : known_) expected += (expected.empty() ? "one of " : ", ") + word;
+      for (const std::string& word : known_)
+        expected += (expected.empty() ? "one of " : ", ") + word;
     }
     fail(key.str(), "the unknown key '" + std::string(key.str()) + "'", expected);
   }

@@ -1,12 +1,12 @@
 #include "engine/scene/trajectory.hpp"
 
-#include "engine/core/error.hpp"
-#include "engine/core/units.hpp"
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <fstream>
+
+#include "engine/core/error.hpp"
+#include "engine/core/units.hpp"
 
 namespace sulcus {
 
@@ -23,8 +23,8 @@ TimedPose parse_row(const std::string& file, std::size_t line_number, const std:
   for (std::size_t field = 0; field < value.size(); ++field) {
     const auto [next, error] = std::from_chars(at, end, value[field]);
     const bool last = field + 1 == value.size();
-    if (error != std::errc{} || !std::isfinite(value[field]) || (last ? next != end : next == end) ||
-        (!last && *next != ',')) {
+    if (error != std::errc{} || !std::isfinite(value[field]) ||
+        (last ? next != end : next == end) || (!last && *next != ',')) {
       throw InputError(file, place, "'" + line.substr(0, 80) + "'",
                        std::string("8 finite numbers ") + kCsvHeader);
     }

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "engine/scene/scene.hpp"
-
 #include <string>
 #include <vector>
+
+#include "engine/scene/scene.hpp"
 
 namespace sulcus {
 

@@ -1,8 +1,8 @@
 #include "engine/volume/column_bits.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <bit>
+
+#include <tbb/parallel_for.h>
 
 namespace sulcus {
 
@@ -33,13 +33,16 @@ ColumnBits::ColumnBits(const VoxelModel& model) {
               rest &= ~(std::uint64_t{0xff} << (8 * row));
               const int y = ly * 8 + row;
               Axis& ax = axes_[0];
-              ax.words[ax.offset(y, z, 1 + static_cast<std::size_t>(lx >> 3))] |= byte << (8 * (lx & 7));
+              ax.words[ax.offset(y, z, 1 + static_cast<std::size_t>(lx >> 3))] |= byte
+                                                                                  << (8 * (lx & 7));
               for (std::uint64_t b = byte; b != 0; b &= b - 1) {
                 const int x = lx * 8 + std::countr_zero(b);
                 Axis& ay = axes_[1];
-                ay.words[ay.offset(z, x, 1 + static_cast<std::size_t>(y >> 6))] |= std::uint64_t{1} << (y & 63);
+                ay.words[ay.offset(z, x, 1 + static_cast<std::size_t>(y >> 6))] |= std::uint64_t{1}
+                                                                                   << (y & 63);
                 Axis& az = axes_[2];
-                az.words[az.offset(x, y, 1 + static_cast<std::size_t>(z >> 6))] |= std::uint64_t{1} << (z & 63);
+                az.words[az.offset(x, y, 1 + static_cast<std::size_t>(z >> 6))] |= std::uint64_t{1}
+                                                                                   << (z & 63);
               }
             }
           }

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "engine/volume/voxel_model.hpp"
-
 #include <array>
 #include <cstdint>
 #include <vector>
+
+#include "engine/volume/voxel_model.hpp"
 
 namespace sulcus {
 
@@ -13,8 +13,8 @@ namespace sulcus {
 /// across) stands around the grid, so that a window of any map needs no test against its faces.
 ///
 /// Columns along axis a are addressed by the other two coordinates in cyclic order:
-/// (y, z) for x, (z, x) for y, (x, y) for z. The words of one height lie together, one after another
-/// in the first of the two, so that the columns of a map's row are read in one go.
+/// (y, z) for x, (z, x) for y, (x, y) for z. The words of one height lie together, one after
+/// another in the first of the two, so that the columns of a map's row are read in one go.
 class ColumnBits {
  public:
   static constexpr int kBorder = 16;  // columns; a map may reach this far across the grid's face
@@ -39,7 +39,8 @@ class ColumnBits {
   ColumnBits() = default;
   explicit ColumnBits(const VoxelModel& model);
 
-  /// Needs -64 <= start <= cells along the axis; columns up to kBorder beyond the grid may be asked.
+  /// Needs -64 <= start <= cells along the axis; columns up to kBorder beyond the grid may be
+  /// asked.
   Windows around(int axis, int u, int v, int start) const noexcept {
     const Axis& a = axes_[axis];
     const unsigned from = static_cast<unsigned>(start + 64);

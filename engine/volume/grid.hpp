@@ -1,8 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
-
 #include <cstdint>
+
+#include <Eigen/Core>
 
 namespace sulcus {
 
@@ -52,8 +52,7 @@ struct VoxelGrid {
   Cell cell_of_linear(std::uint32_t v) const {
     const auto nx = static_cast<std::uint32_t>(cells.x());
     const auto ny = static_cast<std::uint32_t>(cells.y());
-    return {static_cast<int>(v % nx), static_cast<int>(v / nx % ny),
-            static_cast<int>(v / nx / ny)};
+    return {static_cast<int>(v % nx), static_cast<int>(v / nx % ny), static_cast<int>(v / nx / ny)};
   }
   std::uint64_t cell_count() const {
     return static_cast<std::uint64_t>(cells.x()) * cells.y() * cells.z();
@@ -67,8 +66,7 @@ struct VoxelGrid {
   }
   std::uint32_t leaf_of(const Cell& c) const {
     const Eigen::Vector3i n = leaf_dims();
-    return static_cast<std::uint32_t>((c.x() >> 3) +
-                                      n.x() * ((c.y() >> 3) + n.y() * (c.z() >> 3)));
+    return static_cast<std::uint32_t>((c.x() >> 3) + n.x() * ((c.y() >> 3) + n.y() * (c.z() >> 3)));
   }
   /// First voxel of a leaf.
   Cell leaf_origin(std::uint32_t leaf) const {

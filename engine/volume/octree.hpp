@@ -1,11 +1,11 @@
 #pragma once
 
-#include "engine/volume/voxel_model.hpp"
-
 #include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#include "engine/volume/voxel_model.hpp"
 
 namespace sulcus {
 

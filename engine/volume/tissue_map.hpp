@@ -1,11 +1,11 @@
 #pragma once
 
-#include "engine/volume/grid.hpp"
-
 #include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
+
+#include "engine/volume/grid.hpp"
 
 namespace sulcus {
 

@@ -1,12 +1,12 @@
 #pragma once
 
-#include "engine/volume/grid.hpp"
-#include "engine/volume/tissue_map.hpp"
-
 #include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
+
+#include "engine/volume/grid.hpp"
+#include "engine/volume/tissue_map.hpp"
 
 namespace sulcus {
 
@@ -20,9 +20,9 @@ struct alignas(64) LeafBits {
 /// of each. The tissues never change, so copies share them.
 struct VoxelModel {
   VoxelGrid grid;
-  std::vector<LeafBits> leaves;                 // grid.leaf_count(), x fastest
-  std::shared_ptr<const TissueMap> tissues;     // null: one tissue, no labels
-  bool clipped = false;                         // the solid reached beyond the grid
+  std::vector<LeafBits> leaves;              // grid.leaf_count(), x fastest
+  std::shared_ptr<const TissueMap> tissues;  // null: one tissue, no labels
+  bool clipped = false;                      // the solid reached beyond the grid
 
   bool solid(const Cell& c) const {
     return grid.contains(c) &&

@@ -1,11 +1,11 @@
 #include "engine/volume/workpiece.hpp"
 
-#include "engine/core/hash.hpp"
+#include <bit>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include <bit>
+#include "engine/core/hash.hpp"
 
 namespace sulcus {
 
@@ -46,10 +46,7 @@ LeafBits surface_of_leaf(const VoxelModel& model, std::uint32_t leaf) {
 }
 
 Workpiece::Workpiece(VoxelModel model)
-    : model_(std::move(model)),
-      surface_(model_.leaves.size()),
-      octree_(model_),
-      columns_(model_) {
+    : model_(std::move(model)), surface_(model_.leaves.size()), octree_(model_), columns_(model_) {
   tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, grid().leaf_count(), 4096),
                     [&](const auto& range) {
                       for (std::uint32_t leaf = range.begin(); leaf != range.end(); ++leaf) {
@@ -69,9 +66,8 @@ Workpiece::Workpiece(VoxelModel model)
 }
 
 bool Workpiece::is_surface(const Cell& c) const {
-  return grid().contains(c) && (surface_[grid().leaf_of(c)].words[leaf_word(c.z())] >>
-                                    leaf_bit(c.x(), c.y()) &
-                                1u) != 0;
+  return grid().contains(c) &&
+         (surface_[grid().leaf_of(c)].words[leaf_word(c.z())] >> leaf_bit(c.x(), c.y()) & 1u) != 0;
 }
 
 std::uint64_t Workpiece::leaf_hash(std::uint32_t leaf) const noexcept {
@@ -116,8 +112,8 @@ void Workpiece::remove(const Cell& c) noexcept {
     expose(c + Cell::Unit(axis));
     expose(c - Cell::Unit(axis));
   }
-  octree_.set_leaf_status(leaf, model_.leaves[leaf] == kEmptyLeaf ? ChildStatus::kNone
-                                                                  : ChildStatus::kSome);
+  octree_.set_leaf_status(
+      leaf, model_.leaves[leaf] == kEmptyLeaf ? ChildStatus::kNone : ChildStatus::kSome);
 }
 
 std::size_t Workpiece::memory_bytes() const {

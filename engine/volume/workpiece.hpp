@@ -1,12 +1,12 @@
 #pragma once
 
-#include "engine/volume/column_bits.hpp"
-#include "engine/volume/octree.hpp"
-#include "engine/volume/voxel_model.hpp"
-
 #include <cstdint>
 #include <memory>
 #include <vector>
+
+#include "engine/volume/column_bits.hpp"
+#include "engine/volume/octree.hpp"
+#include "engine/volume/voxel_model.hpp"
 
 namespace sulcus {
 

@@ -1,0 +1,465 @@
+#include "haptics/contact_force.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include "haptics/broad_phase.hpp"
+#include "haptics/evaluate_contact.hpp"
+#include "haptics/narrow_phase.hpp"
+#include "haptics/normals.hpp"
+#include "tests/support/shapes.hpp"
+#include "tests/support/tools.hpp"
+
+namespace sulcus {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+constexpr double kVoxel = 50e-6;
+constexpr double kStiffness = 30e3;  // N/m, of test::one_tissue()
+
+/// The lower half of a cube of 3.2 mm: its face, the outer faces of its voxels, at z = 0.
+const Workpiece& flat_block() {
+  static const Workpiece workpiece(test::block({64, 64, 64}, kVoxel, {0, 0, 0}, {64, 64, 32}));
+  return workpiece;
+}
+const Burr& round_burr() {
+  static const Burr burr = make_burr(test::small_burr(), kVoxel);
+  return burr;
+}
+HapticsSettings with(Scaling scaling) {
+  HapticsSettings settings;
+  settings.scaling = scaling;
+  return settings;
+}
+
+/// Signed distance and direction away from the burr at a point of the world.
+struct Probe {
+  double distance_m;
+  Vector3d away;
+};
+Probe probe(const Burr& burr, const Pose& pose, const Vector3d& p_world) {
+  Vector3f gradient;
+  const Vector3d p_field = burr.field.field_from_tool(pose.inverse_point(p_world));
+  const double distance_m = burr.field.sample_with_gradient(p_field.cast<float>(), gradient);
+  return {distance_m, pose.direction(gradient.cast<double>()).normalized()};
+}
+
+/// Contacts of a pose with their normals, and what contact_force makes of them.
+struct Evaluation {
+  Evaluation(const Workpiece& workpiece, const Burr& burr, const Pose& pose, Scaling scaling,
+             const Twist* twist = nullptr)
+      : scratch(with(scaling)) {
+    result =
+        evaluate_contact(workpiece, test::one_tissue(), burr, pose, twist, with(scaling), scratch);
+  }
+  ContactScratch scratch;
+  ContactResult result;
+};
+
+double depth_sum(const Workpiece& workpiece, const Burr& burr, const Pose& pose, int& contacts) {
+  double sum_m = 0.0;
+  contacts = 0;
+  for (const Cell& c : test::surface_cells(workpiece)) {
+    const double d = -probe(burr, pose, workpiece.grid().centre_world(c)).distance_m;
+    if (d <= 0.0) continue;
+    sum_m += d;
+    ++contacts;
+  }
+  return sum_m;
+}
+
+TEST(ContactForce, NoneIsTheSumOfStiffnessTimesDepthAlongTheNormal) {
+  const Pose pose = test::upright({0.13e-3, -0.21e-3, -0.12e-3});
+  const Evaluation e(flat_block(), round_burr(), pose, Scaling::kNone);
+  int contacts = 0;
+  const double sum_m = depth_sum(flat_block(), round_burr(), pose, contacts);
+  ASSERT_GT(contacts, 50);
+  EXPECT_EQ(e.result.contacts, static_cast<unsigned>(contacts));
+  EXPECT_NEAR(e.result.wrench.force_N.z(), kStiffness * sum_m, 1e-5 * kStiffness * sum_m);
+  EXPECT_EQ(e.result.wrench.force_N.x(), 0.0);
+  EXPECT_EQ(e.result.wrench.force_N.y(), 0.0);
+}
+
+TEST(ContactForce, CountIsStiffnessTimesTheMeanDepth) {
+  const Pose pose = test::upright({0.13e-3, -0.21e-3, -0.12e-3});
+  const Evaluation e(flat_block(), round_burr(), pose, Scaling::kCount);
+  int contacts = 0;
+  const double mean_m = depth_sum(flat_block(), round_burr(), pose, contacts) / contacts;
+  EXPECT_NEAR(e.result.wrench.force_N.z(), kStiffness * mean_m, 1e-5 * kStiffness * mean_m);
+  EXPECT_EQ(e.result.wrench.force_N.x(), 0.0);
+}
+
+TEST(ContactForce, SmoothWeighsByDepthAtTheSurface) {
+  const Pose pose =
+      test::pose_along({0.13e-3, -0.21e-3, -0.12e-3}, Vector3d(0.3, -0.2, 1).normalized());
+  const Evaluation e(flat_block(), round_burr(), pose, Scaling::kSmooth);
+  double weights = 0.0, weighted_m = 0.0;
+  for (const Cell& c : test::surface_cells(flat_block())) {
+    if (c.z() != 31 || (c.head<2>().array() < 8).any() || (c.head<2>().array() > 55).any())
+      continue;
+    const Vector3d surface = flat_block().grid().centre_world(c) + Vector3d(0, 0, 0.5 * kVoxel);
+    const Probe p = probe(round_burr(), pose, surface);
+    if (p.distance_m >= 0.0) continue;
+    const double weight = -p.distance_m / kVoxel * std::clamp(-p.away.z() / 0.2, 0.0, 1.0);
+    weights += weight;
+    weighted_m += weight * -p.distance_m;
+  }
+  ASSERT_GT(weights, 10.0);
+  const double expected_N = kStiffness * weighted_m / weights;
+  EXPECT_NEAR(e.result.wrench.force_N.z(), expected_N, 1e-4 * expected_N);
+}
+
+TEST(ContactForce, ALoneVoxelIsSofterThanAWallUnderSmooth) {
+  const Workpiece lone(test::block({64, 64, 64}, kVoxel, {31, 31, 31}, {32, 32, 32}));
+  const Pose pose = test::upright(lone.grid().centre_world({31, 31, 31}) - Vector3d(0, 0, 20e-6));
+  const double none_N =
+      Evaluation(lone, round_burr(), pose, Scaling::kNone).result.wrench.force_N.norm();
+  const double smooth_N =
+      Evaluation(lone, round_burr(), pose, Scaling::kSmooth).result.wrench.force_N.norm();
+  EXPECT_NEAR(none_N, kStiffness * 20e-6, 0.02 * kStiffness * 20e-6);
+  // Half a voxel deeper at its face, weight 0.9 of the 10 that make full stiffness.
+  EXPECT_NEAR(smooth_N, kStiffness * 45e-6 * 0.09, 0.05 * kStiffness * 45e-6 * 0.09);
+}
+
+TEST(ContactForce, TorqueIsTheSumOfArmsTimesForcesAboutTheReference) {
+  const Vector3d axis = Vector3d(0.4, -0.2, 1).normalized();
+  const Pose pose = test::pose_along({0.3e-3, 0.1e-3, -0.15e-3}, axis);
+  const Evaluation e(flat_block(), round_burr(), pose, Scaling::kNone);
+  const Vector3d reference = pose.position + 40e-3 * axis;
+  Vector3d torque = Vector3d::Zero();
+  for (const Contact& contact : e.scratch.contacts) {
+    const Vector3d force = kStiffness * contact.depth_m * contact.normal.cast<double>();
+    torque += (flat_block().grid().centre_world(contact.cell) - reference).cross(force);
+  }
+  EXPECT_GT(torque.norm(), 1e-3);
+  EXPECT_TRUE(e.result.wrench.torque_Nm.isApprox(torque, 1e-6));
+}
+
+TEST(ContactForce, TorqueAboutThePointOfContactIsNone) {
+  // An upright round burr on a plane: the force goes through its axis.
+  const Evaluation e(flat_block(), round_burr(), test::upright({0, 0, -0.1e-3}), Scaling::kSmooth);
+  EXPECT_GT(e.result.wrench.force_N.z(), 0.5);
+  EXPECT_LT(e.result.wrench.torque_Nm.norm(), 1e-5 * e.result.wrench.force_N.z());
+}
+
+TEST(ContactForce, EachTissueHasItsStiffness) {
+  VoxelModel model = test::block({64, 64, 64}, kVoxel, {0, 0, 0}, {64, 64, 32});
+  auto tissues = std::make_shared<TissueMap>(model.grid.leaf_count());
+  for (std::uint32_t leaf = 0; leaf < model.grid.leaf_count(); ++leaf)
+    tissues->set_uniform(leaf, 1);
+  model.tissues = tissues;
+  const Workpiece soft(std::move(model));
+  std::vector<TissueSettings> two(2);
+  two[1].stiffness_N_per_m = 0.1 * kStiffness;
+  const Pose pose = test::upright({0, 0, -0.1e-3});
+  ContactScratch scratch(with(Scaling::kCount));
+  const double force_N =
+      evaluate_contact(soft, two, round_burr(), pose, nullptr, with(Scaling::kCount), scratch)
+          .wrench.force_N.z();
+  const Evaluation hard(flat_block(), round_burr(), pose, Scaling::kCount);
+  EXPECT_NEAR(force_N, 0.1 * hard.result.wrench.force_N.z(), 1e-12);
+}
+
+TEST(ContactForce, WithoutANormalTheToolsGradientIsTaken) {
+  // A lone voxel beside the axis: symmetric, so the method knows no direction.
+  const Workpiece lone(test::block({64, 64, 64}, kVoxel, {31, 31, 31}, {32, 32, 32}));
+  const Pose pose =
+      test::upright(lone.grid().centre_world({31, 31, 31}) - Vector3d(0.3e-3, 0, 0.1e-3));
+  for (const Scaling scaling : {Scaling::kNone, Scaling::kCount, Scaling::kSmooth}) {
+    const Evaluation e(lone, round_burr(), pose, scaling);
+    ASSERT_EQ(e.result.contacts, 1u);
+    const Vector3d away = probe(round_burr(), pose, lone.grid().centre_world({31, 31, 31})).away;
+    EXPECT_GT(e.result.wrench.force_N.norm(), 0.01);
+    EXPECT_LT(test::angle_deg(e.result.wrench.force_N, -away), 0.1);
+  }
+}
+
+TEST(ContactForce, AContactThatFacesAwayIsDroppedUnderSmoothOnly) {
+  const Pose pose = test::upright({0, 0, -0.1e-3});
+  Contact contact;
+  contact.cell = Cell(32, 32, 31);
+  contact.voxel = flat_block().grid().linear(contact.cell);
+  contact.distance_m = static_cast<float>(
+      probe(round_burr(), pose, flat_block().grid().centre_world(contact.cell)).distance_m);
+  ASSERT_LT(contact.distance_m, 0.0f);
+  contact.normal = Vector3f(0, 0, -1);
+  for (const Scaling scaling : {Scaling::kNone, Scaling::kCount, Scaling::kSmooth}) {
+    ContactScratch scratch(with(scaling));
+    scratch.contacts.push_back(contact);
+    ContactResult result;
+    contact_force(flat_block(), test::one_tissue(), round_burr(), pose, nullptr, scaling, scratch,
+                  result);
+    if (scaling == Scaling::kSmooth) {
+      EXPECT_EQ(result.contacts, 0u);
+      EXPECT_EQ(result.wrench.force_N, Vector3d(0, 0, 0));
+    } else {
+      EXPECT_LT(result.wrench.force_N.z(), 0.0);
+    }
+  }
+}
+
+TEST(ContactForce, NoContactNoForce) {
+  for (const Scaling scaling : {Scaling::kNone, Scaling::kCount, Scaling::kSmooth}) {
+    const Evaluation e(flat_block(), round_burr(), test::upright({0, 0, 0.2e-3}), scaling);
+    EXPECT_EQ(e.result.contacts, 0u);
+    EXPECT_EQ(e.result.wrench.force_N, Vector3d(0, 0, 0));
+    EXPECT_EQ(e.result.wrench.torque_Nm, Vector3d(0, 0, 0));
+    EXPECT_TRUE(e.result.stiffness.isZero(0.0));
+  }
+}
+
+// --- Continuity ---------------------------------------------------------------------------------
+
+/// Largest change of the force over a micrometre, as the burr goes in from just off the surface.
+double largest_step_N(const Workpiece& workpiece, const Vector3d& touch_world, const Vector3d& out,
+                      const Vector3d& axis, Scaling scaling) {
+  // The round head's lowest point along `out` when its centre is off by its radius.
+  const double radius_m = 0.7e-3;
+  ContactScratch scratch(with(scaling));
+  const std::vector<TissueSettings> tissues = test::one_tissue();
+  double largest_N = 0.0;
+  Vector3d last_N = Vector3d::Zero();
+  for (int um = -60; um <= 120; ++um) {
+    const Vector3d centre = touch_world + out * (radius_m - um * 1e-6);
+    const Pose pose = test::pose_along(centre - radius_m * axis, axis);
+    const Vector3d force_N =
+        evaluate_contact(workpiece, tissues, round_burr(), pose, nullptr, with(scaling), scratch)
+            .wrench.force_N;
+    if (um > -60) largest_N = std::max(largest_N, (force_N - last_N).norm());
+    last_N = force_N;
+  }
+  EXPECT_GT(last_N.dot(out), 0.5) << "it is in contact at the end";
+  return largest_N;
+}
+
+TEST(ContactForce, SmoothNeverJumpsWhenVoxelsEnterOnPlanes) {
+  // A plane gives at most 2 K of stiffness: the mean of depths weighted by themselves.
+  const double bound_N = 2.0 * kStiffness * 1e-6;
+  const double flat_N = largest_step_N(flat_block(), {0.01e-3, 0.02e-3, 0}, Vector3d::UnitZ(),
+                                       Vector3d::UnitZ(), Scaling::kSmooth);
+  EXPECT_LT(flat_N, bound_N);
+  double tilted_N = 0.0;
+  for (const Vector3d& out : {Vector3d(0.2, 0.1, 1), Vector3d(0.5, -0.4, 1), Vector3d(1, 0.2, 1),
+                              Vector3d(1, 1, 1), Vector3d(-0.7, 1, 0.4)}) {
+    const Vector3d n = out.normalized();
+    const Workpiece tilted(test::half_space({64, 64, 64}, kVoxel, n, Vector3d::Constant(31.5)));
+    tilted_N = std::max(tilted_N, largest_step_N(tilted, {0, 0, 0}, n, n, Scaling::kSmooth));
+  }
+  EXPECT_LT(tilted_N, bound_N);
+  const double count_N = largest_step_N(flat_block(), {0.01e-3, 0.02e-3, 0}, Vector3d::UnitZ(),
+                                        Vector3d::UnitZ(), Scaling::kCount);
+  std::printf("largest force step in 1 um: smooth %.4f N flat, %.4f N tilted; count %.4f N\n",
+              flat_N, tilted_N, count_N);
+  EXPECT_GT(count_N, bound_N) << "what smooth is for";
+}
+
+TEST(ContactForce, SmoothHardlyJumpsOnCurvesAndInGrooves) {
+  const Workpiece balls([] {
+    VoxelModel model = test::two_balls();
+    model.grid.voxel_m = kVoxel;
+    return model;
+  }());
+  const VoxelGrid& grid = balls.grid();
+  const auto world = [&](const Vector3d& p) { return grid.world_from_index(p); };
+  const Vector3d a(20.2, 17.6, 22.9), b(28.7, 29.3, 19.4);
+  const Vector3d out_a = Vector3d(-1, -1, 0.6).normalized();
+  const double ball_N =
+      largest_step_N(balls, world(a + 13.3 * out_a), out_a, out_a, Scaling::kSmooth);
+  // Into the groove between the balls, in the plane where they meet.
+  const Vector3d out_groove = (b - a).cross(Vector3d(1, 0, 0.3)).normalized();
+  const Vector3d meet = 0.5 * (a + b) + 13.0 * out_groove;
+  const double groove_N =
+      largest_step_N(balls, world(meet), out_groove, out_groove, Scaling::kSmooth);
+  std::printf("largest force step in 1 um under smooth: ball %.4f N, groove %.4f N\n", ball_N,
+              groove_N);
+  EXPECT_LT(ball_N, 3.0 * kStiffness * 1e-6);
+  EXPECT_LT(groove_N, 3.0 * kStiffness * 1e-6);
+}
+
+TEST(ContactForce, SlidingOverAPlaneRipplesLittleUnderSmooth) {
+  const Vector3d out = Vector3d(0.3, 0.2, 1).normalized();
+  const Workpiece tilted(test::half_space({64, 64, 64}, kVoxel, out, Vector3d::Constant(31.5)));
+  const Vector3d along = out.cross(Vector3d::UnitY()).normalized();
+  double least = 1e9, most = 0.0;
+  for (int i = 0; i < 100; ++i) {
+    const Pose pose = test::pose_along(-0.1e-3 * out + along * (i - 50) * 4e-6, out);
+    const double force_N =
+        Evaluation(tilted, round_burr(), pose, Scaling::kSmooth).result.wrench.force_N.dot(out);
+    least = std::min(least, force_N);
+    most = std::max(most, force_N);
+  }
+  std::printf("sliding over a tilted plane: %.3f to %.3f N\n", least, most);
+  EXPECT_LT(most - least, 0.06 * most);
+}
+
+// --- Thin walls ---------------------------------------------------------------------------------
+
+TEST(ContactForce, AThinWallPushesBackLikeAThickOne) {
+  const Burr burr = make_burr(test::small_burr(BurrShape::kRound, 1.0e-3), kVoxel);
+  for (const Vector3d& towards :
+       {Vector3d(0, 0, 1), Vector3d(0.3, 0.2, 1), Vector3d(1, 0.4, 0.8)}) {
+    const Vector3d out = towards.normalized();
+    const auto wall = [&](double thickness) {
+      return Workpiece(test::make_model({64, 64, 64}, kVoxel, [&](const Cell& c) {
+        const double depth = -out.dot(c.cast<double>() - Vector3d(31.7, 31.6, 31.9));
+        return depth >= 0.0 && depth < thickness;
+      }));
+    };
+    const Workpiece thin = wall(2.0), thick = wall(24.0);
+    const Vector3d surface = thin.grid().world_from_index(Vector3d(31.7, 31.6, 31.9)) +
+                             0.5 * out.cwiseAbs().maxCoeff() * kVoxel * out;
+    const Pose pose = test::pose_along(surface - 0.1e-3 * out, out);
+    const Vector3d thin_N = Evaluation(thin, burr, pose, Scaling::kSmooth).result.wrench.force_N;
+    const Vector3d thick_N = Evaluation(thick, burr, pose, Scaling::kSmooth).result.wrench.force_N;
+    std::printf("wall of 2 voxels: %.3f N of %.3f N, %.1f deg off\n", thin_N.dot(out),
+                thick_N.dot(out), test::angle_deg(thin_N, out));
+    EXPECT_GT(thick_N.dot(out), 1.0);
+    EXPECT_GT(thin_N.dot(out), 0.9 * thick_N.dot(out));
+    EXPECT_LT(test::angle_deg(thin_N, out), 5.0);
+  }
+}
+
+// --- Stiffness ----------------------------------------------------------------------------------
+
+TEST(ContactForce, StiffnessIsTheDerivativeOfTheWrenchOnAFlatFace) {
+  // A flat end wider than the block: depths are exactly linear in the pose.
+  const Workpiece pillar(test::block({32, 32, 64}, kVoxel, {8, 8, 0}, {24, 24, 32}));
+  const Burr burr = make_burr(test::small_burr(BurrShape::kFissure, 4e-3), kVoxel);
+  const auto evaluate = [&](const Pose& pose) {
+    ContactScratch scratch(with(Scaling::kNone));
+    ContactResult result;
+    broad_phase(pillar, burr.capsule, pose, 0.0, scratch);
+    narrow_phase(pillar, burr.field, pose, 0.0, scratch, result);
+    // The normals of an endless plane.
+    for (Contact& contact : scratch.contacts) contact.normal = Vector3f(0, 0, 1);
+    contact_force(pillar, test::one_tissue(), burr, pose, nullptr, Scaling::kNone, scratch, result);
+    return result;
+  };
+  const Pose pose = test::upright({0.3e-3, 0.2e-3, -0.06e-3});
+  const Vector3d reference = pose.position + Vector3d(0, 0, burr.reference_m);
+  const ContactResult at = evaluate(pose);
+  ASSERT_EQ(at.contacts, 256u);
+  EXPECT_NEAR(at.stiffness(2, 2), 256 * kStiffness, 1e-6 * 256 * kStiffness);
+  EXPECT_TRUE(at.stiffness.isApprox(at.stiffness.transpose(), 0.0));
+
+  // Along x and y the reference moves with the force held, which is no part of the stiffness.
+  for (int column = 2; column < 6; ++column) {
+    const double step = column < 3 ? 1e-6 : 1e-5;  // m; rad
+    Eigen::Matrix<double, 6, 1> difference = Eigen::Matrix<double, 6, 1>::Zero();
+    for (int sign : {-1, 1}) {
+      Pose moved = pose;
+      if (column < 3) {
+        moved.position += sign * step * Vector3d::Unit(column);
+      } else {
+        const Eigen::Quaterniond turn(Eigen::AngleAxisd(sign * step, Vector3d::Unit(column - 3)));
+        moved.position = reference + turn * (pose.position - reference);
+        moved.orientation = turn * pose.orientation;
+      }
+      const Wrench wrench = evaluate(moved).wrench;
+      const double scale = -sign / (2.0 * step);
+      difference.head<3>() += scale * wrench.force_N;
+      difference.tail<3>() += scale * wrench.torque_Nm;
+    }
+    const double size = at.stiffness.col(column).norm() + 1e-9 * at.stiffness.norm();
+    EXPECT_LT((difference - at.stiffness.col(column)).norm(), 2e-3 * size)
+        << "column " << column << "\n"
+        << difference.transpose() << "\n"
+        << at.stiffness.col(column).transpose();
+  }
+}
+
+TEST(ContactForce, StiffnessIsPositiveSemidefinite) {
+  for (const Scaling scaling : {Scaling::kNone, Scaling::kCount, Scaling::kSmooth}) {
+    const Evaluation e(flat_block(), round_burr(),
+                       test::pose_along({0.2e-3, 0, -0.1e-3}, Vector3d(0.2, 0.1, 1).normalized()),
+                       scaling);
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(e.result.stiffness);
+    EXPECT_GT(solver.eigenvalues().maxCoeff(), 0.0);
+    EXPECT_GT(solver.eigenvalues().minCoeff(), -1e-9 * solver.eigenvalues().maxCoeff());
+  }
+}
+
+// --- Cutting ------------------------------------------------------------------------------------
+
+Burr resting(Burr burr) {
+  burr.speed_rad_per_s = 0.0;
+  return burr;
+}
+
+TEST(ContactForce, SlidingFastTheTangentialForceIsBetaTimesTheNormalOneAgainstTheMotion) {
+  const Burr burr = resting(round_burr());
+  const Pose pose = test::upright({0, 0, -0.1e-3});
+  Twist twist;
+  twist.linear_m_per_s = Vector3d(0.03, 0.04, 0);
+  const Evaluation still(flat_block(), burr, pose, Scaling::kSmooth);
+  const Evaluation sliding(flat_block(), burr, pose, Scaling::kSmooth, &twist);
+  const double normal_N = still.result.wrench.force_N.z();
+  const Vector3d tangential = sliding.result.wrench.force_N - still.result.wrench.force_N;
+  EXPECT_TRUE(tangential.isApprox(-0.3 * normal_N * Vector3d(0.6, 0.8, 0), 1e-9));
+  double power_W = 0.0;
+  for (const Contact& contact : sliding.scratch.contacts) power_W += contact.power_W;
+  EXPECT_NEAR(power_W, 0.3 * normal_N * 0.05, 1e-9);
+  for (const Contact& contact : still.scratch.contacts) EXPECT_EQ(contact.power_W, 0.0);
+}
+
+TEST(ContactForce, SlidingSlowlyTheTangentialForceFadesWithTheSpeed) {
+  const Burr burr = resting(round_burr());
+  const Pose pose = test::upright({0, 0, -0.1e-3});
+  const double normal_N =
+      Evaluation(flat_block(), burr, pose, Scaling::kSmooth).result.wrench.force_N.z();
+  for (const double speed : {0.0, 1e-6, 1e-3, 5e-3}) {
+    Twist twist;
+    twist.linear_m_per_s = Vector3d(-speed, 0, 0);
+    const Evaluation e(flat_block(), burr, pose, Scaling::kSmooth, &twist);
+    EXPECT_NEAR(e.result.wrench.force_N.x(), 0.3 * normal_N * speed / 10e-3, 1e-9);
+    double power_W = 0.0;
+    for (const Contact& contact : e.scratch.contacts) power_W += contact.power_W;
+    EXPECT_NEAR(power_W, 0.3 * normal_N * speed * speed / 10e-3, 1e-12);
+  }
+}
+
+TEST(ContactForce, MotionAlongTheNormalHasNoTangentialForce) {
+  const Burr burr = resting(round_burr());
+  const Pose pose = test::upright({0, 0, -0.1e-3});
+  Twist twist;
+  twist.linear_m_per_s = Vector3d(0, 0, -0.5);
+  const Evaluation still(flat_block(), burr, pose, Scaling::kSmooth);
+  const Evaluation pressing(flat_block(), burr, pose, Scaling::kSmooth, &twist);
+  EXPECT_TRUE(pressing.result.wrench.force_N.isApprox(still.result.wrench.force_N, 1e-12));
+}
+
+TEST(ContactForce, TheSpindleRubsAcrossTheAxis) {
+  // Held at 60 degrees the contact lies beside the axis: the burr's surface there moves along
+  // axis x radius, and the tooth drags the tool the other way.
+  const Vector3d axis = Vector3d(std::sqrt(0.75), 0, 0.5);
+  const Vector3d centre(0, 0, 0.7e-3 - 0.1e-3);
+  const Pose pose = test::pose_along(centre - 0.7e-3 * axis, axis);
+  const Twist rest;
+  const Evaluation e(flat_block(), round_burr(), pose, Scaling::kSmooth, &rest);
+  const Vector3d surface_velocity =
+      (round_burr().speed_rad_per_s * axis).cross(Vector3d(0, 0, -0.6e-3));
+  ASSERT_GT(surface_velocity.norm(), 0.3);
+  const Vector3d force_N = e.result.wrench.force_N;
+  const double tangential_N = force_N.dot(surface_velocity.normalized());
+  EXPECT_LT(tangential_N, 0.0);
+  EXPECT_NEAR(-tangential_N, 0.3 * force_N.z(), 0.01 * force_N.z());
+}
+
+TEST(ContactForce, OnTheAxisOfTheSpindleNothingIsDividedByNought) {
+  const Twist rest;
+  const Evaluation e(flat_block(), round_burr(), test::upright({0, 0, -0.1e-3}), Scaling::kSmooth,
+                     &rest);
+  EXPECT_TRUE(e.result.wrench.force_N.allFinite());
+  EXPECT_LT(e.result.wrench.force_N.head<2>().norm(), 0.01 * e.result.wrench.force_N.z());
+  for (const Contact& contact : e.scratch.contacts) EXPECT_TRUE(std::isfinite(contact.power_W));
+}
+
+}  // namespace
+}  // namespace sulcus

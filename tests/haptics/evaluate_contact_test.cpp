@@ -1,0 +1,159 @@
+#include "haptics/evaluate_contact.hpp"
+
+#include <cstring>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "engine/recording/tick_record.hpp"
+#include "tests/support/allocation_count.hpp"
+#include "tests/support/shapes.hpp"
+#include "tests/support/tools.hpp"
+
+namespace sulcus {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kVoxel = 50e-6;
+
+class EvaluateContact : public ::testing::Test {
+ protected:
+  EvaluateContact()
+      : workpiece_([] {
+          VoxelModel model = test::two_balls();
+          model.grid.voxel_m = kVoxel;
+          return model;
+        }()),
+        burr_(make_burr(test::small_burr(), kVoxel)),
+        scratch_(settings_) {}
+
+  ContactResult evaluate(const Pose& pose, const Twist* twist = nullptr) {
+    return evaluate_contact(workpiece_, tissues_, burr_, pose, twist, settings_, scratch_);
+  }
+  /// Everything a caller sees of an evaluation.
+  struct Seen {
+    Wrench wrench;
+    Matrix6d stiffness;
+    std::uint32_t contacts, tested, leaves, faults;
+    std::vector<std::uint32_t> voxels;
+    std::vector<double> forces_N, powers_W;
+    bool operator==(const Seen& o) const {
+      return wrench.force_N == o.wrench.force_N && wrench.torque_Nm == o.wrench.torque_Nm &&
+             stiffness == o.stiffness && contacts == o.contacts && tested == o.tested &&
+             leaves == o.leaves && faults == o.faults && voxels == o.voxels &&
+             forces_N == o.forces_N && powers_W == o.powers_W;
+    }
+  };
+  Seen see(const Pose& pose, const Twist* twist = nullptr) {
+    const ContactResult r = evaluate(pose, twist);
+    Seen seen{r.wrench, r.stiffness, r.contacts, r.tested, r.leaves, r.faults, {}, {}, {}};
+    for (const Contact& contact : scratch_.contacts) {
+      seen.voxels.push_back(contact.voxel);
+      seen.forces_N.push_back(contact.normal_force_N);
+      seen.powers_W.push_back(contact.power_W);
+    }
+    return seen;
+  }
+  std::vector<ChildStatus> statuses() const {
+    std::vector<ChildStatus> all;
+    const Octree& tree = workpiece_.octree();
+    const int last = tree.levels() - 1;
+    const std::uint32_t end = tree.index({last, tree.dims(last).array() - 1});
+    for (std::uint32_t i = 0; i <= end; ++i) all.push_back(tree.node(i).status);
+    return all;
+  }
+
+  Workpiece workpiece_;
+  Burr burr_;
+  std::vector<TissueSettings> tissues_ = test::one_tissue();
+  HapticsSettings settings_;
+  ContactScratch scratch_;
+  const Pose in_ = test::pose_along({0.1e-3, 0.2e-3, 0.3e-3}, Vector3d(0.3, 0.5, 1).normalized());
+  const Pose elsewhere_ = test::upright({-0.3e-3, -0.2e-3, 0.4e-3});
+  const Twist twist_{Vector3d(1e-3, 2e-3, 0), Vector3d(0, 0.1, 0)};
+};
+
+TEST_F(EvaluateContact, CallingItAnyNumberOfTimesChangesNothing) {
+  // With nodes that a traversal could switch off.
+  for (const Cell& c : test::solid_cells(workpiece_.model())) {
+    if (c.x() >= 16 && c.x() < 32 && c.y() >= 16 && c.y() < 32 && c.z() >= 16 && c.z() < 32) {
+      workpiece_.remove(c);
+    }
+  }
+  const std::uint64_t hash = workpiece_.hash();
+  const std::vector<ChildStatus> before = statuses();
+  const Seen first = see(in_, &twist_);
+  ASSERT_GT(first.contacts, 20u);
+  EXPECT_FALSE(scratch_.hollow.empty());
+  for (int i = 0; i < 5; ++i) {
+    see(elsewhere_);
+    EXPECT_TRUE(see(in_, &twist_) == first) << "call " << i;
+  }
+  EXPECT_EQ(workpiece_.hash(), hash);
+  EXPECT_EQ(statuses(), before);
+}
+
+TEST_F(EvaluateContact, AFreshScratchGivesTheSameBits) {
+  see(elsewhere_);
+  const Seen used = see(in_, &twist_);
+  scratch_ = ContactScratch(settings_);
+  EXPECT_TRUE(see(in_, &twist_) == used);
+}
+
+TEST_F(EvaluateContact, LeavesNothingBehindWhenTheToolIsGone) {
+  ASSERT_GT(see(in_).contacts, 0u);
+  const Seen gone = see(test::upright({0, 0, 50e-3}));
+  EXPECT_EQ(gone.contacts, 0u);
+  EXPECT_EQ(gone.tested, 0u);
+  EXPECT_EQ(gone.leaves, 0u);
+  EXPECT_TRUE(gone.voxels.empty());
+  EXPECT_EQ(gone.wrench.force_N, Vector3d(0, 0, 0));
+}
+
+TEST_F(EvaluateContact, DoesNotAllocate) {
+  evaluate(in_, &twist_);  // tables are made once, on first use
+  settings_.normals = NormalMethod::kLdmPaper;
+  evaluate(in_, &twist_);
+  for (const NormalMethod method : {NormalMethod::kLdm, NormalMethod::kLdmPaper}) {
+    for (const Scaling scaling : {Scaling::kNone, Scaling::kCount, Scaling::kSmooth}) {
+      settings_.normals = method;
+      settings_.scaling = scaling;
+      const std::uint64_t before = test::allocation_count();
+      const ContactResult result = evaluate(in_, &twist_);
+      EXPECT_EQ(test::allocation_count(), before);
+      EXPECT_GT(result.contacts, 0u);
+    }
+  }
+}
+
+TEST_F(EvaluateContact, KeepsTheDeepestAndSaysSoBeyondItsCapacity) {
+  const Seen all = see(in_);
+  settings_.max_contacts = 20;
+  scratch_ = ContactScratch(settings_);
+  const ContactResult few = evaluate(in_);
+  EXPECT_EQ(few.faults, kFaultContactsFull);
+  EXPECT_LE(few.contacts, 20u);
+  EXPECT_GT(few.contacts, 10u);
+  EXPECT_EQ(few.tested, all.tested);
+}
+
+TEST_F(EvaluateContact, AForceThatIsNotFiniteComesOnlyFromAPoseThatIsNot) {
+  // Far beyond anything a device says, and beyond single precision.
+  for (const double far_m : {1.0, 1e6, 1e30, 1e300}) {
+    const ContactResult result = evaluate(test::upright({far_m, -far_m, far_m}));
+    EXPECT_EQ(result.contacts, 0u);
+    EXPECT_EQ(result.wrench.force_N, Vector3d(0, 0, 0));
+  }
+}
+
+TEST_F(EvaluateContact, ThePapersMethodFeelsTheSameTooth) {
+  const Vector3d ldm = evaluate(in_).wrench.force_N;
+  settings_.normals = NormalMethod::kLdmPaper;
+  settings_.trace = 5;
+  const Vector3d paper = evaluate(in_).wrench.force_N;
+  EXPECT_LT(test::angle_deg(ldm, paper), 5.0);
+}
+
+}  // namespace
+}  // namespace sulcus

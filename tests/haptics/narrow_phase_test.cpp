@@ -1,0 +1,179 @@
+#include "haptics/narrow_phase.hpp"
+
+#include <algorithm>
+#include <map>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "engine/recording/tick_record.hpp"
+#include "haptics/broad_phase.hpp"
+#include "tests/support/shapes.hpp"
+#include "tests/support/tools.hpp"
+
+namespace sulcus {
+namespace {
+
+using Eigen::Vector3d;
+
+// What single precision may differ by between one voxel reached over its leaf and by itself, m.
+constexpr double kFloatError_m = 1e-8;
+
+double sample_at(const Workpiece& workpiece, const Burr& burr, const Pose& pose, const Cell& c) {
+  const Vector3d p_tool = pose.inverse_point(workpiece.grid().centre_world(c));
+  return burr.field.sample(burr.field.field_from_tool(p_tool).cast<float>());
+}
+
+Pose random_pose_near(std::mt19937& random, const Vector3d& at_world, const Burr& burr) {
+  const auto unit = [&] { return static_cast<double>(random() % 2000001) * 1e-6 - 1.0; };
+  Pose pose;
+  pose.orientation = Eigen::Quaterniond(unit(), unit(), unit(), unit() + 0.01).normalized();
+  // Some point of the head lies at the given place.
+  const Vector3d in_head(unit() * 0.4e-3, (unit() + 1.0) * 0.5 * burr.head_length_m,
+                         unit() * 0.4e-3);
+  pose.position = at_world - pose.direction(in_head);
+  return pose;
+}
+
+ContactResult collide(const Workpiece& workpiece, const Burr& burr, const Pose& pose,
+                      double reach_m, ContactScratch& scratch) {
+  ContactResult result;
+  EXPECT_TRUE(broad_phase(workpiece, burr.capsule, pose, reach_m, scratch));
+  narrow_phase(workpiece, burr.field, pose, reach_m, scratch, result);
+  return result;
+}
+
+/// Poses of a burr against a workpiece, checked against every surface voxel there is.
+void expect_as_brute_force(const Workpiece& workpiece, const Burr& burr, int poses,
+                           std::uint32_t seed) {
+  const std::vector<Cell> surface = test::surface_cells(workpiece);
+  ContactScratch scratch{HapticsSettings{}};
+  std::mt19937 random(seed);
+  std::size_t total = 0;
+  for (int p = 0; p < poses; ++p) {
+    const Cell& near = surface[random() % surface.size()];
+    const Pose pose = random_pose_near(random, workpiece.grid().centre_world(near), burr);
+    const double reach_m = p % 2 == 0 ? 0.0 : workpiece.grid().voxel_m;
+    const ContactResult result = collide(workpiece, burr, pose, reach_m, scratch);
+    EXPECT_EQ(result.faults, 0u);
+    EXPECT_GE(result.tested, scratch.contacts.size());
+
+    std::map<std::uint32_t, double> found;
+    for (const Contact& contact : scratch.contacts) {
+      ASSERT_EQ(contact.voxel, workpiece.grid().linear(contact.cell));
+      ASSERT_TRUE(workpiece.is_surface(contact.cell));
+      ASSERT_TRUE(found.emplace(contact.voxel, contact.distance_m).second) << "a voxel twice";
+    }
+    for (const Cell& c : surface) {
+      const double distance_m = sample_at(workpiece, burr, pose, c);
+      const auto it = found.find(workpiece.grid().linear(c));
+      if (it != found.end()) {
+        ASSERT_NEAR(it->second, distance_m, kFloatError_m);
+        ASSERT_LT(distance_m, reach_m + kFloatError_m);
+      } else {
+        ASSERT_GT(distance_m, reach_m - kFloatError_m)
+            << "pose " << p << " misses " << c.transpose();
+      }
+    }
+    total += found.size();
+  }
+  EXPECT_GT(total, 30u * static_cast<unsigned>(poses));
+}
+
+TEST(NarrowPhase, EqualsBruteForceOverAllSurfaceVoxels) {
+  const Burr round = make_burr(test::small_burr(), 50e-6);
+  expect_as_brute_force(Workpiece(test::random_blobs({64, 64, 64}, 31, 50e-6)), round, 60, 1);
+  expect_as_brute_force(Workpiece(test::ball({64, 64, 64}, 34.8e-6, {31, 32, 33}, 27)), round, 60,
+                        2);
+}
+
+TEST(NarrowPhase, EqualsBruteForceWhereLeavesReachFarBeyondTheField) {
+  // Voxels so large that a leaf's centre lies outside the box of samples when its corner touches.
+  const Workpiece workpiece(test::random_blobs({40, 40, 40}, 32, 100e-6));
+  for (BurrShape shape : {BurrShape::kRound, BurrShape::kFissure, BurrShape::kInvertedCone}) {
+    expect_as_brute_force(workpiece, make_burr(test::small_burr(shape, 1.0e-3), 100e-6), 60, 3);
+  }
+}
+
+TEST(NarrowPhase, FindsALoneVoxelAtTheCornerOfItsLeaf) {
+  // The hardest case of passing leaves over by one sample at their centre: from every side, just
+  // in touch, the voxel at the far end of the leaf's diagonal.
+  const Burr burr = make_burr(test::small_burr(), 100e-6);
+  const Workpiece workpiece(test::block({24, 24, 24}, 100e-6, {8, 8, 8}, {9, 9, 9}));
+  const Vector3d at_world = workpiece.grid().centre_world({8, 8, 8});
+  const Vector3d out = -Vector3d::Ones().normalized();  // from the leaf's centre to the voxel
+  ContactScratch scratch{HapticsSettings{}};
+  std::mt19937 random(4);
+  int touching = 0;
+  for (int p = 0; p < 3000; ++p) {
+    // The head's centre beyond the voxel, on the leaf's diagonal, 5 um deeper than its radius.
+    const auto unit = [&] { return static_cast<double>(random() % 2000001) * 1e-6 - 1.0; };
+    Pose pose;
+    pose.orientation = Eigen::Quaterniond(unit(), unit(), unit(), unit() + 0.01).normalized();
+    const Vector3d centre_world = at_world + out * (0.7e-3 - 5e-6);
+    pose.position = centre_world - pose.direction(Vector3d(0, 0.7e-3, 0));
+    if (!(sample_at(workpiece, burr, pose, {8, 8, 8}) < -1e-8)) continue;
+    ++touching;
+    collide(workpiece, burr, pose, 0.0, scratch);
+    ASSERT_EQ(scratch.contacts.size(), 1u) << "pose " << p;
+  }
+  EXPECT_GT(touching, 2000);
+}
+
+TEST(NarrowPhase, ContactsComeInTheOrderOfTheLeaves) {
+  const Workpiece workpiece(test::ball({64, 64, 64}, 50e-6, {31, 32, 33}, 27));
+  const Burr burr = make_burr(test::small_burr(), 50e-6);
+  ContactScratch scratch{HapticsSettings{}};
+  collide(workpiece, burr, test::upright({0, 0, 1.2e-3}), 0.0, scratch);
+  ASSERT_GT(scratch.contacts.size(), 50u);
+  auto leaf = scratch.leaves.begin();
+  for (const Contact& contact : scratch.contacts) {
+    leaf = std::find(leaf, scratch.leaves.end(), workpiece.grid().leaf_of(contact.cell));
+    ASSERT_NE(leaf, scratch.leaves.end());
+  }
+}
+
+TEST(NarrowPhase, BeyondTheCapacityTheDeepestAreKeptAndTheFaultIsSet) {
+  const Workpiece workpiece(test::ball({64, 64, 64}, 50e-6, {31, 32, 33}, 27));
+  const Burr burr = make_burr(test::small_burr(), 50e-6);
+  const Pose pose = test::upright({0, 0, 1.2e-3});
+  ContactScratch all{HapticsSettings{}};
+  EXPECT_EQ(collide(workpiece, burr, pose, 0.0, all).faults, 0u);
+  std::vector<Contact> deepest = all.contacts;
+  std::sort(deepest.begin(), deepest.end(), [](const Contact& a, const Contact& b) {
+    return a.distance_m != b.distance_m ? a.distance_m < b.distance_m : a.voxel < b.voxel;
+  });
+  ASSERT_GT(deepest.size(), 200u);
+  // Just short of all; less than half, so that the buffer is thinned on the way; one.
+  for (const std::size_t capacity : {deepest.size() - 1, deepest.size() / 5, std::size_t{1}}) {
+    HapticsSettings settings;
+    settings.max_contacts = static_cast<int>(capacity);
+    ContactScratch scratch(settings);
+    const ContactResult result = collide(workpiece, burr, pose, 0.0, scratch);
+    EXPECT_EQ(result.faults, kFaultContactsFull);
+    ASSERT_EQ(scratch.contacts.size(), capacity);
+    std::vector<std::uint32_t> kept, expected;
+    for (const Contact& contact : scratch.contacts) kept.push_back(contact.voxel);
+    EXPECT_TRUE(std::is_sorted(kept.begin(), kept.end())) << "sums must not depend on a partition";
+    for (std::size_t i = 0; i < capacity; ++i) expected.push_back(deepest[i].voxel);
+    std::sort(expected.begin(), expected.end());
+    EXPECT_EQ(kept, expected);
+  }
+}
+
+TEST(NarrowPhase, AtTheCapacityNothingIsLost) {
+  const Workpiece workpiece(test::ball({64, 64, 64}, 50e-6, {31, 32, 33}, 27));
+  const Burr burr = make_burr(test::small_burr(), 50e-6);
+  const Pose pose = test::upright({0, 0, 1.2e-3});
+  ContactScratch all{HapticsSettings{}};
+  collide(workpiece, burr, pose, 0.0, all);
+  HapticsSettings settings;
+  settings.max_contacts = static_cast<int>(all.contacts.size());
+  ContactScratch scratch(settings);
+  EXPECT_EQ(collide(workpiece, burr, pose, 0.0, scratch).faults, 0u);
+  EXPECT_EQ(scratch.contacts.size(), all.contacts.size());
+}
+
+}  // namespace
+}  // namespace sulcus

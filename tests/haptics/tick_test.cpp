@@ -1,0 +1,414 @@
+#include "haptics/tick.hpp"
+
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/allocation_count.hpp"
+#include "tests/support/shapes.hpp"
+#include "tests/support/tools.hpp"
+
+namespace sulcus {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kVoxel = 50e-6;
+
+/// One body that every box meets, and one that none does: Bullet's part in a tick.
+const BodyQuery kNear{nullptr,
+                      [](const void*, const Eigen::AlignedBox3d&,
+                         std::span<std::uint16_t> found) noexcept -> std::size_t {
+                        found[0] = 0;
+                        return 1;
+                      }};
+const BodyQuery kFar{nullptr,
+                     [](const void*, const Eigen::AlignedBox3d&,
+                        std::span<std::uint16_t>) noexcept -> std::size_t { return 0; }};
+
+/// Poses from a list, and the wrenches that came back.
+class ListDevice final : public Device {
+ public:
+  explicit ListDevice(std::vector<Pose> list) : poses(std::move(list)) {
+    applied.reserve(poses.size() + 10);
+  }
+  Pose pose(std::uint64_t tick) noexcept override {
+    return poses[std::min<std::size_t>(tick, poses.size() - 1)];
+  }
+  void apply(const Wrench& wrench) noexcept override { applied.push_back(wrench); }
+
+  std::vector<Pose> poses;
+  std::vector<Wrench> applied;
+};
+
+Scene make_scene(bool cutting) {
+  Scene scene;
+  scene.tissues = test::one_tissue();
+  scene.tissues[0].specific_energy_J_per_m3 = 0.05e9;  // soft, so that voxels go within a few ticks
+  if (cutting) scene.cutting.emplace();
+  return scene;
+}
+
+const Burr& burr() {
+  static const Burr round = make_burr(test::small_burr(), kVoxel);
+  return round;
+}
+
+/// Down into a flat block and along it, aslant.
+std::vector<Pose> path(int ticks) {
+  std::vector<Pose> poses;
+  const Vector3d axis = Vector3d(0.5, 0.2, 1).normalized();
+  for (int i = 0; i < ticks; ++i) {
+    const double down_m = std::min(i, 60) * 4e-6;
+    poses.push_back(test::pose_along(Vector3d(-0.3e-3 + i * 2e-6, 0.1e-3, 0.06e-3 - down_m), axis));
+  }
+  return poses;
+}
+
+/// A scene in the middle of being run.
+struct TickRun {
+  explicit TickRun(bool cutting, const BodyQuery& bodies = kNear)
+      : scene(make_scene(cutting)),
+        workpiece(test::block({64, 64, 64}, kVoxel, {0, 0, 0}, {64, 64, 32})),
+        context{scene, burr(), bodies},
+        scratch(scene) {
+    if (cutting) state.removal.emplace(*scene.cutting);
+  }
+  TickRecord step(Device& device) {
+    const TickRecord record = tick(context, device, workpiece, state, scratch);
+    edits.insert(edits.end(), scratch.edits.begin(), scratch.edits.end());
+    return record;
+  }
+  std::vector<TickRecord> steps(Device& device, int count) {
+    std::vector<TickRecord> records;
+    for (int i = 0; i < count; ++i) records.push_back(step(device));
+    return records;
+  }
+
+  Scene scene;
+  Workpiece workpiece;
+  TickContext context;
+  SimulationState state;
+  TickScratch scratch;
+  std::vector<Edit> edits;
+};
+
+bool same_bytes(const std::vector<TickRecord>& a, const std::vector<TickRecord>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;
+}
+
+Vector3d vector(const double v[3]) { return {v[0], v[1], v[2]}; }
+
+TEST(AllocationCount, CountsEveryWayOfTakingMemory) {
+  const auto taken = [](const auto& take) {
+    const std::uint64_t before = test::allocation_count();
+    take();
+    return test::allocation_count() - before;
+  };
+  EXPECT_EQ(taken([] {}), 0u);
+  EXPECT_GE(taken([] { std::vector<int>(100).swap(*std::make_unique<std::vector<int>>()); }), 2u);
+  EXPECT_GE(taken([] { std::free(std::malloc(10)); }), 1u);
+  EXPECT_GE(taken([] { Eigen::VectorXd::Zero(100).eval(); }), 1u);
+  struct alignas(64) Line {
+    char bytes[64];
+  };
+  EXPECT_GE(taken([] { std::vector<Line> lines(3); }), 1u);
+}
+
+TEST(Tick, AllocatesNothing) {
+  for (const bool cutting : {false, true}) {
+    TickRun run(cutting);
+    ListDevice device(path(200));
+    run.step(device);  // tables are made once, on first use
+    std::uint64_t removed = 0;
+    const std::uint64_t before = test::allocation_count();
+    for (int i = 1; i < 200; ++i) {
+      removed += tick(run.context, device, run.workpiece, run.state, run.scratch).removed;
+    }
+    EXPECT_EQ(test::allocation_count(), before);
+    EXPECT_EQ(removed > 100, cutting) << removed;
+  }
+}
+
+TEST(Tick, TheFirstTickAllocatesNothingEither) {
+  TickRun run(true);
+  ListDevice device(path(200));
+  device.poses[0] = device.poses[150];
+  const std::uint64_t before = test::allocation_count();
+  const TickRecord record = tick(run.context, device, run.workpiece, run.state, run.scratch);
+  EXPECT_EQ(test::allocation_count(), before);
+  EXPECT_GT(record.contacts, 50u);
+}
+
+TEST(Tick, NumbersRiseByOneFromNought) {
+  TickRun run(true);
+  ListDevice device(path(20));
+  for (std::uint64_t i = 0; i < 20; ++i) {
+    const TickRecord record = run.step(device);
+    EXPECT_EQ(record.tick, i);
+    EXPECT_DOUBLE_EQ(record.time_s, static_cast<double>(i) * 1e-3);
+    EXPECT_EQ(run.state.tick, i + 1);
+  }
+}
+
+TEST(Tick, TheToolFollowsTheDeviceAndTheDeviceGetsTheContactsWrench) {
+  TickRun run(false);
+  ListDevice device(path(150));
+  const std::vector<TickRecord> records = run.steps(device, 150);
+  ASSERT_EQ(device.applied.size(), 150u);
+  for (std::size_t i = 0; i < 150; ++i) {
+    const TickRecord& r = records[i];
+    EXPECT_EQ(vector(r.device_position_m), device.poses[i].position);
+    EXPECT_EQ(vector(r.tool_position_m), device.poses[i].position);
+    EXPECT_EQ(r.tool_orientation[0], device.poses[i].orientation.w());
+    EXPECT_EQ(r.tool_orientation[1], device.poses[i].orientation.x());
+    EXPECT_EQ(r.tool_orientation[3], device.poses[i].orientation.z());
+    EXPECT_EQ(vector(r.force_N), device.applied[i].force_N);
+    EXPECT_EQ(vector(r.torque_Nm), device.applied[i].torque_Nm);
+    EXPECT_EQ(vector(r.contact_force_N), device.applied[i].force_N);
+  }
+  EXPECT_EQ(records[0].contacts, 0u);
+  EXPECT_EQ(vector(records[0].force_N), Vector3d(0, 0, 0));
+  EXPECT_GT(records[149].contacts, 50u);
+  EXPECT_GT(records[149].leaves, 0u);
+  EXPECT_GE(records[149].tested, records[149].contacts);
+  EXPECT_GT(records[149].force_N[2], 1.0);
+}
+
+TEST(Tick, WithoutCuttingNothingIsRemovedAndNoMemoryIsHeldForIt) {
+  TickRun run(false);
+  const std::uint64_t hash = run.workpiece.hash();
+  ListDevice device(path(200));
+  const std::vector<TickRecord> records = run.steps(device, 200);
+  EXPECT_FALSE(run.state.removal);
+  EXPECT_EQ(run.scratch.edits.capacity(), 0u);
+  EXPECT_TRUE(run.edits.empty());
+  EXPECT_EQ(run.workpiece.hash(), hash);
+  for (const TickRecord& r : records) EXPECT_EQ(r.removed, 0u);
+}
+
+TEST(Tick, WithoutCuttingThereIsNoTangentialForce) {
+  TickRun run(false);
+  std::vector<Pose> poses;
+  for (int i = 0; i < 3; ++i) poses.push_back(test::upright({i * 50e-6, 0, -0.1e-3}));
+  ListDevice device(poses);
+  for (const TickRecord& r : run.steps(device, 3)) {
+    EXPECT_EQ(r.force_N[0], 0.0);
+    EXPECT_EQ(r.force_N[1], 0.0);
+  }
+}
+
+TEST(Tick, CuttingRemovesWhatTheEditsSay) {
+  TickRun run(true);
+  const std::uint64_t solid = run.workpiece.solid_voxels();
+  ListDevice device(path(300));
+  std::uint64_t removed = 0;
+  for (int i = 0; i < 300; ++i) {
+    const TickRecord record = run.step(device);
+    ASSERT_EQ(record.removed, run.scratch.edits.size());
+    for (const Edit& edit : run.scratch.edits) {
+      ASSERT_EQ(edit.tick, record.tick);
+      ASSERT_FALSE(run.workpiece.solid(run.workpiece.grid().cell_of_linear(edit.voxel)));
+    }
+    removed += record.removed;
+    ASSERT_EQ(record.faults, 0u);
+  }
+  EXPECT_GT(removed, 300u);
+  EXPECT_EQ(run.workpiece.solid_voxels(), solid - removed);
+  EXPECT_EQ(run.state.removal->removed_voxels[0], removed);
+
+  // The shape follows from the edits.
+  VoxelModel copy = test::block({64, 64, 64}, kVoxel, {0, 0, 0}, {64, 64, 32});
+  for (const Edit& edit : run.edits) copy.set(copy.grid.cell_of_linear(edit.voxel), false);
+  EXPECT_EQ(Workpiece(std::move(copy)).hash(), run.workpiece.hash());
+}
+
+TEST(Tick, TheToolsMotionSinceTheLastTickDragsOnIt) {
+  TickRun run(true);
+  Burr still = burr();
+  still.speed_rad_per_s = 0.0;
+  run.scene.tissues[0].specific_energy_J_per_m3 = 1e15;  // nothing is cut
+  const TickContext context{run.scene, still, kNear};
+  std::vector<Pose> poses;
+  for (int i = 0; i < 3; ++i) poses.push_back(test::upright({i * 20e-6, 0, -0.1e-3}));  // 20 mm/s
+  ListDevice device(poses);
+  const TickRecord first = tick(context, device, run.workpiece, run.state, run.scratch);
+  EXPECT_EQ(first.force_N[0], 0.0) << "where it came from is not known";
+  for (int i = 1; i < 3; ++i) {
+    const TickRecord next = tick(context, device, run.workpiece, run.state, run.scratch);
+    EXPECT_NEAR(next.force_N[0], -0.3 * next.force_N[2], 1e-9);
+    EXPECT_NEAR(next.force_N[1], 0.0, 1e-9);
+  }
+}
+
+TEST(Tick, TurningTheHandpieceDragsOnIt) {
+  TickRun run(true);
+  Burr still = burr();
+  still.speed_rad_per_s = 0.0;
+  run.scene.tissues[0].specific_energy_J_per_m3 = 1e15;
+  const TickContext context{run.scene, still, kNear};
+  // About the head's centre, so that only the turn moves the surface in contact: 0.05 rad a tick
+  // about +y, 50 rad/s, sweep the lowest point towards -x.
+  std::vector<Pose> poses;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.05 * i, Vector3d::UnitY()));
+    Pose pose;
+    pose.orientation = turn * orientation_along(Vector3d::UnitZ());
+    if (i == 2) pose.orientation.coeffs() = -pose.orientation.coeffs();  // the same, said otherwise
+    pose.position = Vector3d(0, 0, 0.6e-3) - pose.direction(Vector3d(0, 0.7e-3, 0));
+    poses.push_back(pose);
+  }
+  ListDevice device(poses);
+  tick(context, device, run.workpiece, run.state, run.scratch);
+  for (int i = 1; i < 3; ++i) {
+    const TickRecord r = tick(context, device, run.workpiece, run.state, run.scratch);
+    // 50 rad/s on 0.65 mm: 33 mm/s, fast enough for all of beta.
+    EXPECT_NEAR(r.force_N[0], 0.3 * r.force_N[2], 0.02 * r.force_N[2]) << i;
+  }
+}
+
+TEST(Tick, APoseThatIsNotFiniteGivesNoForceAFaultAndLeavesTheToolWhereItWas) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  for (int kind = 0; kind < 4; ++kind) {
+    TickRun run(true);
+    std::vector<Pose> poses = path(160);
+    Pose& bad = poses[150];
+    if (kind == 0) bad.position.y() = kNan;
+    if (kind == 1) bad.position.x() = -kInf;
+    if (kind == 2) bad.orientation.w() = kNan;
+    if (kind == 3) bad.orientation.z() = kInf;
+    ListDevice device(poses);
+    const TickRecord last = run.steps(device, 150).back();
+    ASSERT_GT(last.force_N[2], 0.1);
+    const std::uint64_t hash = run.workpiece.hash();
+    const TickRecord r = run.step(device);
+    EXPECT_EQ(r.faults, kFaultNotFinite);
+    EXPECT_EQ(device.applied.back().force_N, Vector3d(0, 0, 0));
+    EXPECT_EQ(device.applied.back().torque_Nm, Vector3d(0, 0, 0));
+    EXPECT_EQ(vector(r.force_N), Vector3d(0, 0, 0));
+    EXPECT_EQ(vector(r.contact_force_N), Vector3d(0, 0, 0));
+    EXPECT_EQ(vector(r.tool_position_m), vector(last.tool_position_m));
+    EXPECT_EQ(vector(r.device_position_m), vector(last.tool_position_m)) << "a record is finite";
+    EXPECT_EQ(r.removed, 0u);
+    EXPECT_EQ(r.contacts, 0u);
+    EXPECT_EQ(run.workpiece.hash(), hash);
+    EXPECT_EQ(r.tick, 150u);
+    EXPECT_EQ(run.state.tick, 151u);
+    EXPECT_EQ(run.step(device).faults, 0u) << "whether to go on is the caller's";
+  }
+}
+
+TEST(Tick, AFirstPoseThatIsNotFiniteIsSurvived) {
+  TickRun run(true);
+  std::vector<Pose> poses = path(2);
+  poses[0].position.x() = std::numeric_limits<double>::quiet_NaN();
+  ListDevice device(poses);
+  const TickRecord r = run.step(device);
+  EXPECT_EQ(r.faults, kFaultNotFinite);
+  EXPECT_TRUE(vector(r.tool_position_m).allFinite());
+  EXPECT_FALSE(run.state.has_pose);
+}
+
+TEST(Tick, BodiesOutOfReachAreNotTouched) {
+  TickRun run(true, kFar);
+  const std::uint64_t hash = run.workpiece.hash();
+  ListDevice device(path(200));
+  for (const TickRecord& r : run.steps(device, 200)) {
+    EXPECT_EQ(r.leaves, 0u);
+    EXPECT_EQ(vector(r.force_N), Vector3d(0, 0, 0));
+  }
+  EXPECT_EQ(run.workpiece.hash(), hash);
+}
+
+TEST(Tick, TheBoxAskedOfTheBodiesHoldsTheBurr) {
+  static Eigen::AlignedBox3d asked;
+  const BodyQuery query{nullptr,
+                        [](const void*, const Eigen::AlignedBox3d& box,
+                           std::span<std::uint16_t>) noexcept -> std::size_t {
+                          asked = box;
+                          return 0;
+                        }};
+  TickRun run(false, query);
+  ListDevice device(path(150));
+  for (int i = 0; i < 150; ++i) {
+    run.step(device);
+    for (const Eigen::Vector3f& p : burr().mesh_tool.positions) {
+      ASSERT_TRUE(asked.contains(run.state.tool.point(p.cast<double>())));
+    }
+  }
+}
+
+TEST(Tick, ParentsOfWhatIsCutAwayAreSwitchedOff) {
+  // A burr wider than the pillar it cuts away.
+  TickRun run(true);
+  run.scene.tissues[0].specific_energy_J_per_m3 = 1e5;
+  run.workpiece = Workpiece(test::block({64, 64, 64}, kVoxel, {28, 28, 16}, {36, 36, 48}));
+  std::vector<Pose> poses;
+  const Vector3d axis = Vector3d(0.5, 0, 1).normalized();
+  for (int i = 0; i < 400; ++i)
+    poses.push_back(test::pose_along({0.1e-3, 0, 0.9e-3 - i * 5e-6}, axis));
+  ListDevice device(poses);
+  run.steps(device, 400);
+  ASSERT_EQ(run.workpiece.solid_voxels(), 0u);
+  EXPECT_EQ(run.workpiece.octree().node(0).status, ChildStatus::kNone);
+}
+
+TEST(Tick, TheSameRunTwiceGivesTheSameBits) {
+  for (const bool cutting : {false, true}) {
+    std::vector<TickRecord> records[2];
+    std::uint64_t volume[2], state[2];
+    for (int i : {0, 1}) {
+      TickRun run(cutting);
+      ListDevice device(path(300));
+      records[i] = run.steps(device, 300);
+      volume[i] = run.workpiece.hash();
+      state[i] = run.state.hash();
+    }
+    EXPECT_TRUE(same_bytes(records[0], records[1]));
+    EXPECT_EQ(volume[0], volume[1]);
+    EXPECT_EQ(state[0], state[1]);
+  }
+}
+
+TEST(Tick, ARunPlayedBackFromItsRecordsGivesTheSameBits) {
+  TickRun run(true);
+  TrajectorySettings settings;
+  settings.points_m = {Vector3d(-0.4e-3, 0, 0.05e-3), Vector3d(-0.3e-3, 0, -0.15e-3),
+                       Vector3d(0.4e-3, 0.1e-3, -0.15e-3)};
+  settings.axis = Vector3d(0.3, 0.1, 1).normalized();
+  settings.speed_m_per_s = 4e-3;
+  const Trajectory trajectory = make_trajectory(settings);
+  ScriptedDevice scripted(trajectory, run.scene.haptics.rate_hz);
+  const std::vector<TickRecord> records = run.steps(scripted, 250);
+  ASSERT_GT(run.edits.size(), 100u);
+
+  std::vector<Pose> poses;
+  for (const TickRecord& r : records) {
+    const double* q = r.device_orientation;
+    poses.push_back({vector(r.device_position_m), Eigen::Quaterniond(q[0], q[1], q[2], q[3])});
+  }
+  PlaybackDevice playback(poses);
+  TickRun again(true);
+  EXPECT_TRUE(same_bytes(again.steps(playback, 250), records));
+  EXPECT_EQ(again.workpiece.hash(), run.workpiece.hash());
+  EXPECT_EQ(again.state.hash(), run.state.hash());
+}
+
+TEST(Tick, WhetherItIsTimedChangesNoResult) {
+  TickRun timed(true), plain(true);
+  static std::uint64_t now = 0;
+  timed.scratch = TickScratch(timed.scene, StageClock([]() noexcept { return now += 5; }));
+  ListDevice a(path(200)), b(path(200));
+  EXPECT_TRUE(same_bytes(timed.steps(a, 200), plain.steps(b, 200)));
+  for (int stage = 0; stage < kStageCount; ++stage) {
+    EXPECT_GT(timed.scratch.contact.clock.ns(static_cast<Stage>(stage)), 0u) << kStageNames[stage];
+  }
+}
+
+}  // namespace
+}  // namespace sulcus

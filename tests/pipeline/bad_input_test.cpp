@@ -1,0 +1,119 @@
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "tests/pipeline/small_scenes.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/scratch_folder.hpp"
+
+namespace sulcus {
+namespace {
+
+using test::kProbeScene;
+using test::sulcus_command;
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+/// One line, status 2, and all of what it must name; nothing written.
+void expect_refused(const ScratchFolder& scratch, const std::string& arguments,
+                    std::initializer_list<std::string> named) {
+  const auto result = sulcus_command(arguments, scratch.path("err"));
+  EXPECT_EQ(result.status, 2) << result.err;
+  EXPECT_EQ(result.err_lines(), 1) << result.err;
+  for (const std::string& part : named) {
+    EXPECT_NE(result.err.find(part), std::string::npos) << part << " in " << result.err;
+  }
+}
+
+struct BadScene {
+  const char *name, *from, *to;
+  std::initializer_list<std::string> named;
+};
+
+TEST(BadInput, ScenesAreRefusedWithPlaceFoundAndExpected) {
+  const BadScene cases[] = {
+      {"wrong key",
+       "diameter_mm",
+       "diametre_mm",
+       {"s.toml", "line 10, column", "burr.diametre_mm", "'diameter_mm'"}},
+      {"wrong type",
+       "voxel_mm = 0.05",
+       "voxel_mm = \"fine\"",
+       {"line 5, column", "workpiece.voxel_mm", "fine", "a number"}},
+      {"wrong range", "voxel_mm = 0.05", "voxel_mm = -1", {"workpiece.voxel_mm", "-1", "0.001 to"}},
+      {"not finite", "voxel_mm = 0.05", "voxel_mm = nan", {"workpiece.voxel_mm", "nan"}},
+      {"an array where a table is", "[burr]", "[[burr]]", {"line 9", "burr", "a table"}},
+      {"unit in the key", "speed_mm_per_s", "speed_m_per_s", {"'speed_mm_per_s'"}},
+      {"cells no multiple of 8",
+       "[64, 64, 64]",
+       "[64, 60, 64]",
+       {"workpiece.cells", "60", "multiples of 8"}},
+      {"more cells than there may be", "[64, 64, 64]", "[64, 64, 4096]", {"workpiece.cells"}},
+      {"burr outside its field",
+       "field = [48, 192, 48]",
+       "field = [48, 192, 48]\nfield_spacing_mm = 0.005",
+       {"field_spacing_mm", "at least"}},
+      {"no TOML", "[burr]", "[burr", {"s.toml", "line 9, column"}},
+      {"a missing file", "shape = \"box\"", "file = \"nowhere.nrrd\"", {"nowhere.nrrd"}},
+      {"a start inside", "[-0.6, 0, 1.2]", "[0, 0, 0]", {"[trajectory]", "inside the tooth"}},
+      {"an unknown table", "[trajectory]", "[haptic]\n[trajectory]", {"'haptic'", "'haptics'"}},
+  };
+  for (const BadScene& bad : cases) {
+    SCOPED_TRACE(bad.name);
+    const ScratchFolder scratch;
+    const std::string scene = scratch.write("s.toml", replaced(kProbeScene, bad.from, bad.to));
+    expect_refused(scratch, "run " + scene + " -o " + scratch.path("out"), bad.named);
+    EXPECT_FALSE(std::filesystem::exists(scratch.path("out")));
+  }
+}
+
+TEST(BadInput, FilesAreRefused) {
+  const ScratchFolder scratch;
+  const std::string scene = scratch.write("s.toml", kProbeScene);
+  const auto run_with = [&](const std::string& file) {
+    return "run " + scene + " --set workpiece.file=" + file + " -o " + scratch.path("out");
+  };
+  expect_refused(scratch, "run " + scratch.path("none.toml"), {"none.toml", "scene"});
+  expect_refused(scratch, run_with(scratch.write("empty.stl", "")), {"empty.stl"});
+  expect_refused(scratch, run_with(scratch.write("none.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n")),
+                 {"none.obj", "triangles"});
+  const std::string head = "NRRD0004\ntype: uint16\ndimension: 3\nencoding: raw\nendian: little\n";
+  expect_refused(
+      scratch,
+      run_with(scratch.write("huge.nrrd", head + "sizes: 4000000000 4000000000 4000000000\n\n")),
+      {"huge.nrrd"});
+  expect_refused(scratch, run_with(scratch.write("cut.nrrd", head + "sizes: 64 64 64\n\nshort")),
+                 {"cut.nrrd"});
+  expect_refused(scratch, "replay --verify " + scratch.write("x.h5", "no recording"), {"x.h5"});
+  expect_refused(scratch, "inspect " + scratch.path("nothing"), {"nothing"});
+}
+
+TEST(BadInput, UsageIsRefused) {
+  const ScratchFolder scratch;
+  const std::string scene = scratch.write("s.toml", kProbeScene);
+  expect_refused(scratch, "", {"subcommand"});
+  expect_refused(scratch, "run", {"SCENE"});
+  expect_refused(scratch, "run " + scene + " --pace quick", {"--pace"});
+  expect_refused(scratch, "run " + scene + " --set nonsense",
+                 {"--set nonsense", "TABLE.KEY=VALUE"});
+  expect_refused(scratch, "run " + scene + " --set tissue.gold.above=1", {"gold"});
+  expect_refused(scratch, "run " + scene + " --duration -1", {"--duration"});
+}
+
+TEST(BadInput, NothingAlreadyRecordedIsLost) {
+  const ScratchFolder scratch;
+  const std::string scene = scratch.write("s.toml", test::kCutScene);
+  const std::string out = scratch.path("out");
+  ASSERT_EQ(sulcus_command("run " + scene + " -o " + out, scratch.path("err")).status, 0);
+  const std::string before = test::read_file(out + "/recording.h5");
+  expect_refused(scratch, "run " + scene + " -o " + out + " --set workpiece.cells=[1,2,3]",
+                 {"cells"});
+  EXPECT_EQ(test::read_file(out + "/recording.h5"), before);
+}
+
+}  // namespace
+}  // namespace sulcus

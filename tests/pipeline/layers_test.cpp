@@ -1,0 +1,166 @@
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+// The layers of the source tree: who may include what. app knows everything; haptics and
+// engine/graphics never see each other; both stand on the rest of engine; a library is named by the
+// folder that wraps it and by no other.
+
+namespace sulcus {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// One #include line: in `file`, relative to the root, of `header`, as written.
+struct Include {
+  std::string file, header;
+  int line = 0;
+};
+
+std::vector<Include> includes_of(const fs::path& root) {
+  static const std::regex pattern(R"(^\s*#\s*include\s*[<"]([^>"]+)[>"])");
+  std::vector<Include> all;
+  for (const char* top : {"engine", "haptics", "app"}) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / top)) {
+      const std::string extension = entry.path().extension().string();
+      // .in: what configure_file makes sources of.
+      if (extension != ".cpp" && extension != ".hpp" && extension != ".in") continue;
+      std::ifstream in(entry.path());
+      std::string text;
+      for (int line = 1; std::getline(in, text); ++line) {
+        std::smatch match;
+        if (!std::regex_search(text, match, pattern)) continue;
+        all.push_back({fs::relative(entry.path(), root).generic_string(), match[1], line});
+      }
+    }
+  }
+  std::sort(all.begin(), all.end(), [](const Include& a, const Include& b) {
+    return a.file != b.file ? a.file < b.file : a.line < b.line;
+  });
+  return all;
+}
+
+const std::vector<Include>& includes() {
+  static const std::vector<Include> all = includes_of(SULCUS_SOURCE_DIR);
+  return all;
+}
+
+bool is_in(std::string_view file, std::string_view folder) { return file.starts_with(folder); }
+
+/// Whether `header` belongs to a library, told by how its headers begin (any case).
+bool is_of(std::string header, std::initializer_list<std::string_view> beginnings) {
+  std::transform(header.begin(), header.end(), header.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return std::any_of(beginnings.begin(), beginnings.end(),
+                     [&](std::string_view b) { return header.starts_with(b); });
+}
+
+/// Fails for every include for which `forbidden` holds.
+template <class Forbidden>
+void expect_none(std::string_view rule, const Forbidden& forbidden) {
+  for (const Include& include : includes()) {
+    EXPECT_FALSE(forbidden(include))
+        << include.file << ":" << include.line << " includes " << include.header << ": " << rule;
+  }
+}
+
+TEST(Layers, TheSourcesAreFound) {
+  EXPECT_GT(includes().size(), 300u);
+  for (const char* folder :
+       {"engine/core/", "engine/volume/", "engine/graphics/", "haptics/", "app/"}) {
+    EXPECT_TRUE(std::any_of(includes().begin(), includes().end(), [&](const Include& i) {
+      return is_in(i.file, folder);
+    })) << folder;
+  }
+}
+
+TEST(Layers, OwnHeadersAreNamedFromTheRoot) {
+  const fs::path root = SULCUS_SOURCE_DIR;
+  expect_none("our headers are named from the root, \"engine/...\"", [&](const Include& i) {
+    const bool beside = fs::exists(root / fs::path(i.file).parent_path() / i.header);
+    return i.header.find("..") != std::string::npos || (beside && !fs::exists(root / i.header));
+  });
+}
+
+TEST(Layers, EngineKnowsNeitherHapticsNorApp) {
+  expect_none("engine stands below haptics and app", [](const Include& i) {
+    return is_in(i.file, "engine/") && (is_in(i.header, "haptics/") || is_in(i.header, "app/"));
+  });
+}
+
+TEST(Layers, HapticsKnowsNeitherGraphicsNorApp) {
+  expect_none("haptics sees no picture and no program", [](const Include& i) {
+    return is_in(i.file, "haptics/") &&
+           (is_in(i.header, "engine/graphics/") || is_in(i.header, "app/"));
+  });
+}
+
+TEST(Layers, OnlyGraphicsAndAppKnowGraphics) {
+  expect_none("the rest of engine needs no picture", [](const Include& i) {
+    return is_in(i.header, "engine/graphics/") && !is_in(i.file, "engine/graphics/") &&
+           !is_in(i.file, "app/");
+  });
+}
+
+TEST(Layers, CoreStandsOnNothing) {
+  expect_none("engine/core is the floor", [](const Include& i) {
+    return is_in(i.file, "engine/core/") && is_in(i.header, "engine/") &&
+           !is_in(i.header, "engine/core/");
+  });
+}
+
+TEST(Layers, NothingIncludesTests) {
+  expect_none("the program does not know its tests", [](const Include& i) {
+    return is_in(i.header, "tests/") || is_of(i.header, {"gtest/", "gmock/"});
+  });
+}
+
+TEST(Layers, OnlyImportNamesItkAndAssimp) {
+  expect_none("volumes and meshes come in through engine/import", [](const Include& i) {
+    return is_of(i.header, {"itk", "assimp/", "vnl/"}) && !is_in(i.file, "engine/import/");
+  });
+}
+
+TEST(Layers, OnlyRecordingNamesHdf5) {
+  expect_none("recordings are engine/recording's", [](const Include& i) {
+    return is_of(i.header, {"hdf5", "h5"}) && !is_in(i.file, "engine/recording/");
+  });
+}
+
+TEST(Layers, OnlyBodiesNamesBullet) {
+  expect_none("bodies are engine/bodies'", [](const Include& i) {
+    return is_of(i.header, {"bt", "bullet", "linearmath/"}) && !is_in(i.file, "engine/bodies/");
+  });
+}
+
+TEST(Layers, OnlyGraphicsNamesGl) {
+  expect_none("drawing is engine/graphics'", [](const Include& i) {
+    return is_of(i.header,
+                 {"epoxy/", "egl/", "gl/", "gles", "khr/", "glfw/", "imgui", "backends/"}) &&
+           !is_in(i.file, "engine/graphics/");
+  });
+}
+
+TEST(Layers, OnlyAppLogsAndReadsCommands) {
+  expect_none("what the core has to say it returns or throws", [](const Include& i) {
+    return is_of(i.header, {"spdlog/", "fmt/", "cli/"}) && !is_in(i.file, "app/");
+  });
+}
+
+TEST(Layers, HapticsNamesNoThreadClockOrFile) {
+  expect_none("a tick has no clock, lock, thread or file inside", [](const Include& i) {
+    return is_in(i.file, "haptics/") &&
+           (is_of(i.header, {"tbb/", "oneapi/", "readerwriterqueue", "toml++/"}) ||
+            is_of(i.header, {"thread", "mutex", "chrono", "fstream", "iostream", "ctime", "cstdio",
+                             "condition_variable", "random"}));
+  });
+}
+
+}  // namespace
+}  // namespace sulcus

@@ -1,0 +1,103 @@
+#include <cmath>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "engine/recording/recording_reader.hpp"
+#include "engine/recording/recording_writer.hpp"
+#include "tests/pipeline/small_scenes.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/scratch_folder.hpp"
+
+namespace sulcus {
+namespace {
+
+using test::sulcus_command;
+
+/// A cut that has been recorded.
+class Replay : public testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string scene = scratch_.write("s.toml", test::kCutScene);
+    const auto result =
+        sulcus_command("run " + scene + " -o " + scratch_.path("out"), scratch_.path("err"));
+    ASSERT_EQ(result.status, 0) << result.err;
+  }
+  test::CommandResult command(const std::string& arguments) {
+    return sulcus_command(arguments, scratch_.path("err"));
+  }
+  /// The recording with one row or edit changed, sealed as if it had been so.
+  std::string altered(const std::function<void(std::vector<TickRecord>&, std::vector<Edit>&)>& by) {
+    const RecordingReader reader(recording());
+    std::vector<TickRecord> rows = reader.ticks();
+    std::vector<Edit> edits = reader.edits();
+    by(rows, edits);
+    for (TickRecord& row : rows) seal(row);
+    const std::string path = scratch_.path("altered.h5");
+    RecordingWriter writer(path, reader.header(), reader.workpiece(), nullptr);
+    writer.append_edits(edits);
+    writer.append_ticks(rows);
+    writer.close();
+    return path;
+  }
+  std::string recording() const { return scratch_.path("out/recording.h5"); }
+
+  ScratchFolder scratch_;
+};
+
+TEST_F(Replay, VerifiesEveryTickAndTheVolume) {
+  const auto result = command("replay --verify " + recording());
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.out.find("agree bit for bit"), std::string::npos) << result.out;
+}
+
+TEST_F(Replay, NamesTheFirstTickThatDiffersAndTheQuantity) {
+  const std::string path = altered([](auto& rows, auto&) {
+    double& force = rows[200].force_N[2];
+    force = std::nextafter(force, 1e9);  // one bit
+    rows[250].contacts += 1;
+  });
+  const auto result = command("replay --verify " + path);
+  EXPECT_EQ(result.status, 1);
+  EXPECT_NE(result.err.find("tick 200 differs in force_N"), std::string::npos) << result.err;
+}
+
+TEST_F(Replay, NoticesAnotherVoxel) {
+  const std::string path = altered([](auto&, auto& edits) { edits[10].voxel += 1; });
+  const auto result = command("replay --verify " + path);
+  EXPECT_EQ(result.status, 1);
+  EXPECT_NE(result.err.find("differs in the voxels removed"), std::string::npos) << result.err;
+}
+
+TEST_F(Replay, ExportedMeshIsClosedAndVolumeReadsBack) {
+  const std::string mesh = scratch_.path("cut.stl"), volume = scratch_.path("cut.nrrd");
+  const std::string csv = scratch_.path("cut.csv");
+  const auto exported = command("export " + recording() + " --mesh " + mesh + " --volume " +
+                                volume + " --csv " + csv);
+  ASSERT_EQ(exported.status, 0) << exported.err;
+  const auto inspected = command("inspect " + mesh);
+  EXPECT_NE(inspected.out.find("open edges       0 (closed)"), std::string::npos) << inspected.out;
+
+  const RecordingReader reader(recording());
+  const std::uint64_t solid = reader.workpiece().solid_count() - reader.edit_count();
+  EXPECT_GT(reader.edit_count(), 100u);
+  const auto voxels = command("inspect " + volume);
+  EXPECT_NE(voxels.out.find("voxels above 0   " + std::to_string(solid) + " "), std::string::npos)
+      << voxels.out;
+  const std::string table = test::read_file(csv);
+  EXPECT_EQ(static_cast<std::size_t>(std::count(table.begin(), table.end(), '\n')),
+            reader.tick_count() + 1);
+}
+
+TEST_F(Replay, DrawsAnyTimeOfIt) {
+  const auto result = command("render " + recording() + " --at 0.1 --at 0.3 --size 160x120 -o " +
+                              scratch_.path("pictures"));
+  ASSERT_EQ(result.status, 0) << result.err;
+  const std::string early = test::read_file(scratch_.path("pictures/000000.png"));
+  const std::string late = test::read_file(scratch_.path("pictures/000001.png"));
+  EXPECT_FALSE(early.empty());
+  EXPECT_NE(early, late);
+}
+
+}  // namespace
+}  // namespace sulcus

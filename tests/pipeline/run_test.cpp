@@ -1,0 +1,115 @@
+#include <filesystem>
+#include <set>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/pipeline/small_scenes.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/scratch_folder.hpp"
+
+namespace sulcus {
+namespace {
+
+using test::sulcus_command;
+
+nlohmann::json summary_of(const std::string& folder) {
+  return nlohmann::json::parse(test::read_file(folder + "/summary.json"));
+}
+
+std::set<std::string> parts_of(const nlohmann::json& summary) {
+  std::set<std::string> names;
+  for (const auto& part : summary["parts"]) names.insert(part["name"]);
+  return names;
+}
+
+TEST(Run, MinimalSceneRunsOnlyThePartsItNeeds) {
+  const ScratchFolder scratch;
+  const auto result =
+      sulcus_command("run " + std::string(SULCUS_SOURCE_DIR) +
+                         "/scenes/minimal.toml --duration 0.05 -o " + scratch.path("out"),
+                     scratch.path("err"));
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto summary = summary_of(scratch.path("out"));
+  EXPECT_EQ(parts_of(summary), (std::set<std::string>{"burr", "workpiece", "contact"}));
+  for (const char* part : {"cutting", "render", "record"}) {
+    EXPECT_FALSE(summary["memory_MiB"].contains(part)) << part;
+  }
+  EXPECT_FALSE(summary["stage_us"].contains("removal"));
+  EXPECT_FALSE(std::filesystem::exists(scratch.path("out/recording.h5")));
+  EXPECT_FALSE(std::filesystem::exists(scratch.path("out/frames")));
+  EXPECT_EQ(summary["removed_voxels"], 0);
+}
+
+TEST(Run, NamedPartsAreListedWithTheirMemory) {
+  const ScratchFolder scratch;
+  const std::string scene = scratch.write("s.toml", test::kRenderScene);
+  const auto result =
+      sulcus_command("run " + scene + " -o " + scratch.path("out"), scratch.path("err"));
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto summary = summary_of(scratch.path("out"));
+  EXPECT_EQ(parts_of(summary),
+            (std::set<std::string>{"burr", "workpiece", "contact", "cutting", "record", "render"}));
+  for (const auto& part : summary["parts"]) EXPECT_GT(part["memory_MiB"], 0.0) << part;
+  EXPECT_GT(summary["removed_voxels"], 100);
+  EXPECT_GT(summary["frames"], 1);
+  EXPECT_NEAR(summary["removed_energy_J"].get<double>() + summary["stored_energy_J"].get<double>(),
+              summary["tangential_work_J"].get<double>(), 1e-9);
+  for (const char* file : {"/recording.h5", "/forces.png", "/log.txt", "/frames/000000.png"}) {
+    EXPECT_GT(std::filesystem::file_size(scratch.path("out") + file), 0u) << file;
+    EXPECT_NE(result.out.find(scratch.path("out")), std::string::npos);
+  }
+}
+
+TEST(Run, PaceAndThreadsDoNotChangeTheResult) {
+  const ScratchFolder scratch;
+  const std::string scene = scratch.write("s.toml", test::kCutScene);
+  std::set<std::string> volumes, forces;
+  int n = 0;
+  for (const char* options : {"--pace fast", "--pace real", "--threads 1", "--threads 4"}) {
+    const std::string folder = scratch.path("out" + std::to_string(n++));
+    const auto result =
+        sulcus_command("run " + scene + " " + options + " -o " + folder, scratch.path("err"));
+    ASSERT_EQ(result.status, 0) << result.err;
+    const auto summary = summary_of(folder);
+    volumes.insert(summary["volume_hash"].get<std::string>());
+    forces.insert(summary["force_hash"].get<std::string>());
+  }
+  EXPECT_EQ(volumes.size(), 1u);
+  EXPECT_EQ(forces.size(), 1u);
+}
+
+TEST(Run, StopsCleanlyOnRequest) {
+  const ScratchFolder scratch;
+  const std::string scene = scratch.write("s.toml", test::kCutScene);
+  const std::string out = scratch.path("out");
+  // Real pace, so that the run lasts; timeout sends SIGINT.
+  const std::string command = "timeout -s INT 0.6 " + std::string(SULCUS_PROGRAM) + " run " +
+                              scene + " --pace real --duration 30 -o " + out + " >/dev/null 2>&1";
+  ASSERT_NE(std::system(command.c_str()), -1);
+  ASSERT_TRUE(std::filesystem::exists(out + "/summary.json"));
+  const auto summary = summary_of(out);
+  EXPECT_TRUE(summary["interrupted"]);
+  const auto verified =
+      sulcus_command("replay --verify " + out + "/recording.h5", scratch.path("err"));
+  EXPECT_EQ(verified.status, 0) << verified.err;
+  EXPECT_NE(verified.out.find(std::to_string(summary["ticks"].get<int>()) + " ticks"),
+            std::string::npos)
+      << verified.out;
+}
+
+TEST(Run, SetChangesTheScene) {
+  const ScratchFolder scratch;
+  const std::string scene = scratch.write("s.toml", test::kProbeScene);
+  const auto result = sulcus_command(
+      "run " + scene + " --set haptics.rate_hz=100 --set workpiece.box.size_mm=[1,1,1] -o " +
+          scratch.path("out"),
+      scratch.path("err"));
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto summary = summary_of(scratch.path("out"));
+  EXPECT_EQ(summary["workpiece"]["solid_voxels"], 20 * 20 * 20);
+  EXPECT_LT(summary["ticks"], 60);
+}
+
+}  // namespace
+}  // namespace sulcus

@@ -1,0 +1,62 @@
+// The threads of a run with what they share: for ThreadSanitizer as much as for the result.
+#include "app/session.hpp"
+
+#include <gtest/gtest.h>
+
+#include "app/simulation.hpp"
+#include "engine/import/build_workpiece.hpp"
+#include "engine/recording/recording_reader.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "engine/scene/trajectory.hpp"
+#include "tests/pipeline/small_scenes.hpp"
+#include "tests/support/scratch_folder.hpp"
+
+namespace sulcus {
+namespace {
+
+struct RecordedSession {
+  explicit RecordedSession(const std::string& text, const std::string& folder, Pace pace)
+      : scene(parse_scene(text, "test.toml")),
+        trajectory(make_trajectory(scene.trajectory)),
+        simulation(scene, build_workpiece(scene), load_burr(scene)),
+        device(trajectory, scene.haptics.rate_hz) {
+    SessionOptions options;
+    options.folder = folder;
+    options.pace = pace;
+    options.ticks = 400;
+    result = run_session(simulation, device, options);
+  }
+  Scene scene;
+  Trajectory trajectory;
+  Simulation simulation;
+  ScriptedDevice device;
+  SessionResult result;
+};
+
+TEST(SessionThreads, RecorderHasEveryTickAndEdit) {
+  const ScratchFolder scratch;
+  for (const Pace pace : {Pace::kFast, Pace::kReal}) {
+    const RecordedSession run(test::kCutScene, scratch.path("out"), pace);
+    EXPECT_EQ(run.result.statistics.tick_us.size(), 400u);
+    const RecordingReader reader(scratch.path("out/recording.h5"));
+    EXPECT_EQ(reader.tick_count(), 400u);
+    EXPECT_EQ(reader.missing(), "");
+    EXPECT_EQ(reader.edit_count(), run.result.statistics.removed);
+    EXPECT_GT(reader.edit_count(), 0u);
+    ASSERT_FALSE(reader.state_hashes().empty());
+    EXPECT_EQ(reader.state_hashes().back().volume, run.simulation.workpiece().hash());
+    EXPECT_EQ(reader.state_hashes().back().state, run.simulation.state().hash());
+  }
+}
+
+TEST(SessionThreads, StopRequestEndsTheRunWithAllOnDisk) {
+  const ScratchFolder scratch;
+  stop_requested = true;
+  const RecordedSession run(test::kCutScene, scratch.path("out"), Pace::kFast);
+  stop_requested = false;
+  EXPECT_TRUE(run.result.interrupted);
+  EXPECT_EQ(run.result.statistics.tick_us.size(), 0u);
+}
+
+}  // namespace
+}  // namespace sulcus

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+
+namespace sulcus::test {
+
+/// A 2 mm block of 64^3 voxels with a small burr: probing, done in a fraction of a second.
+inline const std::string kProbeScene = R"(
+title = "small"
+[workpiece]
+shape = "box"
+voxel_mm = 0.05
+cells = [64, 64, 64]
+[workpiece.box]
+size_mm = [2, 2, 2]
+[burr]
+diameter_mm = 0.8
+speed_rpm = 100000
+field = [48, 192, 48]
+[trajectory]
+points_mm = [[-0.6, 0, 1.2], [-0.6, 0, 0.92], [0.6, 0, 0.92], [0.6, 0, 1.2]]
+speed_mm_per_s = 4
+)";
+
+/// The same, cutting and recording.
+inline const std::string kCutScene = kProbeScene + R"(
+[cutting]
+[record]
+)";
+
+/// Drawn as well.
+inline const std::string kRenderScene = kCutScene + R"(
+[render]
+size = [320, 240]
+fps = 4
+)";
+
+}  // namespace sulcus::test

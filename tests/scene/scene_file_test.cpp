@@ -1,0 +1,475 @@
+#include "engine/scene/scene_file.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "engine/core/error.hpp"
+
+namespace sulcus {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3i;
+namespace fs = std::filesystem;
+
+/// The least a scene must say, to which a test adds its own.
+const std::string kLeast = "[workpiece]\nshape = 'molar'\n[trajectory]\npoints_mm = [[0, 0, 9]]\n";
+
+Scene parse(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  return parse_scene(text, "/scenes/s.toml", overrides);
+}
+
+/// The least scene with `more` keys in its [workpiece].
+Scene parse_workpiece(const std::string& more) {
+  return parse("[workpiece]\n" + more + "\n[trajectory]\npoints_mm = [[0, 0, 9]]\n");
+}
+
+std::string error_of(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  try {
+    parse(text, overrides);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(SceneFile, DefaultsAreThoseStated) {
+  const Scene s = parse(kLeast);
+  EXPECT_EQ(s.title, "s") << "the name of the file";
+  EXPECT_EQ(s.workpiece.shape, ShapeKind::kMolar);
+  EXPECT_EQ(s.workpiece.cells, Vector3i(512, 512, 512));
+  EXPECT_DOUBLE_EQ(s.workpiece.voxel_m, 34.8e-6);
+  EXPECT_FALSE(s.workpiece.solid_above);
+  EXPECT_FALSE(s.workpiece.spacing_m);
+  EXPECT_EQ(s.workpiece.position_m, Vector3d(0, 0, 0));
+  EXPECT_EQ(s.workpiece.rotation, Vector3d(0, 0, 0));
+  ASSERT_EQ(s.tissues.size(), 1u);
+  EXPECT_EQ(s.tissues[0].name, "enamel");
+  EXPECT_DOUBLE_EQ(s.tissues[0].stiffness_N_per_m, 30e3);
+  EXPECT_DOUBLE_EQ(s.tissues[0].specific_energy_J_per_m3, 3.5e9);
+  EXPECT_EQ(s.burr.shape, BurrShape::kRound);
+  EXPECT_DOUBLE_EQ(s.burr.diameter_m, 1.4e-3);
+  EXPECT_FALSE(s.burr.length_m);
+  EXPECT_DOUBLE_EQ(s.burr.speed_rad_per_s, 733.0382858376184);
+  EXPECT_DOUBLE_EQ(s.burr.tangential_ratio, 0.3);
+  EXPECT_EQ(s.burr.field_samples, Vector3i(128, 512, 128));
+  EXPECT_FALSE(s.burr.field_spacing_m);
+  EXPECT_DOUBLE_EQ(s.burr.reference_m, 40e-3);
+  EXPECT_EQ(s.trajectory.axis, Vector3d(0, 0, 1));
+  EXPECT_DOUBLE_EQ(s.trajectory.speed_m_per_s, 0.4e-3);
+  EXPECT_EQ(s.haptics.rate_hz, 1000.0);
+  EXPECT_EQ(s.haptics.normals, NormalMethod::kLdm);
+  EXPECT_EQ(s.haptics.neighbourhood, 6);
+  EXPECT_EQ(s.haptics.trace, 12);
+  EXPECT_EQ(s.haptics.scaling, Scaling::kSmooth);
+}
+
+TEST(SceneFile, WhatIsNotNamedIsNotThere) {
+  const Scene s = parse(kLeast);
+  EXPECT_FALSE(s.cutting);
+  EXPECT_FALSE(s.render);
+  EXPECT_FALSE(s.record);
+  const Scene all = parse(kLeast + "[cutting]\n[render]\n[record]\n");
+  ASSERT_TRUE(all.cutting && all.render && all.record);
+  EXPECT_EQ(all.render->width, 1280);
+  EXPECT_EQ(all.render->height, 720);
+  EXPECT_EQ(all.render->fps, 30.0);
+  EXPECT_EQ(all.render->camera, Camera::kReview);
+  EXPECT_TRUE(all.render->hud);
+}
+
+TEST(SceneFile, TheStructsOwnDefaultsAreTheFilesDefaults) {
+  const Scene s = parse(kLeast + "[burr]\n[haptics]\n");
+  const BurrSettings burr;
+  EXPECT_DOUBLE_EQ(s.burr.diameter_m, burr.diameter_m);
+  EXPECT_DOUBLE_EQ(s.burr.speed_rad_per_s, burr.speed_rad_per_s);
+  EXPECT_DOUBLE_EQ(s.burr.tangential_ratio, burr.tangential_ratio);
+  EXPECT_DOUBLE_EQ(s.burr.reference_m, burr.reference_m);
+  EXPECT_DOUBLE_EQ(s.workpiece.voxel_m, WorkpieceSettings().voxel_m);
+  EXPECT_EQ(s.haptics.trace, HapticsSettings().trace);
+  const Scene bare = parse_workpiece("shape = 'torus'\n[workpiece.torus]\n[workpiece.groove]");
+  EXPECT_DOUBLE_EQ(bare.workpiece.torus_major_m, WorkpieceSettings().torus_major_m);
+  EXPECT_DOUBLE_EQ(bare.workpiece.torus_minor_m, WorkpieceSettings().torus_minor_m);
+  EXPECT_DOUBLE_EQ(bare.workpiece.groove_angle, WorkpieceSettings().groove_angle);
+}
+
+TEST(SceneFile, LengthsAndAnglesOfTheWorkpieceAreConverted) {
+  const WorkpieceSettings w = parse_workpiece(R"(shape = "plate"
+voxel_mm = 0.05
+cells = [8, 1024, 64]
+spacing_mm = [0.1, 0.2, 0.3]
+solid_above = 600
+position_mm = [1, -2, 3]
+rotation_deg = [180, 90, -45]
+molar.caries_radius_mm = 1.5
+sphere.radius_mm = 4
+box.size_mm = [1, 2, 3]
+plate = { thickness_mm = 0.5, tilt_deg = 30 }
+torus = { major_mm = 5, minor_mm = 2 }
+groove = { angle_deg = 60, depth_mm = 2.5 })")
+                                  .workpiece;
+  constexpr double kPi = 3.141592653589793;
+  EXPECT_EQ(w.shape, ShapeKind::kPlate);
+  EXPECT_DOUBLE_EQ(w.voxel_m, 50e-6);
+  EXPECT_EQ(w.cells, Vector3i(8, 1024, 64));
+  EXPECT_TRUE(w.spacing_m->isApprox(Vector3d(0.1e-3, 0.2e-3, 0.3e-3), 1e-14));
+  EXPECT_EQ(w.solid_above, 600.0);
+  EXPECT_TRUE(w.position_m.isApprox(Vector3d(1e-3, -2e-3, 3e-3), 1e-14));
+  EXPECT_TRUE(w.rotation.isApprox(Vector3d(kPi, kPi / 2, -kPi / 4), 1e-14));
+  EXPECT_DOUBLE_EQ(w.molar_caries_radius_m, 1.5e-3);
+  EXPECT_DOUBLE_EQ(w.sphere_radius_m, 4e-3);
+  EXPECT_TRUE(w.box_size_m.isApprox(Vector3d(1e-3, 2e-3, 3e-3), 1e-14));
+  EXPECT_DOUBLE_EQ(w.plate_thickness_m, 0.5e-3);
+  EXPECT_DOUBLE_EQ(w.plate_tilt, kPi / 6);
+  EXPECT_DOUBLE_EQ(w.torus_major_m, 5e-3);
+  EXPECT_DOUBLE_EQ(w.torus_minor_m, 2e-3);
+  EXPECT_DOUBLE_EQ(w.groove_angle, kPi / 3);
+  EXPECT_DOUBLE_EQ(w.groove_depth_m, 2.5e-3);
+}
+
+TEST(SceneFile, UnitsOfTheOtherTablesAreConverted) {
+  const Scene s = parse(kLeast + R"(axis = [0, 3, 4]
+speed_mm_per_s = 2.5
+[[tissue]]
+name = "putty"
+above = 1010
+stiffness_N_per_mm = 12
+specific_energy_J_per_mm3 = 0.25
+colour = [0, 0.5, 1]
+[burr]
+shape = "flame"
+diameter_mm = 1.2
+length_mm = 4
+speed_rpm = 30
+tangential_ratio = 0.5
+field = [64, 256, 32]
+field_spacing_mm = 0.02
+reference_mm = 25
+[haptics]
+rate_hz = 500
+normals = "ldm_paper"
+neighbourhood = 8
+scaling = "count"
+max_contacts = 100
+[cutting]
+max_cut_voxels = 5000
+[render]
+size = [640, 480]
+fps = 25
+camera = "burr"
+hud = false
+)");
+  EXPECT_TRUE(s.trajectory.axis.isApprox(Vector3d(0, 0.6, 0.8), 1e-15));
+  EXPECT_DOUBLE_EQ(s.trajectory.speed_m_per_s, 2.5e-3);
+  ASSERT_EQ(s.trajectory.points_m.size(), 1u);
+  EXPECT_TRUE(s.trajectory.points_m[0].isApprox(Vector3d(0, 0, 9e-3), 1e-15));
+  ASSERT_EQ(s.tissues.size(), 1u);
+  EXPECT_EQ(s.tissues[0].above, 1010.0);
+  EXPECT_DOUBLE_EQ(s.tissues[0].stiffness_N_per_m, 12e3);
+  EXPECT_DOUBLE_EQ(s.tissues[0].specific_energy_J_per_m3, 0.25e9);
+  EXPECT_EQ(s.tissues[0].colour, (std::array<float, 3>{0.0f, 0.5f, 1.0f}));
+  EXPECT_EQ(s.burr.shape, BurrShape::kFlame);
+  EXPECT_DOUBLE_EQ(s.burr.diameter_m, 1.2e-3);
+  EXPECT_DOUBLE_EQ(*s.burr.length_m, 4e-3);
+  EXPECT_DOUBLE_EQ(s.burr.speed_rad_per_s, 3.141592653589793);
+  EXPECT_DOUBLE_EQ(s.burr.tangential_ratio, 0.5);
+  EXPECT_EQ(s.burr.field_samples, Vector3i(64, 256, 32));
+  EXPECT_DOUBLE_EQ(*s.burr.field_spacing_m, 0.02e-3);
+  EXPECT_DOUBLE_EQ(s.burr.reference_m, 25e-3);
+  EXPECT_EQ(s.haptics.rate_hz, 500.0);
+  EXPECT_EQ(s.haptics.normals, NormalMethod::kLdmPaper);
+  EXPECT_EQ(s.haptics.neighbourhood, 8);
+  EXPECT_EQ(s.haptics.trace, 5) << "the paper's alpha";
+  EXPECT_EQ(s.haptics.scaling, Scaling::kCount);
+  EXPECT_EQ(s.haptics.max_contacts, 100);
+  EXPECT_EQ(s.cutting->max_cut_voxels, 5000);
+  EXPECT_EQ(s.render->width, 640);
+  EXPECT_EQ(s.render->height, 480);
+  EXPECT_EQ(s.render->fps, 25.0);
+  EXPECT_EQ(s.render->camera, Camera::kBurr);
+  EXPECT_FALSE(s.render->hud);
+}
+
+TEST(SceneFile, EveryShapeAndBurrHasItsName) {
+  const std::vector<std::string> shapes{"molar", "sphere", "box", "plate", "torus", "groove"};
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    EXPECT_EQ(parse_workpiece("shape = '" + shapes[i] + "'").workpiece.shape, ShapeKind(i));
+  }
+  const std::vector<std::string> burrs{"round", "pear", "fissure", "inverted_cone", "flame"};
+  for (std::size_t i = 0; i < burrs.size(); ++i) {
+    EXPECT_EQ(parse(kLeast + "[burr]\nshape = '" + burrs[i] + "'").burr.shape, BurrShape(i));
+  }
+}
+
+TEST(SceneFile, AFieldMayBeAuto) {
+  EXPECT_FALSE(parse(kLeast + "[burr]\nfield = 'auto'").burr.field_samples);
+  EXPECT_EQ(error_of(kLeast + "[burr]\nfield = 'fine'"),
+            "/scenes/s.toml: line 6, column 9, burr.field: found 'fine', expected one of auto");
+  EXPECT_EQ(error_of(kLeast + "[burr]\nfield = [64, 64.5, 64]"),
+            "/scenes/s.toml: line 6, column 9, burr.field: found fractions, expected 3 whole "
+            "numbers, or \"auto\"");
+}
+
+// --- Tissues ------------------------------------------------------------------------------------
+
+TEST(SceneFile, KnownTissuesBringTheirConstants) {
+  const Scene s = parse("tissue = ['enamel', 'dentine', 'pulp', 'caries']\n" + kLeast);
+  ASSERT_EQ(s.tissues.size(), 4u);
+  EXPECT_EQ(s.tissues[1].name, "dentine");
+  EXPECT_DOUBLE_EQ(s.tissues[0].specific_energy_J_per_m3, 3.5e9);
+  EXPECT_DOUBLE_EQ(s.tissues[1].specific_energy_J_per_m3, 0.65e9);
+  EXPECT_DOUBLE_EQ(s.tissues[1].stiffness_N_per_m, 25e3);
+  EXPECT_DOUBLE_EQ(s.tissues[3].stiffness_N_per_m, 8e3);
+  EXPECT_GT(s.tissues[3].specific_energy_J_per_m3, s.tissues[2].specific_energy_J_per_m3);
+}
+
+TEST(SceneFile, ATissueTableKeepsTheConstantsItDoesNotName) {
+  const Scene s = parse(kLeast + "[[tissue]]\nname = 'dentine'\nstiffness_N_per_mm = 3\n");
+  ASSERT_EQ(s.tissues.size(), 1u);
+  EXPECT_DOUBLE_EQ(s.tissues[0].stiffness_N_per_m, 3e3);
+  EXPECT_DOUBLE_EQ(s.tissues[0].specific_energy_J_per_m3, 0.65e9);
+}
+
+TEST(SceneFile, TissueErrorsNameTheTissue) {
+  EXPECT_EQ(error_of("tissue = ['enamel', 'bone']\n" + kLeast),
+            "/scenes/s.toml: line 1, column 10, tissue: found 'bone', expected enamel, dentine, "
+            "pulp or caries, or a [[tissue]]");
+  EXPECT_EQ(error_of(kLeast + "[[tissue]]\nname = 'a'\n[[tissue]]\nname = 'a'\n"),
+            "/scenes/s.toml: line 5, column 1, tissue: found 'a' twice, expected names that "
+            "differ");
+  EXPECT_NE(error_of(kLeast + "[[tissue]]\nabove = 3\n").find("expected a name"),
+            std::string::npos);
+}
+
+// --- --set --------------------------------------------------------------------------------------
+
+TEST(SceneFile, ASetValueIsTomlElseAString) {
+  const Scene s = parse(kLeast, {"workpiece.voxel_mm=0.1", "title=A burr, lifted",
+                                 "trajectory.points_mm=[[1, 2, 3], [4, 5, 6]]", "burr.shape=pear",
+                                 "haptics.scaling=\"none\""});
+  EXPECT_DOUBLE_EQ(s.workpiece.voxel_m, 1e-4);
+  EXPECT_EQ(s.title, "A burr, lifted");
+  EXPECT_EQ(s.trajectory.points_m.size(), 2u);
+  EXPECT_EQ(s.burr.shape, BurrShape::kPear);
+  EXPECT_EQ(s.haptics.scaling, Scaling::kNone);
+}
+
+TEST(SceneFile, ASetMakesTheTableItNeeds) {
+  EXPECT_EQ(parse(kLeast, {"cutting.max_cut_voxels=9"}).cutting->max_cut_voxels, 9);
+  EXPECT_DOUBLE_EQ(parse(kLeast, {"workpiece.sphere.radius_mm=2"}).workpiece.sphere_radius_m, 2e-3);
+}
+
+TEST(SceneFile, TheLastSetWins) { EXPECT_EQ(parse(kLeast, {"title=a", "title=b"}).title, "b"); }
+
+TEST(SceneFile, ASetAddressesATissueByName) {
+  const std::string two = kLeast + "[[tissue]]\nname = 'enamel'\n[[tissue]]\nname = 'dentine'\n";
+  const Scene s = parse(two, {"tissue.dentine.stiffness_N_per_mm=7"});
+  EXPECT_DOUBLE_EQ(s.tissues[0].stiffness_N_per_m, 30e3);
+  EXPECT_DOUBLE_EQ(s.tissues[1].stiffness_N_per_m, 7e3);
+  EXPECT_EQ(error_of(two, {"tissue.pulp.above=7"}),
+            "--set tissue.pulp.above=7: found no [[tissue]] named 'pulp', expected the name of a "
+            "tissue of the scene");
+}
+
+TEST(SceneFile, SettingTheFileDropsTheShape) {
+  const Scene s = parse(kLeast, {"workpiece.file=/a/tooth.nrrd"});
+  EXPECT_FALSE(s.workpiece.shape);
+  EXPECT_EQ(s.workpiece.file, "/a/tooth.nrrd");
+}
+
+TEST(SceneFile, PathsAreRelativeToTheFileInItAndToTheCurrentFolderInASet) {
+  const std::string text =
+      "[workpiece]\nfile = '../teeth/t.nrrd'\n[trajectory]\nfile = 'p.csv'\n[burr]\nfile = "
+      "'/abs/b.stl'\n";
+  const Scene s = parse(text);
+  EXPECT_EQ(s.workpiece.file, "/teeth/t.nrrd");
+  EXPECT_EQ(s.trajectory.file, "/scenes/p.csv");
+  EXPECT_EQ(s.burr.file, "/abs/b.stl");
+  EXPECT_EQ(s.burr.shape, BurrShape::kFile);
+
+  const Scene set = parse(text, {"workpiece.file=t2.nrrd", "burr.file='/abs/c.stl'"});
+  EXPECT_EQ(set.workpiece.file, (fs::current_path() / "t2.nrrd").string());
+  EXPECT_EQ(set.trajectory.file, "/scenes/p.csv");
+  EXPECT_EQ(set.burr.file, "/abs/c.stl");
+}
+
+TEST(SceneFile, ASetThatIsNoneIsRefused) {
+  EXPECT_EQ(error_of(kLeast, {"title"}), "--set title: found no '=', expected TABLE.KEY=VALUE");
+  EXPECT_EQ(error_of(kLeast, {"=3"}), "--set =3: found no '=', expected TABLE.KEY=VALUE");
+  EXPECT_EQ(error_of(kLeast, {"burr..shape=3"}),
+            "--set burr..shape=3: found an empty key, expected TABLE.KEY=VALUE");
+  EXPECT_EQ(error_of(kLeast, {"workpiece.shape.x=3"}),
+            "--set workpiece.shape.x=3: found 'shape', no table, expected a table");
+  EXPECT_EQ(error_of(kLeast, {"workpiece.voxel_mm=thin"}),
+            "/scenes/s.toml: --set workpiece.voxel_mm: found 'thin', expected a number, 0.001 to "
+            "10");
+  EXPECT_EQ(error_of(kLeast, {"burr.diametre_mm=1"}),
+            "/scenes/s.toml: --set burr.diametre_mm: found the unknown key 'diametre_mm', "
+            "expected 'diameter_mm'");
+}
+
+TEST(SceneFile, ASetOfBytesThatAreNoTextIsBadInput) {
+  EXPECT_THROW(parse(kLeast, {"title=\xff\xfe"}), InputError);
+}
+
+TEST(SceneFile, TheTextAsRunReadsBackTheSame) {
+  const Scene s = parse(
+      kLeast, {"workpiece.voxel_mm=0.0123456789012345", "title=x = 'y' \"z\"", "burr.shape=pear"});
+  const Scene again = parse(s.text);
+  EXPECT_EQ(again.workpiece.voxel_m, s.workpiece.voxel_m);
+  EXPECT_EQ(again.title, s.title);
+  EXPECT_EQ(again.burr.shape, BurrShape::kPear);
+  EXPECT_EQ(parse(kLeast).text, kLeast) << "without a set, byte for byte";
+}
+
+// --- Errors -------------------------------------------------------------------------------------
+
+TEST(SceneFile, AMissingTableSaysWhatItShouldHold) {
+  EXPECT_EQ(error_of("[trajectory]\npoints_mm = [[0, 0, 0]]\n"),
+            "/scenes/s.toml: line 1, column 1, workpiece: found no such table, expected "
+            "[workpiece] with a shape or a file");
+  EXPECT_EQ(error_of("[workpiece]\nshape = 'box'\n"),
+            "/scenes/s.toml: line 1, column 1, trajectory: found no such table, expected "
+            "[trajectory] with points_mm or a file");
+}
+
+TEST(SceneFile, ShapeAndFileExcludeEachOther) {
+  EXPECT_EQ(error_of("[workpiece]\n[trajectory]\npoints_mm = [[0, 0, 0]]\n"),
+            "/scenes/s.toml: line 1, column 1, workpiece.shape: found neither a shape nor a file, "
+            "expected one of them");
+  EXPECT_EQ(error_of("[workpiece]\nshape = 'box'\nfile = 'a.stl'\n"),
+            "/scenes/s.toml: line 2, column 9, workpiece.shape: found both a shape and a file, "
+            "expected one of them");
+  EXPECT_EQ(error_of(kLeast + "file = 'p.csv'\n"),
+            "/scenes/s.toml: line 4, column 13, trajectory.points_mm: found both points and a "
+            "file, expected one of them");
+  EXPECT_NE(error_of(kLeast + "[burr]\nshape = 'round'\nfile = 'b.stl'\n")
+                .find("burr.shape: found both a shape and a file"),
+            std::string::npos);
+}
+
+TEST(SceneFile, AnUnknownKeyNamesTheNearest) {
+  EXPECT_EQ(error_of(kLeast + "[burr]\ndiametre_mm = 1\n"),
+            "/scenes/s.toml: line 6, column 15, burr.diametre_mm: found the unknown key "
+            "'diametre_mm', expected 'diameter_mm'");
+  EXPECT_EQ(error_of(kLeast + "[haptic]\n"),
+            "/scenes/s.toml: line 5, column 1, haptic: found the unknown key 'haptic', expected "
+            "'haptics'");
+  EXPECT_EQ(error_of("[workpiece]\nshape = 'sphere'\nsphere.radius = 3\n"),
+            "/scenes/s.toml: line 3, column 17, workpiece.sphere.radius: found the unknown key "
+            "'radius', expected 'radius_mm'");
+}
+
+TEST(SceneFile, CellsAreMultiplesOfEightUpTo1024) {
+  const auto with = [](const std::string& cells) {
+    return error_of("[workpiece]\nshape = 'box'\ncells = " + cells);
+  };
+  EXPECT_EQ(with("[512, 100, 512]"),
+            "/scenes/s.toml: line 3, column 9, workpiece.cells: found 100, expected multiples of "
+            "8, at most 1024 each");
+  EXPECT_NE(with("[8, 8, 1032]").find("found 1032, expected 8 to 1024"), std::string::npos);
+  EXPECT_NE(with("[0, 8, 8]").find("found 0, expected 8 to 1024"), std::string::npos);
+  EXPECT_NE(with("[8, 8.5, 8]").find("found 8.5, expected multiples of 8"), std::string::npos);
+  EXPECT_NE(with("[512, 512]").find("expected 3 numbers, 8 to 1024"), std::string::npos);
+  EXPECT_NE(with("512").find("expected 3 numbers, 8 to 1024"), std::string::npos);
+}
+
+TEST(SceneFile, AWrongTypeOrRangeIsNamedWithItsPlace) {
+  EXPECT_EQ(error_of(kLeast + "[haptics]\nneighbourhood = 17\n"),
+            "/scenes/s.toml: line 6, column 17, haptics.neighbourhood: found 17, expected 1 to "
+            "16");
+  EXPECT_EQ(error_of(kLeast + "[haptics]\nneighbourhood = 6.5\n"),
+            "/scenes/s.toml: line 6, column 17, haptics.neighbourhood: found 6.5, expected a "
+            "whole number, 1 to 16");
+  EXPECT_EQ(error_of(kLeast + "[haptics]\nnormals = 'best'\n"),
+            "/scenes/s.toml: line 6, column 11, haptics.normals: found 'best', expected one of "
+            "ldm, ldm_paper");
+  EXPECT_EQ(error_of(kLeast + "[burr]\ndiameter_mm = 0\n"),
+            "/scenes/s.toml: line 6, column 15, burr.diameter_mm: found 0, expected 0.3 to 5");
+  EXPECT_EQ(error_of(kLeast + "axis = [0, 0, 0]\n"),
+            "/scenes/s.toml: line 5, column 8, trajectory.axis: found a vector of no length, "
+            "expected a direction");
+  EXPECT_EQ(error_of("title = 3\n" + kLeast),
+            "/scenes/s.toml: line 1, column 9, title: found 3, expected a text in quotes");
+  EXPECT_EQ(error_of("burr = 3\n" + kLeast),
+            "/scenes/s.toml: line 1, column 8, burr: found 3, expected a table, [burr]");
+}
+
+TEST(SceneFile, AnAxisMustBeFinite) {
+  for (const char* axis : {"[inf, 0, 0]", "[0, nan, 1]", "[1e200, 1e200, 0]"}) {
+    EXPECT_NE(error_of(kLeast + "axis = " + axis), "no error") << axis;
+  }
+}
+
+TEST(SceneFile, ATorusIsThinnerThanItsRing) {
+  const auto with = [](const std::string& torus) {
+    return error_of("[workpiece]\nshape = 'torus'\ntorus = {" + torus +
+                    "}\n[trajectory]\npoints_mm = [[0, 0, 0]]\n");
+  };
+  EXPECT_EQ(with("major_mm = 3, minor_mm = 1"), "no error");
+  EXPECT_NE(with("major_mm = 3, minor_mm = 4"), "no error");
+  EXPECT_NE(with("major_mm = 0.5"), "no error") << "the default minor radius is 1 mm";
+}
+
+TEST(SceneFile, WhatIsNoTomlIsShownWithItsPlace) {
+  const std::string message = error_of("[workpiece]\nshape = \n");
+  EXPECT_EQ(message.find("/scenes/s.toml: line 2, column 9: found what is no TOML ("), 0u)
+      << message;
+  EXPECT_EQ(message.find('\n'), std::string::npos) << "one line";
+  EXPECT_NE(error_of("a = 1\na = 2\n").find("line 2"), std::string::npos);
+  EXPECT_THROW(parse("\xff\xfe\x01"), InputError);
+  EXPECT_THROW(parse(""), InputError);
+}
+
+class SceneFileOnDisk : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(::testing::TempDir()) /
+              ("sulcus_" + std::to_string(getpid()) +
+               ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path folder_;
+};
+
+TEST_F(SceneFileOnDisk, IsReadWithPathsRelativeToIt) {
+  const fs::path file = folder_ / "one.toml";
+  std::ofstream(file) << "[workpiece]\nfile = 't.nrrd'\n[trajectory]\npoints_mm = [[0, 0, 0]]\n";
+  const Scene s = load_scene(file.string());
+  EXPECT_EQ(s.title, "one");
+  EXPECT_EQ(s.file, file.string());
+  EXPECT_EQ(s.workpiece.file, (folder_ / "t.nrrd").string());
+}
+
+TEST_F(SceneFileOnDisk, AMissingFileOrAFolderIsBadInput) {
+  const auto message = [&](const fs::path& file) -> std::string {
+    try {
+      load_scene(file.string());
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_EQ(
+      message(folder_ / "no.toml"),
+      (folder_ / "no.toml").string() + ": found no readable file, expected a scene file, .toml");
+  EXPECT_EQ(message(folder_), folder_.string() + ": found a folder, expected a scene file, .toml");
+}
+
+TEST_F(SceneFileOnDisk, AHugeFileIsRefusedBeforeItIsRead) {
+  const fs::path file = folder_ / "huge.toml";
+  std::ofstream(file) << "x";
+  fs::resize_file(file, std::uintmax_t{20} << 30);  // sparse: takes no room
+  EXPECT_THROW(load_scene(file.string()), InputError);
+}
+
+}  // namespace
+}  // namespace sulcus

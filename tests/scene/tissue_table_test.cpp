@@ -1,0 +1,21 @@
+#include "engine/scene/tissue_table.hpp"
+
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace sulcus {
+namespace {
+
+TEST(TissueTable, IsTheFileOfTheAssets) {
+  std::ifstream in(SULCUS_SOURCE_DIR "/assets/tissues.toml", std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  ASSERT_FALSE(text.str().empty());
+  EXPECT_EQ(tissue_table_toml(), text.str());
+}
+
+}  // namespace
+}  // namespace sulcus
