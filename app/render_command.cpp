@@ -1,9 +1,9 @@
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <regex>
 #include <stdexcept>
 
 #include "app/commands.hpp"
@@ -77,14 +77,15 @@ std::vector<std::size_t> rows_to_draw(const RecordedShape& shape, const RenderOp
 RenderSettings render_settings(const Scene& scene, const RenderOptions& options) {
   RenderSettings settings = scene.render.value_or(RenderSettings{});
   if (!options.size.empty()) {
-    std::smatch match;
-    if (!std::regex_match(options.size, match, std::regex("([0-9]{1,5})x([0-9]{1,5})")) ||
-        std::stoi(match[1]) < 16 || std::stoi(match[2]) < 16 || std::stoi(match[1]) > 8192 ||
-        std::stoi(match[2]) > 8192) {
+    const char *begin = options.size.data(), *end = begin + options.size.size();
+    const auto width = std::from_chars(begin, end, settings.width);
+    const bool by = width.ec == std::errc{} && width.ptr != end && *width.ptr == 'x';
+    const auto height = std::from_chars(by ? width.ptr + 1 : end, end, settings.height);
+    const auto fits = [](int pixels) { return pixels >= 16 && pixels <= 8192; };
+    if (!by || height.ec != std::errc{} || height.ptr != end || !fits(settings.width) ||
+        !fits(settings.height)) {
       throw InputError("", "--size", "'" + options.size + "'", "WxH, 16 to 8192 each");
     }
-    settings.width = std::stoi(match[1]);
-    settings.height = std::stoi(match[2]);
   }
   if (!options.camera.empty()) {
     const auto found = std::find(kCameraNames.begin(), kCameraNames.end(), options.camera);

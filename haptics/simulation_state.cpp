@@ -8,9 +8,10 @@
 namespace sulcus {
 
 std::uint64_t SimulationState::hash() const {
-  std::array<double, 10> values{};
+  std::array<double, 11> values{};
   std::copy_n(tool.position.data(), 3, values.begin());
   std::copy_n(tool.orientation.coeffs().data(), 4, values.begin() + 3);
+  values[10] = has_pose ? 1.0 : 0.0;
   if (removal) {
     values[7] = removal->pool_J;
     values[8] = removal->work_J;

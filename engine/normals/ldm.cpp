@@ -22,6 +22,10 @@ constexpr int kInvalid = 127;
 
 // --- Coarse normal ------------------------------------------------------------------------------
 
+// Unit vectors are counted in whole parts, so that sums are exact in any order and equal shapes,
+// mirrored ones too, choose equal axes.
+constexpr float kUnit = 4096.0f;
+
 /// Sums over the solid voxels of 5 along x, at distance |(j, k)| from the axis, by bit pattern.
 struct RowSums {
   float x = 0;        // sum of i / d
@@ -39,7 +43,7 @@ const RowTable& row_table() {
         for (int bit = 0; bit < 5; ++bit) {
           const int i = bit - 2, d2 = i * i + jk;
           if ((pattern >> bit & 1) == 0 || d2 == 0 || d2 > 6) continue;  // 6 < 2.5^2 < 7
-          const float inverse = 1.0f / std::sqrt(static_cast<float>(d2));
+          const float inverse = std::nearbyint(kUnit / std::sqrt(static_cast<float>(d2)));
           t[jk][pattern].x += static_cast<float>(i) * inverse;
           t[jk][pattern].inverse += inverse;
         }
@@ -50,7 +54,7 @@ const RowTable& row_table() {
   return table;
 }
 
-/// Minus the sum of unit vectors to the solid voxels within 2.5: out of the solid, not unit.
+/// Minus the sum of unit vectors to the solid voxels within 2.5: out of the solid, of any length.
 Eigen::Vector3f coarse_normal(const Workpiece& workpiece, const Cell& c) noexcept {
   const RowTable& table = row_table();
   const ColumnBits::Windows rows = workpiece.columns().around(0, c.y(), c.z(), c.x() - 2);
@@ -254,8 +258,7 @@ SurfaceEstimate estimate_ldm(const Workpiece& workpiece, const Cell& voxel, int 
                              int trace) noexcept {
   const Eigen::Vector3f coarse = coarse_normal(workpiece, voxel);
   const float length2 = coarse.squaredNorm();
-  // Sums of the same terms in another order differ in their last bits: below this it is symmetric.
-  if (length2 < 1e-6f) return {};
+  if (length2 == 0.0f) return {};
   int axis = 0;
   coarse.cwiseAbs().maxCoeff(&axis);
   const int sign = coarse[axis] > 0 ? 1 : -1;

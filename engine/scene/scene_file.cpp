@@ -271,6 +271,16 @@ void read_optional_tables(TomlTable& root, Scene& scene) {
   throw InputError("", std::string(kFromOverride) + " " + text, found, expected);
 }
 
+bool is_utf8(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  try {
+    (void)toml::parse("# " + text);  // a comment may hold any text, and nothing else
+    return true;
+  } catch (const toml::parse_error&) {
+    return false;
+  }
+}
+
 /// The value as TOML, else as a string.
 toml::table parse_override_value(const std::string& value) {
   try {
@@ -311,6 +321,7 @@ void apply_override(toml::table& root, const std::string& text) {
   for (const std::string& part : path) {
     if (part.empty()) refuse_override(text, "an empty key", "TABLE.KEY=VALUE");
   }
+  if (!is_utf8(text)) refuse_override(text.substr(0, equals), "bytes that are no UTF-8", "text");
   toml::table parsed = parse_override_value(text.substr(equals + 1));
 
   toml::table* table = &root;

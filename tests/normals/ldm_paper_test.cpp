@@ -62,7 +62,7 @@ TEST(LdmPaper, PlanesAcrossADiagonalAreExact) {
   for (const Vector3d& d : {Vector3d(1, 1, 0), Vector3d(0, -1, 1), Vector3d(-1, 0, -1),
                             Vector3d(1, 1, 1), Vector3d(-1, 1, -1)}) {
     const Workpiece workpiece(
-        test::half_space({40, 40, 40}, 1e-4, d.normalized(), Vector3d::Constant(20)));
+        test::half_space({40, 40, 40}, 1e-4, d.normalized(), Vector3d::Constant(20) + 0.1 * d));
     int voxels = 0;
     for (const Cell& c : test::inner_surface(workpiece, 13)) {
       if (projection_directions()[exposed_faces(workpiece, c)] != d.cast<int>()) continue;

@@ -3,10 +3,6 @@
 #include <cerrno>
 #include <cstddef>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#include <sanitizer/allocator_interface.h>
-#endif
-
 namespace {
 
 // Plain and thread-local in the program itself: reading it takes no memory, even inside malloc.
@@ -22,7 +18,12 @@ std::uint64_t allocation_count() noexcept { return count; }
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 
-// A sanitizer has an allocator of its own, which tells whoever asks.
+// A sanitizer has an allocator of its own, which tells whoever asks. GCC's package has the function
+// without its header.
+extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*on_malloc)(const volatile void*,
+                                                                           std::size_t),
+                                                         void (*on_free)(const volatile void*));
+
 namespace {
 
 [[maybe_unused]] const int installed = __sanitizer_install_malloc_and_free_hooks(
