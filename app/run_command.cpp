@@ -11,6 +11,7 @@
 #include "engine/core/realtime.hpp"
 #include "engine/core/units.hpp"
 #include "engine/import/build_workpiece.hpp"
+#include "engine/import/load_burr.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/scene/trajectory.hpp"
 

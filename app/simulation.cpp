@@ -5,8 +5,6 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
-#include "engine/import/mesh_file.hpp"
-#include "engine/tool/burr_mesh.hpp"
 
 namespace sulcus {
 
@@ -33,12 +31,6 @@ Simulation::Simulation(const Scene& scene, VoxelModel start, Burr burr, StageClo
 std::size_t Simulation::cutting_bytes() const {
   if (!state_.removal) return 0;
   return state_.removal->part_cut.memory_bytes() + scratch_.edits.capacity() * sizeof(Edit);
-}
-
-Burr load_burr(const Scene& scene) {
-  const double voxel_m = scene.workpiece.voxel_m;
-  if (scene.burr.shape != BurrShape::kFile) return make_burr(scene.burr, voxel_m, scene.file);
-  return make_burr(scene.burr, voxel_m, tool_from_file(read_mesh(scene.burr.file)), scene.file);
 }
 
 void check_start(const Scene& scene, const VoxelModel& model, const Burr& burr, const Pose& start) {

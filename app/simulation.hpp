@@ -45,9 +45,6 @@ class Simulation {
   TickContext context_;
 };
 
-/// Reads or generates a scene's burr. InputError as make_burr and read_mesh.
-Burr load_burr(const Scene& scene);
-
 /// Refuses a tool that starts with its head's middle inside the solid: only surface voxels are
 /// tested, so it would feel nothing.
 void check_start(const Scene& scene, const VoxelModel& model, const Burr& burr, const Pose& start);

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "app/simulation.hpp"
-#include "engine/import/build_workpiece.hpp"
+#include "engine/import/build_shape.hpp"
 #include "engine/recording/recording_reader.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/scene/trajectory.hpp"
@@ -18,7 +18,7 @@ struct RecordedSession {
   explicit RecordedSession(const std::string& text, const std::string& folder, Pace pace)
       : scene(parse_scene(text, "test.toml")),
         trajectory(make_trajectory(scene.trajectory)),
-        simulation(scene, build_workpiece(scene), load_burr(scene)),
+        simulation(scene, build_shape(scene), make_burr(scene.burr, scene.workpiece.voxel_m)),
         device(trajectory, scene.haptics.rate_hz) {
     SessionOptions options;
     options.folder = folder;
