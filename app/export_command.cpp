@@ -32,11 +32,11 @@ void write_csv(const std::string& file, std::span<const TickRecord> rows) {
     const double *f = r.force_N, *t = r.torque_Nm;
     std::fprintf(out.get(),
                  "%llu,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,"
-                 "%u,%u,%.4g,%.4g,%u\n",
+                 "%u,%u,%.4g,%.4g,%llu\n",
                  static_cast<unsigned long long>(r.tick), r.time_s, p[0] * 1e3, p[1] * 1e3,
                  p[2] * 1e3, q[0], q[1], q[2], q[3], f[0], f[1], f[2], t[0] * 1e3, t[1] * 1e3,
                  t[2] * 1e3, r.contacts, r.removed, static_cast<double>(r.step_us),
-                 static_cast<double>(r.late_us), r.faults);
+                 static_cast<double>(r.late_us), static_cast<unsigned long long>(r.faults));
   }
   if (std::ferror(out.get())) throw std::runtime_error(file + ": cannot be written");
 }

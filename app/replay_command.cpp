@@ -38,7 +38,7 @@ const char* difference(const TickRecord& a, const TickRecord& b) {
   if (differs(a.force_N, b.force_N)) return "force_N";
   if (differs(a.torque_Nm, b.torque_Nm)) return "torque_Nm";
   if (a.removed != b.removed) return "removed";
-  if ((a.faults ^ b.faults) & ~std::uint32_t{kFaultRowsDropped}) return "faults";
+  if ((a.faults ^ b.faults) & ~std::uint64_t{kFaultRowsDropped}) return "faults";
   return nullptr;
 }
 

@@ -56,7 +56,7 @@ Hdf5Handle tick_type() {
   field(row, "removed", offsetof(TickRecord, removed), H5T_STD_U32LE);
   field(row, "step_us", offsetof(TickRecord, step_us), H5T_IEEE_F32LE);
   field(row, "late_us", offsetof(TickRecord, late_us), H5T_IEEE_F32LE);
-  field(row, "faults", offsetof(TickRecord, faults), H5T_STD_U32LE);
+  field(row, "faults", offsetof(TickRecord, faults), H5T_STD_U64LE);
   field(row, "edits_end", offsetof(TickRecord, edits_end), H5T_STD_U64LE);
   field(row, "check", offsetof(TickRecord, check), H5T_STD_U64LE);
   return row;

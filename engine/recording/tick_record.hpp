@@ -12,8 +12,8 @@ enum Fault : std::uint32_t {
   kFaultRowsDropped = 1u << 3,   // the recorder fell behind before this row
 };
 
-/// One row of /ticks, in the order and types of the file. Plain, without padding.
-#pragma pack(push, 1)
+/// One row of /ticks, in the order and types of the file. Plain, without padding: each field lies
+/// at a multiple of its size.
 struct TickRecord {
   std::uint64_t tick = 0;
   double time_s = 0.0;
@@ -31,12 +31,11 @@ struct TickRecord {
   std::uint32_t removed = 0;
   float step_us = 0.0f;  // compute time of the tick; no part of the result
   float late_us = 0.0f;  // how late it woke; no part of the result
-  std::uint32_t faults = 0;
+  std::uint64_t faults = 0;
   std::uint64_t edits_end = 0;  // rows of /edits up to and with this tick
   std::uint64_t check = 0;      // XXH3-64 of the bytes before it
 };
-#pragma pack(pop)
-static_assert(sizeof(TickRecord) == 8 + 8 + 26 * 8 + 7 * 4 + 8 + 8);
+static_assert(sizeof(TickRecord) == 8 + 8 + 26 * 8 + 6 * 4 + 8 + 8 + 8);
 
 /// Sets `check`.
 void seal(TickRecord& record);

@@ -274,6 +274,10 @@ TEST(MedicalVolume, WrittenVolumesComeBack) {
 
 struct BadVolume {
   std::string name, contents, says;
+
+  friend std::ostream& operator<<(std::ostream& out, const BadVolume& volume) {
+    return out << volume.name;
+  }
 };
 
 class BadVolumes : public testing::TestWithParam<BadVolume> {};

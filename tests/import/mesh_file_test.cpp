@@ -123,6 +123,10 @@ TEST(MeshFile, WrittenMeshesComeBack) {
 
 struct BadMesh {
   std::string name, contents, says;
+
+  friend std::ostream& operator<<(std::ostream& out, const BadMesh& mesh) {
+    return out << mesh.name;
+  }
 };
 
 class BadMeshes : public testing::TestWithParam<BadMesh> {};

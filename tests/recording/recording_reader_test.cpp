@@ -13,14 +13,6 @@
 #include "engine/recording/recording_format.hpp"
 #include "tests/recording/sample_recording.hpp"
 
-// HDF5 1.10.8 does not free all that it decoded of a header that turns out to be damaged. That our
-// own handles are closed is checked after each damaged file.
-// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): the sanitizer chose the
-// name
-extern "C" const char* __lsan_default_suppressions();
-extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5\n"; }
-// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
-
 namespace sulcus::sample {
 namespace {
 
