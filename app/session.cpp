@@ -1,6 +1,7 @@
 #include "app/session.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -30,7 +31,7 @@ constexpr std::uint64_t kHashEvery = 100;  // ticks between state hashes
 /// schedule: nothing is run twice as fast and no tick is left out.
 class Pacer {
  public:
-  Pacer(double rate_hz) : period_ns_(static_cast<std::uint64_t>(1e9 / rate_hz + 0.5)) {}
+  Pacer(double rate_hz) : period_ns_(static_cast<std::uint64_t>(std::llround(1e9 / rate_hz))) {}
 
   /// Microseconds late.
   float wait() {

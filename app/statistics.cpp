@@ -54,8 +54,7 @@ double mean(const std::vector<float>& values) {
 
 double quantile(std::vector<float> values, double part) {
   if (values.empty()) return 0.0;
-  const auto at = values.begin() +
-                  static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1) + 0.5);
+  const auto at = values.begin() + std::lround(part * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }

@@ -96,15 +96,12 @@ GrooveShape::Nearest GrooveShape::nearest(const Vector3d& p) const {
   const double to_wall = (q - on_wall).norm(), to_face = (q - on_face).norm();
   const Vector2d foot = to_wall < to_face ? on_wall : on_face;
   const double distance = std::min(to_wall, to_face);
-  Vector2d outward;
+  Vector2d outward = Vector2d::UnitY();
+  const bool on_the_face = to_face <= to_wall && q.x() > half_width_;
   if (to_wall < to_face && along > 0.0 && along < length) {
     outward = wall_normal;
-  } else if (to_face <= to_wall && q.x() > half_width_) {
-    outward = Vector2d::UnitY();
-  } else if (distance > 0.0) {
+  } else if (!on_the_face && distance > 0.0) {
     outward = (solid ? -1.0 : 1.0) * (q - foot) / distance;  // an edge is nearest
-  } else {
-    outward = Vector2d::UnitY();
   }
   return {solid ? -distance : distance, {side * outward.x(), outward.y()}};
 }
