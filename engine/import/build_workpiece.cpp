@@ -1,11 +1,11 @@
 #include "engine/import/build_workpiece.hpp"
 
 #include "engine/core/error.hpp"
-#include "engine/import/build_shape.hpp"
 #include "engine/import/medical_volume.hpp"
 #include "engine/import/mesh_file.hpp"
 #include "engine/import/voxelise_mesh.hpp"
 #include "engine/import/voxelise_volume.hpp"
+#include "engine/shapes/build_shape.hpp"
 
 namespace sulcus {
 

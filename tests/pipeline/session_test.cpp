@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include "app/simulation.hpp"
-#include "engine/import/build_shape.hpp"
 #include "engine/recording/recording_reader.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/scene/trajectory.hpp"
+#include "engine/shapes/build_shape.hpp"
 #include "tests/pipeline/small_scenes.hpp"
 #include "tests/support/scratch_folder.hpp"
 

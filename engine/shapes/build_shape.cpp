@@ -1,11 +1,11 @@
-#include "engine/import/build_shape.hpp"
+#include "engine/shapes/build_shape.hpp"
 
 #include <array>
 #include <string_view>
 
-#include "engine/import/molar.hpp"
-#include "engine/import/shapes.hpp"
-#include "engine/import/voxelise_implicit.hpp"
+#include "engine/shapes/basic_shapes.hpp"
+#include "engine/shapes/molar.hpp"
+#include "engine/shapes/voxelise_implicit.hpp"
 
 namespace sulcus {
 

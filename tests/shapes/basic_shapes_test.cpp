@@ -1,4 +1,4 @@
-#include "engine/import/shapes.hpp"
+#include "engine/shapes/basic_shapes.hpp"
 
 #include <cmath>
 #include <limits>

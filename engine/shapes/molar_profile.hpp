@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-#include "engine/import/dual.hpp"
+#include "engine/shapes/dual.hpp"
 
 namespace sulcus::molar {
 

@@ -1,4 +1,4 @@
-#include "engine/import/molar.hpp"
+#include "engine/shapes/molar.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
-#include "engine/import/molar_surface.hpp"
-#include "engine/import/molar_tissues.hpp"
+#include "engine/shapes/molar_surface.hpp"
+#include "engine/shapes/molar_tissues.hpp"
 
 namespace sulcus {
 

@@ -1,4 +1,4 @@
-#include "engine/import/voxelise_implicit.hpp"
+#include "engine/shapes/voxelise_implicit.hpp"
 
 #include <array>
 
@@ -7,8 +7,8 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
-#include "engine/import/molar.hpp"
-#include "engine/import/shapes.hpp"
+#include "engine/shapes/basic_shapes.hpp"
+#include "engine/shapes/molar.hpp"
 
 namespace sulcus {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/pose.hpp"
-#include "engine/import/implicit_shape.hpp"
+#include "engine/shapes/implicit_shape.hpp"
 #include "engine/volume/voxel_model.hpp"
 
 namespace sulcus {

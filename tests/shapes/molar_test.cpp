@@ -1,4 +1,4 @@
-#include "engine/import/molar.hpp"
+#include "engine/shapes/molar.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
-#include "engine/import/voxelise_implicit.hpp"
+#include "engine/shapes/voxelise_implicit.hpp"
 
 namespace sulcus {
 namespace {

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "engine/import/implicit_shape.hpp"
+#include "engine/shapes/implicit_shape.hpp"
 
 namespace sulcus {
 

@@ -2,8 +2,8 @@
 
 #include <array>
 
-#include "engine/import/dual.hpp"
-#include "engine/import/molar_surface.hpp"
+#include "engine/shapes/dual.hpp"
+#include "engine/shapes/molar_surface.hpp"
 
 // What the molar is made of, in millimetres and in the tooth's own space, as molar_surface.hpp.
 // Enamel is what of the tooth lies outside `core`; pulp and lesion are cut out of the rest.

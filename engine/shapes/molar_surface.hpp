@@ -2,8 +2,8 @@
 
 #include <array>
 
-#include "engine/import/dual.hpp"
-#include "engine/import/molar_profile.hpp"
+#include "engine/shapes/dual.hpp"
+#include "engine/shapes/molar_profile.hpp"
 
 // The outer surface of the built-in molar, in millimetres, in its own space: z up (0 about the
 // neck), x mesial, -y buccal. Every function takes `double` or `Dual`; there is no libm but sqrt,
