@@ -4,8 +4,7 @@
 #include <atomic>
 #include <cstdint>
 
-#include <readerwriterqueue/readerwriterqueue.h>
-
+#include "app/queue.hpp"
 #include "engine/recording/recording_header.hpp"
 #include "engine/recording/tick_record.hpp"
 #include "engine/volume/edit.hpp"
@@ -32,9 +31,9 @@ struct Feed {
   explicit Feed(double rate_hz)
       : reports(static_cast<std::size_t>(10 * rate_hz)), edits(std::size_t{1} << 16) {}
 
-  moodycamel::ReaderWriterQueue<TickReport> reports;
-  moodycamel::ReaderWriterQueue<Edit> edits;
-  moodycamel::ReaderWriterQueue<StateHash> hashes;
+  Queue<TickReport> reports;
+  Queue<Edit> edits;
+  Queue<StateHash> hashes;
   std::atomic<bool> ended{false};  // set after the last push
 };
 

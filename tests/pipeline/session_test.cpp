@@ -2,6 +2,7 @@
 #include "app/session.hpp"
 
 #include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
 
 #include "app/simulation.hpp"
 #include "engine/recording/recording_reader.hpp"
@@ -13,6 +14,10 @@
 
 namespace sulcus {
 namespace {
+
+// ThreadSanitizer does not see how oneTBB, which was built without it, hands work over: here oneTBB
+// has the calling thread only. What is watched are the threads of a run.
+const tbb::global_control kNoWorkers(tbb::global_control::max_allowed_parallelism, 1);
 
 struct RecordedSession {
   explicit RecordedSession(const std::string& text, const std::string& folder, Pace pace)
