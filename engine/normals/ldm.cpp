@@ -18,7 +18,7 @@ constexpr std::size_t kLanes = 8;  // of the sums over a map, added up in a fixe
 constexpr std::size_t kPaddedPixels = (kPixels + kLanes - 1) / kLanes * kLanes;
 constexpr int kMaxStep = 2;    // of the surface from one column to the next, voxels
 constexpr int kMaxUneven = 3;  // |z(p) + z(-p) - 2 z(0)|, voxels
-constexpr int kInvalid = 127;
+constexpr int kInvalid = 127;  // more than any height and any trace together
 
 // --- Coarse normal ------------------------------------------------------------------------------
 
@@ -94,7 +94,8 @@ constexpr auto kNearestDown = nearest_of_five(-1);
 /// to the k-th of ring r is the (k + 4 r)-th; a map of fewer rings is the front of one of more.
 struct Pixel {
   signed char i = 0, j = 0;
-  std::int16_t inner = 0;  // place of the neighbour one ring further in
+  std::int16_t inner = 0;   // place of the neighbour one ring further in
+  std::int16_t column = 0;  // place in SurfaceBits, from the middle
 };
 
 constexpr int first_of_ring(int ring) { return ring == 0 ? 0 : (2 * ring - 1) * (2 * ring - 1); }
@@ -111,7 +112,8 @@ constexpr std::array<Pixel, kPixels> ring_order() {
       const int inner_i = i == ring ? i - 1 : i == -ring ? i + 1 : i;
       const int inner_j = j == ring ? j - 1 : j == -ring ? j + 1 : j;
       order[at] = {static_cast<signed char>(i), static_cast<signed char>(j),
-                   place[inner_j + kMaxNeighbourhood][inner_i + kMaxNeighbourhood]};
+                   place[inner_j + kMaxNeighbourhood][inner_i + kMaxNeighbourhood],
+                   static_cast<std::int16_t>(j * kSide + i)};
       const int side = k / (2 * ring);
       (side == 0 ? i : side == 1 ? j : side == 2 ? i : j) += side < 2 ? 1 : -1;
     }
@@ -127,47 +129,36 @@ struct HeightMap {
 };
 
 /// Columns of a map as bits that mark where the surface may be: a solid voxel whose outer neighbour
-/// is empty. Bit 32 is the voxel's own level.
-class SurfaceBits {
- public:
-  SurfaceBits(const ColumnBits& columns, const Cell& c, int axis, int sign, int rings) noexcept
-      : sign_(sign) {
-    const ColumnBits::Windows windows =
-        columns.around(axis, c[(axis + 1) % 3], c[(axis + 2) % 3], c[axis] - 32);
-    for (int j = -rings; j <= rings; ++j) {
-      std::uint64_t* row = bits_ + (j + kMaxNeighbourhood) * kSide + kMaxNeighbourhood;
-      if (sign > 0) {
-        for (int i = -rings; i <= rings; ++i) {
-          const std::uint64_t w = windows.window(i, j);
-          row[i] = w & ~(w >> 1);
-        }
-      } else {
-        for (int i = -rings; i <= rings; ++i) {
-          const std::uint64_t w = windows.window(i, j);
-          row[i] = w & ~(w << 1);
-        }
-      }
+/// is empty. Bit kLevel is the voxel's own level, rising along the axis. In the rows of a map of
+/// kMaxNeighbourhood rings.
+using SurfaceBits = std::array<std::uint64_t, kPixels>;
+constexpr int kLevel = 32;
+constexpr int kMiddle = kMaxNeighbourhood * (kSide + 1);  // of SurfaceBits
+
+template <int kSign>
+void read_surface(const ColumnBits::Windows& windows, int rings, SurfaceBits& bits) noexcept {
+  for (int j = -rings; j <= rings; ++j) {
+    std::uint64_t* row = bits.data() + kMiddle + j * kSide;
+    for (int i = -rings; i <= rings; ++i) {
+      const std::uint64_t w = windows.window(i, j);
+      row[i] = w & ~(kSign > 0 ? w >> 1 : w << 1);
     }
   }
+}
 
-  /// Height in a column of the surface nearest to the height `from`, or kInvalid.
-  int follow(int i, int j, int from) const noexcept {
-    const std::uint64_t tops = bits_[(j + kMaxNeighbourhood) * kSide + i + kMaxNeighbourhood];
-    const auto five = static_cast<unsigned>(tops >> (32 + sign_ * from - kMaxStep)) & 31u;
-    const int step = sign_ > 0 ? kNearestUp[five] : kNearestDown[five];
-    return step == kInvalid ? kInvalid : from + sign_ * step;
-  }
+/// Steps from a height to the surface nearest to it in a column, or kInvalid.
+template <int kSign>
+int step_to_surface(std::uint64_t tops, int from) noexcept {
+  const auto five = static_cast<unsigned>(tops >> (kLevel - kMaxStep + kSign * from)) & 31u;
+  return kSign > 0 ? kNearestUp[five] : kNearestDown[five];
+}
 
- private:
-  int sign_;
-  std::uint64_t bits_[kPixels];
-};
-
-HeightMap trace_map(const SurfaceBits& surface, int rings, int trace) noexcept {
-  HeightMap map;
+template <int kSign>
+void trace_map(const SurfaceBits& bits, int rings, int trace, HeightMap& map) noexcept {
+  map.rings = -1;
   std::array<signed char, kPixels> z;
-  const int centre = surface.follow(0, 0, 0);
-  if (centre == kInvalid) return map;
+  const int centre = kSign * step_to_surface<kSign>(bits[kMiddle], 0);
+  if (std::abs(centre) > kMaxStep) return;
   z[0] = static_cast<signed char>(centre);
   map.z[0] = static_cast<float>(centre);
   map.rings = 0;
@@ -175,17 +166,27 @@ HeightMap trace_map(const SurfaceBits& surface, int rings, int trace) noexcept {
     const int first = first_of_ring(ring), end = first + 8 * ring;
     for (int k = first; k < end; ++k) {
       const Pixel& pixel = kRingOrder[k];
-      const int height = surface.follow(pixel.i, pixel.j, z[pixel.inner]);
-      if (height == kInvalid || std::abs(height) > trace) return map;
+      const int from = z[pixel.inner];
+      const int step = step_to_surface<kSign>(bits[kMiddle + pixel.column], from);
+      const int height = from + kSign * step;  // beyond any trace where the step is kInvalid
+      if (std::abs(height) > trace) return;
       z[k] = static_cast<signed char>(height);
-      map.z[k] = static_cast<float>(height);
     }
     for (int k = first; k < first + 4 * ring; ++k) {
-      if (std::abs(z[k] + z[k + 4 * ring] - 2 * centre) > kMaxUneven) return map;
+      if (std::abs(z[k] + z[k + 4 * ring] - 2 * centre) > kMaxUneven) return;
     }
+    for (int k = first; k < end; ++k) map.z[k] = static_cast<float>(z[k]);
     map.rings = ring;
   }
-  return map;
+}
+
+template <int kSign>
+void make_map(const ColumnBits& columns, const Cell& c, int axis, int rings, int trace,
+              HeightMap& map) noexcept {
+  SurfaceBits bits;
+  read_surface<kSign>(columns.around(axis, c[(axis + 1) % 3], c[(axis + 2) % 3], c[axis] - kLevel),
+                      rings, bits);
+  trace_map<kSign>(bits, rings, trace, map);
 }
 
 // --- The fit ------------------------------------------------------------------------------------
@@ -263,8 +264,9 @@ SurfaceEstimate estimate_ldm(const Workpiece& workpiece, const Cell& voxel, int 
   coarse.cwiseAbs().maxCoeff(&axis);
   const int sign = coarse[axis] > 0 ? 1 : -1;
 
-  const SurfaceBits surface(workpiece.columns(), voxel, axis, sign, neighbourhood);
-  HeightMap map = trace_map(surface, neighbourhood, trace);
+  HeightMap map;
+  (sign > 0 ? make_map<1> : make_map<-1>)(workpiece.columns(), voxel, axis, neighbourhood, trace,
+                                          map);
   if (map.rings < 1) {
     // No map: an edge sharper than the steps allow. The face of the voxel is the best surface.
     return {coarse / std::sqrt(length2), 0.5f, true};
