@@ -28,7 +28,7 @@ ContactResult evaluate_contact(const Workpiece& workpiece, std::span<const Tissu
   }
   {
     const auto timed = scratch.clock.time(Stage::kNormals);
-    normals(workpiece, settings, scratch);
+    normals(workpiece, burr.field, world_from_tool, settings, scratch);
   }
   {
     const auto timed = scratch.clock.time(Stage::kContactForce);

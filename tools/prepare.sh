@@ -1,18 +1,20 @@
-# Sourced by the scripts beside it. Installs the packages of packages.txt that are missing, where it
-# may; where it may not, says which to ask for. Needs nothing but Debian.
+# Sourced by the scripts beside it. Installs the packages that are missing, where it may; where it may
+# not, says which to ask for. Needs nothing but Debian.
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
+# missing_packages FILE ...: of those that the files list, one a line
 missing_packages() {
   local package
   while read -r package; do
     dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || echo "$package"
-  done <"$root/tools/packages.txt"
+  done < <(cat "$@")
 }
 
+# prepare [FILE ...]: packages.txt unless told
 prepare() {
   local missing
-  missing=$(missing_packages)
+  missing=$(missing_packages "${@:-$root/tools/packages.txt}")
   [ -z "$missing" ] && return
   local as_root=()
   if [ "$(id -u)" -ne 0 ]; then

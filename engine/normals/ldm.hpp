@@ -1,27 +1,30 @@
 #pragma once
 
+#include "engine/normals/height_map.hpp"
 #include "engine/normals/surface_estimate.hpp"
 #include "engine/volume/workpiece.hpp"
 
 namespace sulcus {
 
-/// Largest neighbourhood a local distance map may have: what the border of ColumnBits allows.
-inline constexpr int kMaxNeighbourhood = ColumnBits::kBorder;
-/// Largest trace: heights must fit in a 64-bit window around the voxel.
-inline constexpr int kMaxTrace = 24;
-
-/// Normal and surface point from one local distance map, departing from [Kim and Park 2019, V] in:
-/// - direction: the dominant axis of a coarse normal (unit vectors to the solid voxels within 2.5),
-///   so that columns are axis-aligned everywhere;
-/// - tracing: a column starts at its inner neighbour's height and may step by at most 2, so that
-///   the map follows the surface down slopes and does not jump to the far side of a thin wall;
-/// - window: a ring is rejected where a column fails, leaves |z| <= trace, or where opposite
-///   pixels are out of line by more than 3 voxels, a test blind to tilt;
-/// - weights: a taper, 1 - (r / (1.25 NS + 1))^2, instead of 1/r^2;
-/// - offset: a weighted quadric gives the height of the surface above the voxel as well.
-/// Undefined where the solid around the voxel is symmetric (a lone voxel, a wall of one voxel).
+/// Normal and surface point from local distance maps, accurate on smooth surfaces, edges and thin
+/// walls with one setting. Further from [Kim and Park 2019, V] than `ldm_fast`:
+/// - where the map along the dominant axis is whole, and one quadric explains all its heights to
+///   their quantisation, that is the surface;
+/// - else the largest ball about the voxel in which a quadric does, fitted in the tilted frame of
+///   the surface, where a curved surface is a quadric farther out than in the columns' frame. The
+///   quantisation of the heights enters the abscissas of that frame as well; what it adds to the
+///   normal equations is taken off;
+/// - where only a small ball is explained, the voxel is near an edge: of the planes through eight
+///   half-discs of the map, and of a map along the second axis, the one whose face passes nearest
+///   to the voxel;
+/// - normal and offset are those of the foot point of the voxel's centre.
+/// No normal points away from the coarse one. `outward`, index space, is what the tool knows (minus
+/// the gradient of its distance field there), zero where nothing is known: it stands in for the
+/// coarse normal where the solid around the voxel is symmetric (a lone voxel, a wall of one voxel).
+/// Undefined only where both are zero.
 /// 1 <= neighbourhood <= kMaxNeighbourhood, 1 <= trace <= kMaxTrace. Pure, no allocation.
 SurfaceEstimate estimate_ldm(const Workpiece& workpiece, const Cell& voxel, int neighbourhood,
-                             int trace) noexcept;
+                             int trace,
+                             const Eigen::Vector3f& outward = Eigen::Vector3f::Zero()) noexcept;
 
 }  // namespace sulcus

@@ -72,7 +72,16 @@ struct TrajectorySettings {
   double speed_m_per_s = 0.4e-3;
 };
 
-enum class NormalMethod : std::uint8_t { kLdm, kLdmPaper };
+enum class NormalMethod : std::uint8_t {
+  kLdm,
+  kLdmFast,
+  kLdmPaper,
+  kWeightedSum,    // 1 / d, as [Kim and Park 2019] states it
+  kWeightedSumD2,  // 1 / d^2, as it plots it
+  kExact           // its offline reference
+};
+inline constexpr std::array<std::string_view, 6> kNormalMethodNames{
+    "ldm", "ldm_fast", "ldm_paper", "weighted_sum", "weighted_sum_d2", "exact"};
 enum class Scaling : std::uint8_t { kNone, kCount, kSmooth };
 
 struct HapticsSettings {

@@ -8,7 +8,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
-#include "engine/normals/ldm.hpp"
+#include "engine/normals/height_map.hpp"
 #include "engine/scene/tissue_table.hpp"
 #include "engine/scene/toml_table.hpp"
 #include "engine/volume/grid.hpp"
@@ -226,10 +226,9 @@ HapticsSettings read_haptics(TomlTable& root) {
   HapticsSettings h;
   auto table = root.table("haptics");
   if (!table) return h;
-  constexpr std::array<std::string_view, 2> kMethods{"ldm", "ldm_paper"};
   constexpr std::array<std::string_view, 3> kScalings{"none", "count", "smooth"};
   h.rate_hz = table->number("rate_hz", {10, 20000}, 1000);
-  if (const auto method = table->choice("normals", kMethods)) h.normals = NormalMethod(*method);
+  if (const auto method = table->choice("normals", kNormalMethodNames)) h.normals = NormalMethod(*method);
   h.neighbourhood = table->integer("neighbourhood", {1, kMaxNeighbourhood}, h.neighbourhood);
   h.trace = table->integer("trace", {1, kMaxTrace}, h.normals == NormalMethod::kLdmPaper ? 5 : 12);
   if (const auto scaling = table->choice("scaling", kScalings)) h.scaling = Scaling(*scaling);

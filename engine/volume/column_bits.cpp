@@ -12,11 +12,11 @@ ColumnBits::ColumnBits(const VoxelModel& model) {
     Axis& a = axes_[axis];
     a.row = static_cast<std::size_t>(n[(axis + 1) % 3] + 2 * kBorder);
     a.plane = a.row * static_cast<std::size_t>(n[(axis + 2) % 3] + 2 * kBorder);
-    // 64 zeros, the voxels, and zeros to complete a word and one more.
-    a.words.assign(a.plane * static_cast<std::size_t>((n[axis] + 63) / 64 + 3), 0);
+    // Zeros, the voxels, and zeros to complete a word and two more.
+    a.words.assign(a.plane * static_cast<std::size_t>((n[axis] + kBelow + 31) / 32 + 3), 0);
   }
   // One task fills the three packings of a slab of leaves. Slabs along z share words of the
-  // columns along z, so a slab there is as thick as a word: 64 voxels.
+  // columns along z, so a slab there is two words thick: 64 voxels.
   const int slabs = (n.z() + 63) / 64;
   tbb::parallel_for(0, slabs, [&](int slab) {
     const Eigen::Vector3i leaves = model.grid.leaf_dims();
@@ -32,17 +32,11 @@ ColumnBits::ColumnBits(const VoxelModel& model) {
               const std::uint64_t byte = rest >> (8 * row) & 0xff;
               rest &= ~(std::uint64_t{0xff} << (8 * row));
               const int y = ly * 8 + row;
-              Axis& ax = axes_[0];
-              ax.words[ax.offset(y, z, 1 + static_cast<std::size_t>(lx >> 3))] |= byte
-                                                                                  << (8 * (lx & 7));
+              *word_of(0, {lx * 8, y, z}) |= static_cast<std::uint32_t>(byte) << (8 * (lx & 3));
               for (std::uint64_t b = byte; b != 0; b &= b - 1) {
-                const int x = lx * 8 + std::countr_zero(b);
-                Axis& ay = axes_[1];
-                ay.words[ay.offset(z, x, 1 + static_cast<std::size_t>(y >> 6))] |= std::uint64_t{1}
-                                                                                   << (y & 63);
-                Axis& az = axes_[2];
-                az.words[az.offset(x, y, 1 + static_cast<std::size_t>(z >> 6))] |= std::uint64_t{1}
-                                                                                   << (z & 63);
+                const Cell c(lx * 8 + std::countr_zero(b), y, z);
+                *word_of(1, c) |= bit_of(1, c);
+                *word_of(2, c) |= bit_of(2, c);
               }
             }
           }

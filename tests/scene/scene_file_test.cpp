@@ -382,13 +382,13 @@ TEST(SceneFile, CellsAreMultiplesOfEightUpTo1024) {
 TEST(SceneFile, AWrongTypeOrRangeIsNamedWithItsPlace) {
   EXPECT_EQ(error_of(kLeast + "[haptics]\nneighbourhood = 17\n"),
             "/scenes/s.toml: line 6, column 17, haptics.neighbourhood: found 17, expected 1 to "
-            "16");
+            "12");
   EXPECT_EQ(error_of(kLeast + "[haptics]\nneighbourhood = 6.5\n"),
             "/scenes/s.toml: line 6, column 17, haptics.neighbourhood: found 6.5, expected a "
-            "whole number, 1 to 16");
+            "whole number, 1 to 12");
   EXPECT_EQ(error_of(kLeast + "[haptics]\nnormals = 'best'\n"),
             "/scenes/s.toml: line 6, column 11, haptics.normals: found 'best', expected one of "
-            "ldm, ldm_paper");
+            "ldm, ldm_fast, ldm_paper, weighted_sum, weighted_sum_d2, exact");
   EXPECT_EQ(error_of(kLeast + "[burr]\ndiameter_mm = 0\n"),
             "/scenes/s.toml: line 6, column 15, burr.diameter_mm: found 0, expected 0.3 to 5");
   EXPECT_EQ(error_of(kLeast + "axis = [0, 0, 0]\n"),

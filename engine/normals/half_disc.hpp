@@ -1,0 +1,22 @@
+#pragma once
+
+#include <optional>
+
+#include "engine/normals/column_quadric.hpp"
+#include "engine/normals/height_map.hpp"
+
+namespace sulcus {
+
+/// A plane through the half of a map on one side of the voxel.
+struct HalfDisc {
+  Foot foot;           // of the voxel's centre on the plane, map space
+  float score = 0.0f;  // less is better
+};
+
+/// Near an edge, the face that a voxel belongs to: of the planes through eight half-discs of 6.8
+/// voxels, 45 degrees apart, which explain their points to the quantisation, the one that passes
+/// nearest to the voxel, more points breaking near ties. A plane is fitted again to what lies on
+/// it. None where no half-disc is plane.
+std::optional<HalfDisc> nearest_half_disc(const HeightMap& map) noexcept;
+
+}  // namespace sulcus

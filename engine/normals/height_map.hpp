@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "engine/volume/column_bits.hpp"
+
+namespace sulcus {
+
+/// Largest neighbourhood NS of a local distance map; its columns stay within the border of
+/// ColumnBits.
+inline constexpr int kMaxNeighbourhood = 12;
+/// Largest trace: heights that a 32-bit window around the voxel holds, with the steps around them.
+inline constexpr int kMaxTrace = 13;
+
+/// A local distance map [Kim and Park 2019, V]: heights of the surface above the plane through a
+/// voxel across a grid axis, in the direction of that axis (not outward), in whole voxels; the
+/// height of a column is that of its outermost solid voxel. Row by row: (i, j) lies in lane
+/// lanes / 2 + i of row ns + j. Rows are whole vectors; lanes beyond the map hold kNone.
+struct HeightMap {
+  static constexpr signed char kNone = -128;  // no surface was found in the column
+  static constexpr int kMaxRows = 2 * kMaxNeighbourhood + 1;
+  static constexpr int kMaxLanes = 32;
+
+  // Set by the caller of a trace.
+  int ns = 0;      // neighbourhood, columns
+  int stride = 1;  // voxels from one column to the next: 1 or 2; 2 needs ns < 8
+  int sign = 1;    // of the outward direction along the axis
+  // Set by the trace.
+  int lanes = 0;        // of a row: 16 or 32
+  int whole_rings = 0;  // all heights in these rings are found and within the trace; -1: none
+  int even_rings = 0;   // and opposite heights are in line with the centre's
+  alignas(32) std::array<signed char, kMaxRows * kMaxLanes> height;
+
+  int place(int i, int j) const { return (ns + j) * lanes + lanes / 2 + i; }
+  int at(int i, int j) const { return height[static_cast<std::size_t>(place(i, j))]; }
+};
+
+/// Lanes of a map's rows: as few as hold its columns and the one before them.
+constexpr int lanes_of(int ns) { return ns < 8 ? 16 : 32; }
+
+}  // namespace sulcus

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "engine/normals/height_map.hpp"
+#include "engine/normals/surface_estimate.hpp"
+#include "engine/volume/workpiece.hpp"
+
+namespace sulcus {
+
+/// Normal and surface point from one local distance map and one fit, for what a tick must have at
+/// once, departing from [Kim and Park 2019, V] in:
+/// - direction: the dominant axis of a coarse normal, so that columns are axis-aligned everywhere;
+/// - tracing: a column starts at its inner neighbour's height and may step by at most 2, so that
+///   the map follows the surface down slopes and does not jump to the far side of a thin wall;
+/// - window: a ring is rejected where a column fails, leaves |z| <= trace, or where opposite
+///   pixels are out of line by more than 3 voxels, a test blind to tilt;
+/// - weights: a taper, 1 - r^2 / (2 NS^2), instead of 1/r^2;
+/// - fit: a weighted quadric, corrected for what it becomes aslant, instead of a plane; the normal
+///   and the offset are those at the foot point of the voxel's centre.
+/// `outward` as for estimate_ldm. Undefined only where that and the coarse normal are zero.
+/// 1 <= neighbourhood <= kMaxNeighbourhood, 1 <= trace <= kMaxTrace. Pure, no allocation.
+SurfaceEstimate estimate_ldm_fast(
+    const Workpiece& workpiece, const Cell& voxel, int neighbourhood, int trace,
+    const Eigen::Vector3f& outward = Eigen::Vector3f::Zero()) noexcept;
+
+}  // namespace sulcus

@@ -1,0 +1,330 @@
+// Compiled for AVX2. Includes nothing whose inline code could be shared with the other files.
+#include "engine/normals/map_kernels.hpp"
+
+#ifdef __AVX2__
+
+#include <immintrin.h>
+
+#include "engine/normals/tilted_points.inl"
+
+namespace sulcus {
+
+namespace {
+
+constexpr int kRowLanes = 16;  // one row of a narrow map
+constexpr int kNowhere = 100;  // added to a height: beyond every window from then on
+
+/// Step from a height to the nearest of five surface bits around it, plus kMaxStep; by pattern.
+/// Four to a word, as vpermd looks words up.
+struct StepTable {
+  alignas(32) signed char step[32];
+};
+constexpr StepTable make_steps(int outward) {
+  StepTable table{};
+  for (int pattern = 0; pattern < 32; ++pattern) {
+    table.step[pattern] = kNowhere;
+    for (int step : {0, outward, -outward, 2 * outward, -2 * outward}) {
+      if ((pattern >> (step + kMaxStep) & 1) != 0) {
+        table.step[pattern] = static_cast<signed char>(step + kMaxStep);
+        break;
+      }
+    }
+  }
+  return table;
+}
+constexpr StepTable kUpward = make_steps(1), kDownward = make_steps(-1);
+
+/// Ring of each lane in the rows +j and -j (16 lanes each), or beyond all rings.
+struct RingTable {
+  alignas(32) std::uint8_t ring[8][2 * kRowLanes];
+};
+constexpr RingTable make_rings() {
+  RingTable table{};
+  for (int j = 0; j < 8; ++j) {
+    for (int lane = 0; lane < 2 * kRowLanes; ++lane) {
+      const int i = lane % kRowLanes - kRowLanes / 2, a = i < 0 ? -i : i;
+      table.ring[j][lane] = static_cast<std::uint8_t>(a > j ? a : j);
+    }
+  }
+  return table;
+}
+constexpr RingTable kRings = make_rings();
+
+inline __m256i load(const void* p) { return _mm256_loadu_si256(static_cast<const __m256i*>(p)); }
+
+/// Surface bits of eight columns.
+template <int kSign>
+inline __m256i surface_of(const std::uint32_t* lower, const std::uint32_t* upper, __m128i down,
+                          __m128i up) {
+  const __m256i w =
+      _mm256_or_si256(_mm256_srl_epi32(load(lower), down), _mm256_sll_epi32(load(upper), up));
+  return _mm256_andnot_si256(kSign > 0 ? _mm256_srli_epi32(w, 1) : _mm256_slli_epi32(w, 1), w);
+}
+
+/// Every other one of sixteen.
+inline __m256i even_lanes(__m256i a, __m256i b) {
+  const __m256 mixed = _mm256_shuffle_ps(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b), 0x88);
+  return _mm256_permute4x64_epi64(_mm256_castps_si256(mixed), 0xd8);
+}
+
+/// Lowest of the five bits that a column is looked for at, in the column next to it.
+inline __m256i follow(__m256i surface, __m256i at, __m256i table) {
+  // Counts beyond 31, and negative ones, shift everything out: what is nowhere stays there.
+  const __m256i five = _mm256_and_si256(_mm256_srlv_epi32(surface, at), _mm256_set1_epi32(31));
+  const __m256i word = _mm256_permutevar8x32_epi32(table, _mm256_srli_epi32(five, 2));
+  const __m256i byte = _mm256_slli_epi32(_mm256_and_si256(five, _mm256_set1_epi32(3)), 3);
+  const __m256i step = _mm256_and_si256(_mm256_srlv_epi32(word, byte), _mm256_set1_epi32(0xff));
+  return _mm256_add_epi32(at, _mm256_sub_epi32(step, _mm256_set1_epi32(kMaxStep)));
+}
+
+inline int smallest_byte(__m256i v) {
+  const __m128i half = _mm_min_epu8(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
+  // The words' minimum has the smallest high byte; so each word becomes the lesser of its bytes.
+  const __m128i words = _mm_min_epu8(half, _mm_srli_epi16(half, 8));
+  return _mm_extract_epi16(_mm_minpos_epu16(_mm_and_si128(words, _mm_set1_epi16(0xff))), 0);
+}
+
+/// A map as it is packed, checked and stored: rows +j and -j at a time.
+class NarrowRows {
+ public:
+  NarrowRows(HeightMap& map, int trace, int centre)
+      : map_(map),
+        outside_(_mm256_cmpgt_epi8(lane_distance(), _mm256_set1_epi8(static_cast<char>(map.ns)))),
+        limit_(_mm256_set1_epi8(static_cast<char>(trace))),
+        twice_centre_(_mm256_set1_epi8(static_cast<char>(2 * centre))) {}
+
+  /// `h`: heights of row +j in the lower half, of -j in the upper. Returns them as they are stored.
+  __m256i take(int j, __m256i h) {
+    const __m256i beyond = _mm256_or_si256(outside_, _mm256_cmpgt_epi8(_mm256_abs_epi8(h), limit_));
+    h = _mm256_blendv_epi8(h, _mm256_set1_epi8(HeightMap::kNone), beyond);
+    signed char* height = map_.height.data() + map_.ns * kRowLanes;
+    _mm_store_si128(reinterpret_cast<__m128i*>(height + j * kRowLanes), _mm256_castsi256_si128(h));
+    _mm_store_si128(reinterpret_cast<__m128i*>(height - j * kRowLanes),
+                    _mm256_extracti128_si256(h, 1));
+
+    const __m256i ring = load(kRings.ring[j]);
+    const __m256i good = _mm256_xor_si256(beyond, _mm256_set1_epi8(-1));
+    whole_ = _mm256_min_epu8(whole_, _mm256_or_si256(ring, good));
+    // None saturates with whatever it meets, and is uneven.
+    const __m256i mirror = _mm256_setr_epi8(-1, 15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1,
+                                            -1, 15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1);
+    const __m256i opposite = _mm256_shuffle_epi8(_mm256_permute2x128_si256(h, h, 1), mirror);
+    const __m256i sum = _mm256_subs_epi8(_mm256_adds_epi8(h, opposite), twice_centre_);
+    const __m256i uneven =
+        _mm256_cmpgt_epi8(_mm256_abs_epi8(_mm256_max_epi8(sum, _mm256_set1_epi8(-127))),
+                          _mm256_set1_epi8(kMaxUneven));
+    even_ = _mm256_min_epu8(even_,
+                            _mm256_or_si256(ring, _mm256_xor_si256(uneven, _mm256_set1_epi8(-1))));
+    return h;
+  }
+
+  void finish() {
+    const int first_gap = smallest_byte(whole_) - 1, first_uneven = smallest_byte(even_) - 1;
+    map_.whole_rings = first_gap < map_.ns ? first_gap : map_.ns;
+    map_.even_rings = first_uneven < map_.whole_rings ? first_uneven : map_.whole_rings;
+  }
+
+  static __m256i lane_distance() {
+    return _mm256_setr_epi8(8, 7, 6, 5, 4, 3, 2, 1, 0, 1, 2, 3, 4, 5, 6, 7, 8, 7, 6, 5, 4, 3, 2, 1,
+                            0, 1, 2, 3, 4, 5, 6, 7);
+  }
+
+ private:
+  HeightMap& map_;
+  __m256i outside_, limit_, twice_centre_;
+  __m256i whole_ = _mm256_set1_epi8(-1), even_ = whole_;  // least bad ring of each lane
+};
+
+/// Heights of sixteen columns in rows +j and -j as bytes.
+inline __m256i as_bytes(__m256i above0, __m256i above1, __m256i below0, __m256i below1) {
+  return _mm256_permutevar8x32_epi32(
+      _mm256_packs_epi16(_mm256_packs_epi32(above0, above1), _mm256_packs_epi32(below0, below1)),
+      _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7));
+}
+
+/// Surface bits of a map's rows.
+struct NarrowColumns {
+  alignas(32) std::uint32_t bits[2 * 7 + 1][kRowLanes];
+};
+
+template <int kSign, int kStride>
+inline void read_columns(const ColumnBits::Windows& columns, int ns, NarrowColumns& out) {
+  const __m128i down = _mm_cvtsi32_si128(static_cast<int>(columns.shift));
+  const __m128i up = _mm_cvtsi32_si128(32 - static_cast<int>(columns.shift));
+  for (int j = -ns; j <= ns; ++j) {
+    const std::uint32_t* lower = columns.words + kStride * (j * columns.row - kRowLanes / 2);
+    const std::uint32_t* upper = lower + columns.plane;
+    const auto surface = [&](int k) {
+      return surface_of<kSign>(lower + 8 * k, upper + 8 * k, down, up);
+    };
+    auto* row = reinterpret_cast<__m256i*>(out.bits[ns + j]);
+    if constexpr (kStride == 1) {
+      _mm256_store_si256(row, surface(0));
+      _mm256_store_si256(row + 1, surface(1));
+    } else {
+      _mm256_store_si256(row, even_lanes(surface(0), surface(1)));
+      _mm256_store_si256(row + 1, even_lanes(surface(2), surface(3)));
+    }
+  }
+}
+
+/// Where every column has one surface within the trace, and all are in reach of one another,
+/// the traced map is those surfaces, found without going from column to column. False where not.
+inline bool trace_single(const NarrowColumns& columns, int trace, HeightMap& map) {
+  const int ns = map.ns;
+  const __m256i reach =
+      _mm256_set1_epi32(static_cast<int>(((2u << (2 * trace)) - 1u) << (kLevel - trace)));
+  const __m256i one = _mm256_set1_epi32(1);
+  // The exponent of a power of two is its bit.
+  const __m256i zero_height = _mm256_set1_epi32(127 + kLevel);
+  __m256i several = _mm256_setzero_si256();
+  const auto height = [&](const std::uint32_t* bits) {
+    const __m256i s = _mm256_and_si256(load(bits), reach);
+    several = _mm256_or_si256(several, _mm256_and_si256(s, _mm256_sub_epi32(s, one)));
+    const __m256i exponent = _mm256_srli_epi32(_mm256_castps_si256(_mm256_cvtepi32_ps(s)), 23);
+    return _mm256_sub_epi32(exponent, zero_height);
+  };
+  const auto rows = [&](int j) {
+    return as_bytes(height(columns.bits[ns + j]), height(columns.bits[ns + j] + 8),
+                    height(columns.bits[ns - j]), height(columns.bits[ns - j] + 8));
+  };
+  const __m256i step = _mm256_set1_epi8(kMaxStep);
+  __m256i before = rows(0);
+  const int centre = static_cast<signed char>(_mm256_extract_epi8(before, kRowLanes / 2));
+  if (centre < -kMaxStep || centre > kMaxStep) return false;
+  NarrowRows out(map, trace, centre);
+  out.take(0, before);
+  // Of the middle row from lane to lane, both ways from the centre; lanes beyond the map follow
+  // any.
+  const __m256i inside =
+      _mm256_cmpgt_epi8(_mm256_set1_epi8(static_cast<char>(ns + 1)), NarrowRows::lane_distance());
+  const __m256i inner = _mm256_setr_epi8(1, 2, 3, 4, 5, 6, 7, 8, 8, 8, 9, 10, 11, 12, 13, 14, 1, 2,
+                                         3, 4, 5, 6, 7, 8, 8, 8, 9, 10, 11, 12, 13, 14);
+  __m256i apart = _mm256_subs_epu8(
+      _mm256_abs_epi8(_mm256_subs_epi8(before, _mm256_shuffle_epi8(before, inner))), step);
+  for (int j = 1; j <= ns; ++j) {
+    const __m256i h = rows(j);
+    apart = _mm256_or_si256(apart,
+                            _mm256_subs_epu8(_mm256_abs_epi8(_mm256_subs_epi8(h, before)), step));
+    before = h;
+    out.take(j, h);
+  }
+  // A column beyond the map may hold several.
+  out.finish();
+  return _mm256_testz_si256(apart, inside) != 0 && _mm256_testz_si256(several, several) != 0 &&
+         map.whole_rings == ns;
+}
+
+template <int kSign>
+void trace_columns(const NarrowColumns& columns, int trace, HeightMap& map) noexcept {
+  constexpr int kMid = kRowLanes / 2, kFirst = kLevel - kMaxStep;
+  const int ns = map.ns;
+  const StepTable& steps = kSign > 0 ? kUpward : kDownward;
+  const __m256i table = load(steps.step);
+
+  // Heights as the lowest bit that the next column is looked for at.
+  alignas(32) int middle[kRowLanes];
+  for (int& at : middle) at = kNowhere;
+  const std::uint32_t* row0 = columns.bits[ns] + kMid;
+  const auto follow_one = [&](std::uint32_t surface, int at) {
+    const std::uint32_t five = at >= 0 && at < 32 ? surface >> at & 31u : 0u;
+    return at + steps.step[five] - kMaxStep;
+  };
+  int left = middle[kMid] = follow_one(row0[0], kFirst), right = left;
+  for (int i = 1; i <= ns; ++i) {
+    middle[kMid + i] = right = follow_one(row0[i], right);
+    middle[kMid - i] = left = follow_one(row0[-i], left);
+  }
+
+  NarrowRows out(map, trace, middle[kMid] - kFirst);
+  __m256i above0 = load(middle), above1 = load(middle + 8), below0 = above0, below1 = above1;
+  for (int j = 0; j <= ns; ++j) {
+    if (j > 0) {
+      above0 = follow(load(columns.bits[ns + j]), above0, table);
+      above1 = follow(load(columns.bits[ns + j] + 8), above1, table);
+      below0 = follow(load(columns.bits[ns - j]), below0, table);
+      below1 = follow(load(columns.bits[ns - j] + 8), below1, table);
+    }
+    out.take(j,
+             _mm256_sub_epi8(as_bytes(above0, above1, below0, below1), _mm256_set1_epi8(kFirst)));
+  }
+  out.finish();
+}
+
+template <int kSign, int kStride>
+void trace_narrow(const ColumnBits::Windows& columns, int trace, HeightMap& map) noexcept {
+  map.lanes = kRowLanes;
+  NarrowColumns surface;
+  read_columns<kSign, kStride>(columns, map.ns, surface);
+  if (!trace_single(surface, trace, map)) trace_columns<kSign>(surface, trace, map);
+}
+
+void trace_map(const ColumnBits::Windows& columns, int trace, HeightMap& map) noexcept {
+  if (lanes_of(map.ns) != kRowLanes) {
+    plain_map_kernels().trace(columns, trace, map);
+  } else if (map.stride == 1) {
+    map.sign > 0 ? trace_narrow<1, 1>(columns, trace, map)
+                 : trace_narrow<-1, 1>(columns, trace, map);
+  } else {
+    map.sign > 0 ? trace_narrow<1, 2>(columns, trace, map)
+                 : trace_narrow<-1, 2>(columns, trace, map);
+  }
+}
+
+inline std::int32_t sum_of(__m256i v) {
+  __m128i s = _mm_add_epi32(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
+  s = _mm_add_epi32(s, _mm_shuffle_epi32(s, 0x4e));
+  s = _mm_add_epi32(s, _mm_shuffle_epi32(s, 0xb1));
+  return _mm_cvtsi128_si32(s);
+}
+
+inline __m256i sixteen(const signed char* height) {
+  return _mm256_cvtepi8_epi16(_mm_load_si128(reinterpret_cast<const __m128i*>(height)));
+}
+
+void fit_map(const HeightMap& map, const QuadricFilter& filter, Quadric& quadric) noexcept {
+  // The filters of 1, i, i^2 and j^2 are even in j, those of j and i j odd: rows +j and -j are
+  // taken together.
+  const int rings = filter.rings;
+  __m256i sums[kQuadric] = {};
+  const auto add = [&](int f, __m256i h, int place) {
+    sums[f] = _mm256_add_epi32(sums[f], _mm256_madd_epi16(h, load(&filter.coefficient[f][place])));
+  };
+  for (int chunk = 0; chunk < map.lanes; chunk += 16) {
+    const signed char* middle = map.height.data() + map.ns * map.lanes + chunk;
+    const int place = rings * map.lanes + chunk;
+    const __m256i h0 = sixteen(middle);
+    for (const int f : {0, 1, 3, 5}) add(f, h0, place);
+    for (int j = 1; j <= rings; ++j) {
+      const __m256i above = sixteen(middle + j * map.lanes),
+                    below = sixteen(middle - j * map.lanes);
+      const __m256i even = _mm256_add_epi16(above, below), odd = _mm256_sub_epi16(above, below);
+      for (const int f : {0, 1, 3, 5}) add(f, even, place + j * map.lanes);
+      for (const int f : {2, 4}) add(f, odd, place + j * map.lanes);
+    }
+  }
+  for (int f = 0; f < kQuadric; ++f) {
+    quadric[f] =
+        static_cast<float>(map.sign) * (filter.scale[f] * static_cast<float>(sum_of(sums[f])));
+  }
+  quadric[0] += 0.5f;
+}
+
+constexpr MapKernels kAvx2{"avx2",        trace_map,      fit_map,         largest_residual,
+                           gather_points, tilted_moments, tilted_residuals};
+
+}  // namespace
+
+const MapKernels* avx2_map_kernels() noexcept {
+  return __builtin_cpu_supports("avx2") ? &kAvx2 : nullptr;
+}
+
+}  // namespace sulcus
+
+#else
+
+namespace sulcus {
+const MapKernels* avx2_map_kernels() noexcept { return nullptr; }
+}  // namespace sulcus
+
+#endif

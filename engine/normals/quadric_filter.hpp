@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "engine/normals/column_quadric.hpp"
+#include "engine/normals/height_map.hpp"
+
+namespace sulcus {
+
+/// What the filters of a quadric make of powers that it does not have; the others follow by
+/// exchanging x and y, and by parity the rest is zero.
+struct FilterAnswers {
+  float slope_x3 = 0, slope_xy2 = 0;              // c1 to x^3, x y^2
+  float value_x4 = 0, value_x2y2 = 0;             // c0 to x^4, x^2 y^2
+  float bend_x4 = 0, bend_x2y2 = 0, bend_y4 = 0;  // c3 to x^4, x^2 y^2, y^4
+  float twist_x3y = 0;                            // c4 to x^3 y
+};
+
+/// Weighted least-squares quadric of the innermost rings of a map, as plain sums over its heights
+/// [eqs. 3 and 4, with a taper and the square lattice's own moments]. The coefficients are whole
+/// numbers, so that the sums are exact in any order: c[f] = scale[f] * sum coefficient[f] * height.
+struct QuadricFilter {
+  int rings = 0, lanes = 0;
+  std::array<float, kQuadric> scale{};
+  /// Row by row, 2 rings + 1 of them, zero beyond the window.
+  alignas(32) std::array<std::array<std::int16_t, HeightMap::kMaxRows * HeightMap::kMaxLanes>,
+                         kQuadric> coefficient{};
+  FilterAnswers answers;
+};
+
+/// Filter for the innermost `rings` of a map of so many lanes, weights
+/// max(0.02, 1 - r^2 / (2.5 rings^2)); with one ring a plane, since a quadric would interpolate the
+/// quantisation of the centre. 1 <= rings <= kMaxNeighbourhood. All are made on first use, in
+/// milliseconds.
+const QuadricFilter& quadric_filter(int rings, int lanes) noexcept;
+
+}  // namespace sulcus

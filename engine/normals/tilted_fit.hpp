@@ -1,0 +1,22 @@
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "engine/normals/column_quadric.hpp"
+#include "engine/normals/height_map.hpp"
+
+namespace sulcus {
+
+/// Unit normal, map space, of the least-squares plane through the map's points within 3.6 voxels of
+/// the voxel; none where they are fewer than five or in line.
+std::optional<Eigen::Vector3f> first_tilt(const HeightMap& map) noexcept;
+
+/// The plane, else the quadric, that explains all points of a map of stride 1 within `radius`
+/// voxels of the voxel to their quantisation, fitted in the frame whose third axis is `normal`:
+/// there a curved surface is a quadric farther out than over the columns. None where neither does.
+std::optional<Foot> fit_tilted(const HeightMap& map, const Eigen::Vector3f& normal,
+                               float radius) noexcept;
+
+}  // namespace sulcus

@@ -1,0 +1,178 @@
+// The loops of map_kernels.hpp in single precision, written once and compiled for each instruction
+// set by the files that include this. Eight lanes everywhere: the bits do not depend on the set.
+
+#include "engine/normals/map_kernels.hpp"
+
+namespace sulcus {
+
+namespace {
+
+using Lanes = float __attribute__((vector_size(32)));
+using IntLanes = int __attribute__((vector_size(32)));
+
+inline Lanes load(const float (&p)[8]) {
+  Lanes v;
+  __builtin_memcpy(&v, p, sizeof v);
+  return v;
+}
+inline void store(const Lanes& v, float (&p)[8]) { __builtin_memcpy(p, &v, sizeof v); }
+
+inline float sum_of(const Lanes& v) {
+  return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
+}
+inline float largest_of(const Lanes& v) {
+  float largest = v[0];
+  for (int lane = 1; lane < 8; ++lane) largest = v[lane] > largest ? v[lane] : largest;
+  return largest;
+}
+inline Lanes abs(const Lanes& v) {
+  constexpr IntLanes kSize = {0x7fffffff, 0x7fffffff, 0x7fffffff, 0x7fffffff,
+                              0x7fffffff, 0x7fffffff, 0x7fffffff, 0x7fffffff};
+  return reinterpret_cast<Lanes>(reinterpret_cast<IntLanes>(v) & kSize);
+}
+
+/// The larger of each lane; a's where they do not compare.
+inline Lanes larger(const Lanes& a, const Lanes& b) {
+#ifdef __AVX__
+  return __builtin_ia32_maxps256(b, a);  // what GCC does not make of the line below
+#else
+  return b > a ? b : a;
+#endif
+}
+
+/// Eight heights of a row as they lie.
+inline IntLanes heights(const signed char* row) {
+#ifdef __AVX2__
+  using Bytes = char __attribute__((vector_size(16)));
+  long long eight;
+  __builtin_memcpy(&eight, row, sizeof eight);
+  const long long __attribute__((vector_size(16))) low = {eight, 0};
+  return __builtin_ia32_pmovsxbd256(reinterpret_cast<Bytes>(low));
+#else
+  return IntLanes{row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7]};
+#endif
+}
+/// The surface is half a voxel beyond the centre of the outermost solid voxel.
+inline Lanes outward(const IntLanes& heights, int sign) {
+  return __builtin_convertvector(heights, Lanes) * static_cast<float>(sign) + 0.5f;
+}
+constexpr Lanes kAlong = {0, 1, 2, 3, 4, 5, 6, 7};
+
+inline float largest_residual(const HeightMap& map, const ColumnQuadric& surface) noexcept {
+  // Of the heights as they are stored: the surface is turned inward instead, once.
+  const auto sign = static_cast<float>(map.sign), stride = static_cast<float>(map.stride);
+  const float c0 = (surface.c[0] - 0.5f) * sign, c1 = surface.c[1] * sign * stride,
+              c2 = surface.c[2] * sign * stride;
+  const float area = sign * stride * stride;
+  const float c3 = surface.c[3] * area, c4 = surface.c[4] * area, c5 = surface.c[5] * area;
+  const float tx = surface.t_x * stride, ty = surface.t_y * stride;
+  const int middle = map.lanes / 2, first = (middle - map.ns) / 8, end = (middle + map.ns) / 8 + 1;
+  Lanes largest{};
+  for (int group = first; group < end; ++group) {
+    const Lanes i = kAlong + static_cast<float>(8 * group - middle);
+    const Lanes z1_i = c0 + c1 * i, z2_i = c3 * i * i, twist = c4 * i, t_i = 1.0f + tx * i;
+    const signed char* row = map.height.data() + 8 * group;
+    Lanes most{};
+    for (int j = -map.ns; j <= map.ns; ++j, row += map.lanes) {
+      const auto y = static_cast<float>(j);
+      const Lanes z2 = z2_i + twist * y + c5 * y * y;
+      const Lanes z = z1_i + c2 * y + z2 * (t_i + ty * y);
+      const Lanes residual = abs(__builtin_convertvector(heights(row), Lanes) - z);
+      most = larger(most, residual);
+    }
+    most = abs(i) <= static_cast<float>(map.ns) ? most : Lanes{};
+    largest = larger(largest, most);
+  }
+  return largest_of(largest);
+}
+
+inline void gather_points(const HeightMap& map, const TiltedFrame& frame,
+                          TiltedPoints& points) noexcept {
+  const float radius = frame.radius, unit = 1.0f / radius;
+  const int reach = radius < static_cast<float>(map.ns) ? static_cast<int>(radius) : map.ns;
+  const int middle = map.lanes / 2, first = (middle - reach) / 8, end = (middle + reach) / 8 + 1;
+  const float limit = radius * radius, fall = 1.0f / (1.05f * limit);
+  // By value: what is stored below could be what a reference refers to.
+  const auto [u0, u1, u2] = frame.u;
+  const auto [w0, w1, w2] = frame.w;
+  const auto [n0, n1, n2] = frame.n;
+  const int sign = map.sign, lanes = map.lanes;
+  IntLanes count{};
+  TiltedPoints::Group* g = points.group.data();
+  for (int group = first; group < end; ++group) {
+    const Lanes x = kAlong + static_cast<float>(8 * group - middle);
+    const Lanes xx = x * x, x_u = x * (u0 * unit), x_w = x * (w0 * unit), x_n = x * (n0 * unit);
+    const signed char* row = map.height.data() + (map.ns - reach) * lanes + 8 * group;
+    for (int j = -reach; j <= reach; ++j, row += lanes, ++g) {
+      const float y = static_cast<float>(j), y_unit = y * unit;
+      const IntLanes height = heights(row);
+      const Lanes z = outward(height, sign), z_unit = z * unit;
+      const Lanes r2 = xx + y * y + z * z;
+      // kNone is far out of every ball.
+      const IntLanes in_ball = r2 <= limit;
+      count -= in_ball;
+      store(in_ball ? 1.0f - r2 * fall : Lanes{}, g->weight);
+      store(x_u + y_unit * u1 + z_unit * u2, g->u);
+      store(x_w + y_unit * w1 + z_unit * w2, g->w);
+      store(x_n + y_unit * n1 + z_unit * n2, g->n);
+    }
+  }
+  const int groups = static_cast<int>(g - points.group.data());
+  points.groups = groups;
+  points.count = 0;
+  for (int lane = 0; lane < 8; ++lane) points.count += count[lane];
+}
+
+// Two passes: the sums of one take all the registers there are.
+inline void tilted_moments(const TiltedPoints& points, TiltedMoments& moments) noexcept {
+  const TiltedPoints::Group* const begin = points.group.data();
+  const TiltedPoints::Group* const end = begin + points.groups;
+  {
+    Lanes m00{}, m01{}, m02{}, m10{}, m11{}, m20{}, z00{}, z01{}, z02{}, z10{}, z11{}, z20{};
+    for (const TiltedPoints::Group* g = begin; g != end; ++g) {
+      const Lanes weight = load(g->weight), u = load(g->u), w = load(g->w), n = load(g->n);
+      const Lanes w1 = weight * w, u1 = weight * u, w2 = w1 * w, uw = u1 * w, u2 = u1 * u;
+      m00 += weight, m01 += w1, m02 += w2, m10 += u1, m11 += uw, m20 += u2;
+      z00 += weight * n, z01 += w1 * n, z02 += w2 * n;
+      z10 += u1 * n, z11 += uw * n, z20 += u2 * n;
+    }
+    auto& m = moments.m;
+    m[0][0] = sum_of(m00), m[0][1] = sum_of(m01), m[0][2] = sum_of(m02);
+    m[1][0] = sum_of(m10), m[1][1] = sum_of(m11), m[2][0] = sum_of(m20);
+    auto& z = moments.z;
+    z[0][0] = sum_of(z00), z[0][1] = sum_of(z01), z[0][2] = sum_of(z02);
+    z[1][0] = sum_of(z10), z[1][1] = sum_of(z11), z[2][0] = sum_of(z20);
+  }
+  Lanes m03{}, m04{}, m12{}, m13{}, m21{}, m22{}, m30{}, m31{}, m40{};
+  for (const TiltedPoints::Group* g = begin; g != end; ++g) {
+    const Lanes weight = load(g->weight), u = load(g->u), w = load(g->w);
+    const Lanes w2 = weight * w * w, w3 = w2 * w, uw2 = w2 * u;
+    const Lanes u2 = weight * u * u, u3 = u2 * u, u2w = u2 * w;
+    m03 += w3, m04 += w3 * w, m12 += uw2, m13 += uw2 * w;
+    m21 += u2w, m22 += u2w * w, m30 += u3, m31 += u3 * w, m40 += u3 * u;
+  }
+  auto& m = moments.m;
+  m[0][3] = sum_of(m03), m[0][4] = sum_of(m04), m[1][2] = sum_of(m12), m[1][3] = sum_of(m13);
+  m[2][1] = sum_of(m21), m[2][2] = sum_of(m22);
+  m[3][0] = sum_of(m30), m[3][1] = sum_of(m31), m[4][0] = sum_of(m40);
+}
+
+inline void tilted_residuals(const TiltedPoints& points, const Quadric& c,
+                             TiltedResiduals& residuals) noexcept {
+  Lanes largest{}, squares{};
+  for (int k = 0; k < points.groups; ++k) {
+    const TiltedPoints::Group& g = points.group[static_cast<unsigned>(k)];
+    const Lanes u = load(g.u), w = load(g.w);
+    const Lanes fitted = c[0] + (c[1] + c[3] * u + c[4] * w) * u + (c[2] + c[5] * w) * w;
+    const Lanes r = load(g.weight) > 0.0f ? load(g.n) - fitted : Lanes{};
+    const Lanes size = abs(r);
+    largest = larger(largest, size);
+    squares += r * r;
+  }
+  residuals.largest = largest_of(largest);
+  residuals.sum_squares = sum_of(squares);
+}
+
+}  // namespace
+
+}  // namespace sulcus

@@ -1,0 +1,202 @@
+#include "engine/normals/map_kernels.hpp"
+
+#include <cstring>
+
+#include <gtest/gtest.h>
+
+#include "engine/normals/tilted_fit.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace sulcus {
+namespace {
+
+class MapKernelsTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    fast_ = avx2_map_kernels();
+    if (!fast_) GTEST_SKIP() << "this processor has no AVX2";
+  }
+
+  ColumnBits::Windows windows(const Workpiece& workpiece, const Cell& c, int axis) const {
+    return workpiece.columns().around(axis, c[(axis + 1) % 3], c[(axis + 2) % 3], c[axis] - kLevel);
+  }
+
+  static HeightMap ask(int ns, int stride, int sign) {
+    HeightMap map;
+    map.ns = ns;
+    map.stride = stride;
+    map.sign = sign;
+    map.height.fill(77);  // what a trace leaves unset shows
+    return map;
+  }
+
+  /// Smooth, ragged, thin and tilted surroundings.
+  static std::vector<Workpiece> shapes() {
+    std::vector<Workpiece> all;
+    all.emplace_back(test::two_balls());
+    all.emplace_back(test::random_blobs({40, 32, 48}, 5));
+    all.emplace_back(test::half_space({48, 48, 48}, 1e-4, {0.4, -0.3, 0.86}, {23, 24, 25}));
+    all.emplace_back(test::make_model({48, 48, 48}, 1e-4, [](const Cell& c) {
+      const double side = 0.5 * c.x() + 0.2 * c.y() + 0.84 * c.z() - 36.0;
+      return std::abs(side) < 1.1;
+    }));
+    return all;
+  }
+
+  template <class Each>
+  void for_maps(const Each& each) const {
+    for (const Workpiece& workpiece : shapes()) {
+      const std::vector<Cell> cells = test::surface_cells(workpiece);
+      for (std::size_t k = 0; k < cells.size(); k += 7) {
+        for (int axis = 0; axis < 3; ++axis) {
+          for (const int sign : {-1, 1}) each(windows(workpiece, cells[k], axis), sign);
+        }
+      }
+    }
+  }
+
+  const MapKernels* fast_ = nullptr;
+};
+
+TEST_F(MapKernelsTest, TracesAreTheSameBitForBit) {
+  int whole = 0, broken = 0;
+  for_maps([&](const ColumnBits::Windows& columns, int sign) {
+    for (const int ns : {1, 4, 6, 7, 12}) {
+      for (const int stride : {1, 2}) {
+        if (stride == 2 && ns > 7) continue;
+        for (const int trace : {5, 12, kMaxTrace}) {
+          HeightMap a = ask(ns, stride, sign), b = a;
+          plain_map_kernels().trace(columns, trace, a);
+          fast_->trace(columns, trace, b);
+          ASSERT_EQ(a.lanes, b.lanes);
+          ASSERT_EQ(a.whole_rings, b.whole_rings);
+          ASSERT_EQ(a.even_rings, b.even_rings);
+          for (int k = 0; k < (2 * ns + 1) * a.lanes; ++k) {
+            ASSERT_EQ(a.height[k], b.height[k]) << "ns " << ns << " place " << k;
+          }
+          (a.whole_rings == ns ? whole : broken) += 1;
+        }
+      }
+    }
+  });
+  EXPECT_GT(whole, 1000);
+  EXPECT_GT(broken, 1000);
+}
+
+TEST_F(MapKernelsTest, AMapIsWhatAWalkOverTheVoxelsFinds) {
+  // A slope of one half, and a step of four that is not followed.
+  const VoxelModel model = test::make_model({48, 48, 48}, 1e-4, [](const Cell& c) {
+    return c.z() <= 20 + c.x() / 2 - 12 + (c.y() > 26 ? 4 : 0);
+  });
+  const Workpiece workpiece{VoxelModel(model)};
+  for (const MapKernels* kernels : {&plain_map_kernels(), fast_}) {
+    HeightMap map = ask(6, 1, 1);
+    kernels->trace(windows(workpiece, {24, 24, 20}, 2), 12, map);
+    for (int i = -6; i <= 6; ++i) {
+      for (int j = -6; j <= 2; ++j) EXPECT_EQ(map.at(i, j), (24 + i) / 2 - 12) << i << " " << j;
+      for (int j = 3; j <= 6; ++j) EXPECT_EQ(map.at(i, j), HeightMap::kNone) << i << " " << j;
+    }
+    EXPECT_EQ(map.whole_rings, 2);
+  }
+}
+
+TEST_F(MapKernelsTest, FitsAndResidualsAreTheSameBitForBit) {
+  for_maps([&](const ColumnBits::Windows& columns, int sign) {
+    for (const int ns : {3, 6, 12}) {
+      HeightMap map = ask(ns, 1, sign);
+      plain_map_kernels().trace(columns, 12, map);
+      if (map.whole_rings < 1) continue;
+      Quadric a, b;
+      const QuadricFilter& filter = quadric_filter(map.whole_rings, map.lanes);
+      plain_map_kernels().fit(map, filter, a);
+      fast_->fit(map, filter, b);
+      ASSERT_EQ(a, b);
+      if (map.whole_rings < ns) continue;
+      const ColumnQuadric surface = column_quadric(a, filter, 1);
+      ASSERT_EQ(plain_map_kernels().largest_residual(map, surface),
+                fast_->largest_residual(map, surface));
+    }
+  });
+}
+
+TEST_F(MapKernelsTest, TiltedPointsAndTheirSumsAreTheSameBitForBit) {
+  for_maps([&](const ColumnBits::Windows& columns, int sign) {
+    HeightMap map = ask(6, 1, sign);
+    plain_map_kernels().trace(columns, 12, map);
+    const float radius = 8.0f;
+    const TiltedFrame frame{
+        {0.8f, 0.0f, -0.6f}, {0.36f, 0.8f, 0.48f}, {0.48f, -0.6f, 0.64f}, radius};
+    TiltedPoints a, b;
+    plain_map_kernels().gather(map, frame, a);
+    fast_->gather(map, frame, b);
+    ASSERT_EQ(a.count, b.count);
+    ASSERT_EQ(a.groups, b.groups);
+    ASSERT_EQ(std::memcmp(a.group.data(), b.group.data(), a.groups * sizeof a.group[0]), 0);
+    TiltedMoments p, q;
+    plain_map_kernels().moments(a, p);
+    fast_->moments(a, q);
+    for (int i = 0; i <= 4; ++i) {
+      for (int j = 0; i + j <= 4; ++j) ASSERT_EQ(p.m[i][j], q.m[i][j]);
+    }
+    for (int i = 0; i <= 2; ++i) {
+      for (int j = 0; i + j <= 2; ++j) ASSERT_EQ(p.z[i][j], q.z[i][j]);
+    }
+    TiltedResiduals r, s;
+    const Quadric c{0.01f, 0.1f, -0.2f, 0.3f, 0.05f, -0.1f};
+    plain_map_kernels().residuals(a, c, r);
+    fast_->residuals(a, c, s);
+    ASSERT_EQ(r.largest, s.largest);
+    ASSERT_EQ(r.sum_squares, s.sum_squares);
+  });
+}
+
+TEST(ColumnQuadric, AQuadricAslantIsRecoveredFromItsHeights) {
+  // Heights of a cap of 30 voxels' radius about 35 degrees from the axis, without quantisation:
+  // what the filter alone makes of them is off by degrees at the rim's scale, the correction is
+  // not.
+  const double radius = 30.0, tilt = 0.6;
+  const QuadricFilter& filter = quadric_filter(6, 16);
+  Quadric fitted{};
+  for (std::size_t f = 0; f < kQuadric; ++f) {
+    double sum = 0.0;
+    for (int j = -6; j <= 6; ++j) {
+      for (int i = -6; i <= 6; ++i) {
+        const double x = i + radius * std::sin(tilt);
+        const double z = std::sqrt(radius * radius - x * x - j * j) - radius * std::cos(tilt);
+        sum += z * filter.coefficient[f][(6 + j) * 16 + 8 + i];
+      }
+    }
+    fitted[f] = static_cast<float>(sum) * filter.scale[f];
+  }
+  const Eigen::Vector3d truth(std::sin(tilt), 0.0, std::cos(tilt));
+  ColumnQuadric plain;
+  plain.c = fitted;
+  const double before = test::angle_deg(foot_of(plain).normal.cast<double>(), truth);
+  const double after =
+      test::angle_deg(foot_of(column_quadric(fitted, filter, 1)).normal.cast<double>(), truth);
+  EXPECT_GT(before, 0.8);
+  EXPECT_LT(after, 0.2);
+}
+
+TEST(QuadricFilter, GivesTheCoefficientsOfEveryQuadric) {
+  for (const int rings : {2, 3, 6, 7, 12}) {
+    const QuadricFilter& filter = quadric_filter(rings, lanes_of(rings));
+    for (std::size_t f = 0; f < kQuadric; ++f) {
+      for (std::size_t term = 0; term < kQuadric; ++term) {
+        double sum = 0.0;
+        for (int j = -rings; j <= rings; ++j) {
+          for (int i = -rings; i <= rings; ++i) {
+            const double power[kQuadric] = {1.0,           1.0 * i,       1.0 * j,
+                                            1.0 * (i * i), 1.0 * (i * j), 1.0 * (j * j)};
+            sum += power[term] *
+                   filter.coefficient[f][(rings + j) * filter.lanes + filter.lanes / 2 + i];
+          }
+        }
+        EXPECT_NEAR(sum * filter.scale[f], f == term, 2e-3) << rings << " " << f << " " << term;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sulcus

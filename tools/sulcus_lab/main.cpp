@@ -1,0 +1,38 @@
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include <CLI/CLI.hpp>
+
+#include "app/build_info.hpp"
+#include "engine/core/error.hpp"
+#include "tools/sulcus_lab/normals_command.hpp"
+
+int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);  // gnuplot that goes away is an error, not an end
+
+  CLI::App program("Sulcus's measuring program: speed and accuracy, one against the other");
+  program.name("sulcus-lab");
+  program.set_version_flag("--version", sulcus::build_info());
+  program.require_subcommand(1);
+  sulcus::lab::add_normals_command(program);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::Success& success) {  // --help, --version
+    return program.exit(success);
+  } catch (const CLI::ParseError& error) {
+    std::fprintf(stderr, "sulcus-lab: %s (see sulcus-lab --help)\n", error.what());
+    return 2;
+  } catch (const sulcus::InputError& error) {
+    std::fprintf(stderr, "sulcus-lab: %s\n", error.what());
+    return 2;
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "sulcus-lab: out of memory\n");
+    return 1;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "sulcus-lab: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

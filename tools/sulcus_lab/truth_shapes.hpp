@@ -1,0 +1,57 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "engine/volume/voxel_model.hpp"
+
+namespace sulcus::lab {
+
+/// A surface voxel and the truth about it, in index space: the outward unit normal at the foot
+/// point of its centre on the surface.
+struct TruthVoxel {
+  Cell cell;
+  Eigen::Vector3d normal;
+  int zone = 0;  // place in TruthShape::zones; of no meaning where there are none
+};
+
+/// Voxels of a shape whose normals are known.
+struct TruthShape {
+  std::string name;
+  VoxelModel model;
+  std::vector<std::string> zones;  // empty: nothing to tell apart
+  std::vector<TruthVoxel> voxels;
+  std::optional<Eigen::Vector3d> tool_direction;  // outward, where the tool's side is known
+  bool either_sign = false;                       // a wall of one voxel has no side of its own
+};
+
+/// The first six are those of [Kim and Park 2019, VI-C] and of the design; the last three are there
+/// to be unlike them, and no method was tuned on them.
+inline constexpr std::string_view kShapeNames[] = {
+    "sphere",    "cube", "rotated_cube",      "torus", "molar", "plate",
+    "molar_cut", "cone", "drilled_ellipsoid", "gyroid"};
+
+/// The shapes of a name, in voxels unless said otherwise; solids with edges have the zones face,
+/// near (2 to 10 voxels from an edge) and edge.
+/// - sphere: radius 102.4 about (127.5, 127.5, 127.5) in 256^3 [Kim and Park 2019, VI-C]
+/// - cube: upright, of 224, so that its surface has about as many voxels as the paper's. The
+///   voxels of its edges are equally near to two faces: the truth is the first in the order of axes
+/// - rotated_cube: of 110, aslant
+/// - torus: radii 40 and 12, aslant
+/// - molar: the built-in one at 0.07 mm
+/// - plate: 1, 1.5, 2 and 3 thick at tilts up to 45 degrees, each thickness a zone; the side that
+///   faces the tool, which comes from +z. Of one voxel both sides are one, so either sign is right
+/// - molar_cut: the same tooth with a groove along the central sulcus and a drilled pit; zones
+///   tooth, cut, near, edge
+/// - cone: a frustum, radii 48 and 19, aslant: a face that is curved one way, ending in rims
+/// - drilled_ellipsoid: semi-axes 60, 42, 32, with a hole of radius 9 through it, aslant
+/// - gyroid: saddles everywhere, smallest radius of curvature 12
+/// Voxels near the grid's faces, where a shape goes on beyond them, are left out. InputError for
+/// another name. Runs on oneTBB; the result does not depend on the number of threads.
+std::vector<TruthShape> truth_shapes(std::string_view name);
+
+}  // namespace sulcus::lab
