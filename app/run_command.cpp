@@ -69,6 +69,11 @@ void run(const RunOptions& options) {
         scene.workpiece.cells.x(), scene.workpiece.cells.y(), scene.workpiece.cells.z(),
         scene.workpiece.voxel_m / kMillimetre);
   }
+  if (const HapticsSettings& h = scene.haptics; h.normal_error_deg) {
+    spdlog::info("normal_error_deg = {}: normals by {}, neighbourhood {}, trace {}",
+                 *h.normal_error_deg, kNormalMethodNames[static_cast<std::size_t>(h.normals)],
+                 h.neighbourhood, h.trace);
+  }
   ScriptedDevice device(trajectory, scene.haptics.rate_hz);
   const SessionResult result = run_session(simulation, device, session);
   write_results(simulation, result, session, loading);

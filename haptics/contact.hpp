@@ -6,6 +6,8 @@
 #include <Eigen/Core>
 
 #include "engine/core/pose.hpp"
+#include "engine/normals/surface_estimate.hpp"
+#include "engine/normals/voxel_query.hpp"
 #include "engine/scene/scene.hpp"
 #include "haptics/stage_clock.hpp"
 
@@ -59,10 +61,13 @@ struct ContactScratch {
     leaves.reserve(kMaxLeaves);
     hollow.reserve(kMaxLeaves);
     contacts.reserve(2 * capacity);
+    queries.reserve(capacity);
+    estimates.reserve(capacity);
   }
   std::size_t memory_bytes() const {
     return (leaves.capacity() + hollow.capacity()) * sizeof(std::uint32_t) +
-           contacts.capacity() * sizeof(Contact);
+           contacts.capacity() * sizeof(Contact) + queries.capacity() * sizeof(VoxelQuery) +
+           estimates.capacity() * sizeof(SurfaceEstimate);
   }
 
   static constexpr std::size_t kMaxLeaves = 1 << 16;
@@ -71,6 +76,8 @@ struct ContactScratch {
   std::vector<std::uint32_t> leaves;  // [broad_phase] leaf numbers
   std::vector<std::uint32_t> hollow;  // [broad_phase] internal nodes without children left
   std::vector<Contact> contacts;      // [narrow_phase] and on
+  std::vector<VoxelQuery> queries;    // [normals] one for each contact
+  std::vector<SurfaceEstimate> estimates;
 };
 
 }  // namespace sulcus

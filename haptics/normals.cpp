@@ -20,17 +20,20 @@ Eigen::Vector3f out_of_tooth(const DistanceField& field, const Pose& world_from_
 
 void normals(const Workpiece& workpiece, const DistanceField& field, const Pose& world_from_tool,
              const HapticsSettings& settings, ContactScratch& scratch) noexcept {
+  scratch.queries.clear();
+  for (const Contact& contact : scratch.contacts) {
+    const Eigen::Vector3d centre_world = workpiece.grid().centre_world(contact.cell);
+    scratch.queries.push_back({contact.cell, out_of_tooth(field, world_from_tool, centre_world)});
+  }
+  scratch.estimates.resize(scratch.queries.size());
+  estimate_surfaces(workpiece, scratch.queries, settings, scratch.estimates);
+
   const auto voxel_m = static_cast<float>(workpiece.grid().voxel_m);
-  for (Contact& contact : scratch.contacts) {
-    SurfaceEstimate estimate = estimate_surface(workpiece, contact.cell, settings);
-    if (!estimate.defined) {
-      const Eigen::Vector3d centre_world = workpiece.grid().centre_world(contact.cell);
-      estimate = estimate_surface(workpiece, contact.cell, settings,
-                                  out_of_tooth(field, world_from_tool, centre_world));
-    }
+  for (std::size_t k = 0; k < scratch.contacts.size(); ++k) {
+    const SurfaceEstimate& estimate = scratch.estimates[k];
     if (!estimate.defined) continue;
-    contact.normal = estimate.normal;
-    contact.offset_m = estimate.offset * voxel_m;
+    scratch.contacts[k].normal = estimate.normal;
+    scratch.contacts[k].offset_m = estimate.offset * voxel_m;
   }
 }
 

@@ -7,9 +7,9 @@
 
 namespace sulcus {
 
-/// Normal and surface offset of every contact by the scene's method (engine/normals). Where the
-/// solid around a voxel names no side, the burr's distance gradient there does; what is undefined
-/// even so stays zero, and contact_force takes that gradient itself.
+/// Normal and surface offset of every contact by the scene's method (engine/normals), which is told
+/// the burr's distance gradient at the voxel. What is undefined stays zero; contact_force takes the
+/// gradient itself there.
 void normals(const Workpiece& workpiece, const DistanceField& field, const Pose& world_from_tool,
              const HapticsSettings& settings, ContactScratch& scratch) noexcept;
 

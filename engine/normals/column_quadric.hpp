@@ -1,59 +1,118 @@
 #pragma once
 
 #include <array>
-
-#include <Eigen/Core>
-
-#include "engine/normals/surface_estimate.hpp"
+#include <cmath>
 
 namespace sulcus {
 
-struct QuadricFilter;
-
 /// Coefficients of a quadric, z = c0 + c1 x + c2 y + c3 x^2 + c4 x y + c5 y^2.
 inline constexpr int kQuadric = 6;
-using Quadric = std::array<float, kQuadric>;
+template <class Number>
+using QuadricOf = std::array<Number, kQuadric>;
+using Quadric = QuadricOf<float>;
+
+/// What the least-squares filters of a map's quadric make of powers that it does not have; the
+/// others follow by exchanging x and y, and by parity the rest is zero.
+template <class Number>
+struct FilterAnswersOf {
+  Number slope_x3, slope_xy2;          // c1 to x^3, x y^2
+  Number value_x4, value_x2y2;         // c0 to x^4, x^2 y^2
+  Number bend_x4, bend_x2y2, bend_y4;  // c3 to x^4, x^2 y^2, y^4
+  Number twist_x3y;                    // c4 to x^3 y
+};
+using FilterAnswers = FilterAnswersOf<float>;
 
 /// Height over the plane of a map's columns of a surface that is a quadric in its own tangent
-/// frame.
+/// frame, map space: voxels, z outward.
 ///
 /// With slopes s and Hessian H of the height at the origin, g^2 = 1 / (1 + |s|^2), and
 /// z2 = 1/2 x'Hx, the surface n'X = 1/2 X'KX solves order by order to
 ///   z3 = z2 t,  t = g^2 s'Hx,   z4 = z2 t^2 + 1/2 g^2 (g^2 s'Hs) z2^2,
-/// so that aslant a quadric has a cubic and a quartic part in the columns' frame, given by its
-/// slopes and curvatures. Ignoring them tilts the fit: by a degree at 45 degrees on a cap of 30
-/// voxels' radius.
-struct ColumnQuadric {
-  Quadric c{};             // to second order; map space: voxels, z outward
-  float t_x = 0, t_y = 0;  // t = t_x x + t_y y
-  float quartic = 0;       // 1/2 g^2 (g^2 s'Hs)
+/// so that aslant a quadric has a cubic and a quartic part over the columns, given by its slopes
+/// and curvatures. Ignoring them tilts the fit: by a degree at 45 degrees on a cap of 30 voxels'
+/// radius.
+template <class Number>
+struct ColumnQuadricOf {
+  QuadricOf<Number> c{};  // to second order
+  Number t_x{}, t_y{};    // t = t_x x + t_y y
+  Number quartic{};       // 1/2 g^2 (g^2 s'Hs)
 };
+using ColumnQuadric = ColumnQuadricOf<float>;
 
-/// The quadric whose heights give these coefficients under a filter, by two corrections of what the
-/// filter makes of the cubic and quartic part; `stride` voxels between columns. `fitted` is in
-/// columns.
-ColumnQuadric column_quadric(const Quadric& fitted, const QuadricFilter& filter,
-                             int stride) noexcept;
-
-/// Unit normal of a surface at the foot of the origin on it, and how far out along it that is.
-struct Foot {
-  Eigen::Vector3f normal;
-  float offset;
+/// The nearest point of a surface to the origin: unit normal there, and how far out along it.
+template <class Number>
+struct FootOf {
+  Number normal_x{}, normal_y{}, normal_z{};
+  Number offset{};
 };
+using Foot = FootOf<float>;
 
-/// The foot of the origin, by two steps along the normal from the point above it: on the flat
-/// surfaces of a map the rest is far below the noise of its heights.
-Foot foot_of(const ColumnQuadric& surface) noexcept;
+// The numbers are floats or vectors of them: the same operations in the same order either way.
 
-/// What is known in map space (i, j, outward), told in index space.
-inline SurfaceEstimate from_map_space(const Foot& foot, int axis, int sign) noexcept {
-  SurfaceEstimate estimate;
-  estimate.normal[(axis + 1) % 3] = foot.normal.x();
-  estimate.normal[(axis + 2) % 3] = foot.normal.y();
-  estimate.normal[axis] = static_cast<float>(sign) * foot.normal.z();
-  estimate.offset = foot.offset;
-  estimate.defined = true;
-  return estimate;
+template <class Number>
+inline void complete(ColumnQuadricOf<Number>& q) noexcept {
+  const auto& c = q.c;
+  const Number g2 = 1.0f / (1.0f + c[1] * c[1] + c[2] * c[2]);
+  q.t_x = g2 * (2.0f * c[3] * c[1] + c[4] * c[2]);
+  q.t_y = g2 * (c[4] * c[1] + 2.0f * c[5] * c[2]);
+  q.quartic = 0.5f * g2 * (q.t_x * c[1] + q.t_y * c[2]);
+}
+
+/// The quadric whose heights give these coefficients, in columns, under a filter with these
+/// answers, `stride` voxels apart: what the filter makes of the cubic and quartic part is taken
+/// off, as far as the coefficients themselves tell it. Once is enough: a second time changes a
+/// tooth's normals by 0.01 degrees.
+template <class Number>
+inline ColumnQuadricOf<Number> column_quadric(const QuadricOf<Number>& fitted,
+                                              const FilterAnswersOf<Number>& answers,
+                                              float stride) noexcept {
+  const float per = 1.0f / stride, per2 = per * per, second = stride * stride,
+              fourth = second * second;
+  ColumnQuadricOf<Number> q;
+  q.c = {fitted[0],        fitted[1] * per,  fitted[2] * per,
+         fitted[3] * per2, fitted[4] * per2, fitted[5] * per2};
+  complete(q);
+  const QuadricOf<Number> c = q.c;
+  const Number tx = q.t_x, ty = q.t_y, k = q.quartic;
+  const Number x3 = c[3] * tx, x2y = c[3] * ty + c[4] * tx;
+  const Number xy2 = c[5] * tx + c[4] * ty, y3 = c[5] * ty;
+  const Number txx = tx * tx, txy = 2.0f * tx * ty, tyy = ty * ty;
+  const Number x4 = c[3] * (txx + k * c[3]);
+  const Number x3y = c[3] * txy + c[4] * (txx + 2.0f * k * c[3]);
+  const Number x2y2 = c[3] * tyy + c[4] * (txy + k * c[4]) + c[5] * (txx + 2.0f * k * c[3]);
+  const Number xy3 = c[5] * txy + c[4] * (tyy + 2.0f * k * c[5]);
+  const Number y4 = c[5] * (tyy + k * c[5]);
+  const FilterAnswersOf<Number>& a = answers;
+  q.c[0] = c[0] - fourth * (a.value_x4 * (x4 + y4) + a.value_x2y2 * x2y2);
+  q.c[1] = c[1] - second * (a.slope_x3 * x3 + a.slope_xy2 * xy2);
+  q.c[2] = c[2] - second * (a.slope_x3 * y3 + a.slope_xy2 * x2y);
+  q.c[3] = c[3] - second * (a.bend_x4 * x4 + a.bend_x2y2 * x2y2 + a.bend_y4 * y4);
+  q.c[4] = c[4] - second * a.twist_x3y * (x3y + xy3);
+  q.c[5] = c[5] - second * (a.bend_x4 * y4 + a.bend_x2y2 * x2y2 + a.bend_y4 * x4);
+  complete(q);
+  return q;
+}
+
+/// By a step along the normal from the point above the origin: on the flat surfaces of a map the
+/// rest is far below the noise of its heights. `square_root` is that of the numbers.
+template <class Number, class SquareRoot>
+inline FootOf<Number> foot_of(const ColumnQuadricOf<Number>& q,
+                              const SquareRoot& square_root) noexcept {
+  const auto& c = q.c;
+  // At the origin, the step, and there.
+  const Number first = -c[0] / (1.0f + c[1] * c[1] + c[2] * c[2]);
+  const Number x = first * c[1], y = first * c[2];
+  const Number z2 = (c[3] * x + c[4] * y) * x + c[5] * y * y;
+  const Number more = 1.0f + q.t_x * x + q.t_y * y;
+  const Number z = c[0] + c[1] * x + c[2] * y + z2 * more;
+  const Number slope_x = c[1] + (2.0f * c[3] * x + c[4] * y) * more + z2 * q.t_x;
+  const Number slope_y = c[2] + (c[4] * x + 2.0f * c[5] * y) * more + z2 * q.t_y;
+  const Number shrink = 1.0f / square_root(1.0f + slope_x * slope_x + slope_y * slope_y);
+  return {-slope_x * shrink, -slope_y * shrink, shrink, (z - slope_x * x - slope_y * y) * shrink};
+}
+
+inline Foot foot_of(const ColumnQuadric& q) noexcept {
+  return foot_of(q, [](float v) { return std::sqrt(v); });
 }
 
 }  // namespace sulcus

@@ -2,6 +2,8 @@
 
 #include <optional>
 
+#include <Eigen/Core>
+
 #include "engine/normals/column_quadric.hpp"
 #include "engine/normals/height_map.hpp"
 
@@ -16,7 +18,10 @@ struct HalfDisc {
 /// Near an edge, the face that a voxel belongs to: of the planes through eight half-discs of 6.8
 /// voxels, 45 degrees apart, which explain their points to the quantisation, the one that passes
 /// nearest to the voxel, more points breaking near ties. A plane is fitted again to what lies on
-/// it. None where no half-disc is plane.
-std::optional<HalfDisc> nearest_half_disc(const HeightMap& map) noexcept;
+/// it. `coarse`, unit, map space, is the coarse normal: no face of an edge or corner of 50 degrees
+/// or more is further than 65 degrees from it. Nor does the face point away from `outward`, map
+/// space, what the tool knows; zero where that is nothing. None where no half-disc is plane.
+std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vector3f& coarse,
+                                          const Eigen::Vector3f& outward) noexcept;
 
 }  // namespace sulcus

@@ -30,7 +30,8 @@ struct HeightMap {
   int lanes = 0;        // of a row: 16 or 32
   int whole_rings = 0;  // all heights in these rings are found and within the trace; -1: none
   int even_rings = 0;   // and opposite heights are in line with the centre's
-  alignas(32) std::array<signed char, kMaxRows * kMaxLanes> height;
+  /// And one row more, of no meaning: a row may be read from its second lane on.
+  alignas(32) std::array<signed char, (kMaxRows + 1) * kMaxLanes> height;
 
   int place(int i, int j) const { return (ns + j) * lanes + lanes / 2 + i; }
   int at(int i, int j) const { return height[static_cast<std::size_t>(place(i, j))]; }

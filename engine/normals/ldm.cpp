@@ -1,17 +1,17 @@
 #include "engine/normals/ldm.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "engine/normals/coarse_normal.hpp"
-#include "engine/normals/column_quadric.hpp"
 #include "engine/normals/half_disc.hpp"
-#include "engine/normals/map_kernels.hpp"
+#include "engine/normals/map_group.hpp"
 #include "engine/normals/tilted_fit.hpp"
 
 namespace sulcus {
 
 namespace {
+
 using Eigen::Vector3f;
 
 // Each of these is in voxels, or a share.
@@ -20,97 +20,129 @@ constexpr float kMostWideResidual = 0.6f;
 constexpr float kMostCubic = 0.13f;    // of the quadric's own part, at the rim of the map
 constexpr float kLevelCosine = 0.98f;  // where the surface is so level, a map of stride 2 helps
 constexpr float kSecondAxis = 0.55f;   // of the dominant component of the coarse normal
-constexpr float kRadii[] = {8.0f, 6.0f, 4.2f, 2.6f};
-constexpr float kNearEdge = 3.0f;  // a ball no larger than this
+constexpr float kRadii[] = {8.0f, 6.0f, 4.2f, 2.6f};  // at NS = 6
+constexpr float kNearEdge = 3.0f;                     // a ball no larger than this
 
-void trace_along(const Workpiece& workpiece, const Cell& voxel, int axis, int trace,
-                 HeightMap& map) noexcept {
-  map_kernels().trace(workpiece.columns().around(axis, voxel[(axis + 1) % 3], voxel[(axis + 2) % 3],
-                                                 voxel[axis] - kLevel),
-                      trace, map);
+/// Whether the quadric of a whole map explains its heights.
+bool explains(const HeightMap& map, const ColumnQuadric& surface, const Foot& foot) noexcept {
+  if (map.whole_rings < map.ns) return false;
+  const auto rim = static_cast<float>(map.ns * map.stride);
+  if (!((std::abs(surface.t_x) + std::abs(surface.t_y)) * rim < kMostCubic)) return false;
+  const float most = map.stride == 1 ? kMostResidual + 0.5f * foot.normal_z : kMostWideResidual;
+  return map_kernels().largest_residual(map, surface) <= most;
 }
 
-/// One quadric over a whole map, where it explains all heights.
-std::optional<Foot> fit_whole(const HeightMap& map) noexcept {
+/// The surface of a map of stride 2, where that is whole and a quadric explains it.
+std::optional<Foot> fit_wide(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes,
+                             int neighbourhood, int trace) noexcept {
+  HeightMap map;
+  map.ns = neighbourhood;
+  map.stride = 2;
+  trace_along(workpiece, voxel, axes, trace, map);
   if (map.whole_rings < map.ns) return {};
   const QuadricFilter& filter = quadric_filter(map.ns, map.lanes);
   Quadric fitted;
   map_kernels().fit(map, filter, fitted);
-  const ColumnQuadric surface = column_quadric(fitted, filter, map.stride);
-  const auto rim = static_cast<float>(map.ns * map.stride);
-  if (!((std::abs(surface.t_x) + std::abs(surface.t_y)) * rim < kMostCubic)) return {};
-  const float cosine =
-      1.0f / std::sqrt(1.0f + surface.c[1] * surface.c[1] + surface.c[2] * surface.c[2]);
-  const float most = map.stride == 1 ? kMostResidual + 0.5f * cosine : kMostWideResidual;
-  if (map_kernels().largest_residual(map, surface) > most) return {};
-  return foot_of(surface);
+  const ColumnQuadric surface =
+      column_quadric(fitted, filter.answers, static_cast<float>(map.stride));
+  const Foot foot = foot_of(surface);
+  if (!explains(map, surface, foot)) return {};
+  return foot;
 }
 
-SurfaceEstimate estimate_along(const Workpiece& workpiece, const Cell& voxel, int neighbourhood,
-                               int trace, const Vector3f& coarse) noexcept {
-  int axis = 0;
-  const float component = coarse.cwiseAbs().maxCoeff(&axis);
-  HeightMap map;
-  map.ns = neighbourhood;
-  map.sign = coarse[axis] > 0.0f ? 1 : -1;
-  trace_along(workpiece, voxel, axis, trace, map);
-
-  if (const std::optional<Foot> whole = fit_whole(map)) {
-    if (whole->normal.z() > kLevelCosine && lanes_of(neighbourhood) == 16) {
-      HeightMap wide;
-      wide.ns = neighbourhood;
-      wide.stride = 2;
-      wide.sign = map.sign;
-      trace_along(workpiece, voxel, axis, trace, wide);
-      if (const std::optional<Foot> wider = fit_whole(wide)) {
-        return from_map_space(*wider, axis, map.sign);
-      }
+/// The face nearest to the voxel that its map, or one across the second axis, has.
+std::optional<SurfaceEstimate> nearest_face(const Workpiece& workpiece, const Cell& voxel,
+                                            const HeightMap& map, const MapAxes& axes, int trace,
+                                            const Vector3f& coarse,
+                                            const Vector3f& outward) noexcept {
+  const std::optional<HalfDisc> nearest =
+      nearest_half_disc(map, to_map_space(coarse, axes).normalized(), to_map_space(outward, axes));
+  Vector3f rest = coarse.cwiseAbs();
+  const float component = rest[axes.axis];
+  rest[axes.axis] = -1.0f;
+  MapAxes second;
+  if (rest.maxCoeff(&second.axis) > kSecondAxis * component) {
+    second.sign = coarse[second.axis] > 0.0f ? 1 : -1;
+    HeightMap other;
+    other.ns = map.ns;
+    trace_along(workpiece, voxel, second, trace, other);
+    const std::optional<HalfDisc> across = nearest_half_disc(
+        other, to_map_space(coarse, second).normalized(), to_map_space(outward, second));
+    if (across && (!nearest || across->score < nearest->score)) {
+      return to_index_space(across->foot, second);
     }
-    return from_map_space(*whole, axis, map.sign);
   }
+  if (nearest) return to_index_space(nearest->foot, axes);
+  return {};
+}
 
+/// Where no quadric explains the whole map.
+SurfaceEstimate estimate_in_parts(const Workpiece& workpiece, const Cell& voxel,
+                                  const HeightMap& map, const MapAxes& axes, int trace,
+                                  const Vector3f& coarse) noexcept {
   std::optional<Foot> in_ball;
   if (const std::optional<Vector3f> tilt = first_tilt(map)) {
-    for (const float radius : kRadii) {
+    const float wide = std::max(1.0f, static_cast<float>(map.ns) / 6.0f);
+    for (const float at_six : kRadii) {
+      // The largest grows with the map; the others are there for what is small.
+      const float radius = at_six == kRadii[0] ? at_six * wide : at_six;
       in_ball = fit_tilted(map, *tilt, radius);
       if (!in_ball) continue;
-      if (radius > kNearEdge) return from_map_space(*in_ball, axis, map.sign);
+      if (radius > kNearEdge) return to_index_space(*in_ball, axes);
       break;
     }
   }
-
-  std::optional<HalfDisc> nearest = nearest_half_disc(map);
-  Vector3f rest = coarse.cwiseAbs();
-  rest[axis] = -1.0f;
-  int second = 0;
-  if (rest.maxCoeff(&second) > kSecondAxis * component) {
-    HeightMap other;
-    other.ns = neighbourhood;
-    other.sign = coarse[second] > 0.0f ? 1 : -1;
-    trace_along(workpiece, voxel, second, trace, other);
-    const std::optional<HalfDisc> across = nearest_half_disc(other);
-    if (across && (!nearest || across->score < nearest->score)) {
-      return from_map_space(across->foot, second, other.sign);
-    }
-  }
-  if (nearest) {
-    return from_map_space(nearest->foot, axis, map.sign);
-  }
-  if (in_ball) return from_map_space(*in_ball, axis, map.sign);
+  const std::optional<SurfaceEstimate> face =
+      nearest_face(workpiece, voxel, map, axes, trace, coarse, Vector3f::Zero());
+  if (face) return *face;
+  if (in_ball) return to_index_space(*in_ball, axes);
   // Nothing fits, as on the floor of a fissure. The coarse normal errs least there.
   return {coarse.normalized(), 0.5f, true};
 }
 
+/// As the tool lets it stand.
+SurfaceEstimate vetoed(const SurfaceEstimate& estimate, const Workpiece& workpiece,
+                       const VoxelQuery& query, const HeightMap& map, const MapAxes& axes,
+                       int trace, const Vector3f& coarse) noexcept {
+  const bool sound = estimate.normal.dot(coarse) > 0.0f;
+  if (sound && !(estimate.normal.dot(query.outward) < 0.0f)) return estimate;
+  // The far side of a wall stays what it is; the wrong face of an edge does not.
+  if (sound && coarse.dot(query.outward) < 0.0f) return estimate;
+  const std::optional<SurfaceEstimate> face =
+      nearest_face(workpiece, query.voxel, map, axes, trace, coarse, query.outward);
+  return face ? *face : SurfaceEstimate{coarse.normalized(), 0.5f, true};
+}
+
 }  // namespace
 
-SurfaceEstimate estimate_ldm(const Workpiece& workpiece, const Cell& voxel, int neighbourhood,
-                             int trace, const Vector3f& outward) noexcept {
-  Vector3f coarse = coarse_normal(workpiece, voxel).cast<float>();
-  if (coarse == Vector3f::Zero()) coarse = outward;
-  if (coarse == Vector3f::Zero()) return {};
-  const SurfaceEstimate estimate = estimate_along(workpiece, voxel, neighbourhood, trace, coarse);
-  if (estimate.normal.dot(coarse) > 0.0f) return estimate;
-  return {coarse.normalized(), 0.5f, true};
+void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
+                  int neighbourhood, int trace, std::span<SurfaceEstimate> estimates) noexcept {
+  MapGroup group;
+  for (std::size_t first = 0; first < queries.size(); first += MapGroup::kSize) {
+    const auto some = queries.subspan(first, std::min(queries.size() - first, MapGroup::kSize));
+    group.trace(workpiece, some, neighbourhood, trace);
+    group.fit([](const HeightMap& map) { return map.whole_rings == map.ns ? map.ns : 0; });
+    for (std::size_t k = 0; k < some.size(); ++k) {
+      const HeightMap& map = group.maps[k];
+      const MapAxes& axes = group.axes[k];
+      const Vector3f& coarse = group.coarse[k];
+      SurfaceEstimate& estimate = estimates[first + k];
+      estimate = {};
+      if (coarse == Vector3f::Zero()) continue;
+      const int place = static_cast<int>(k);
+      const Foot foot = group.surfaces.foot(place);
+      if (explains(map, group.surfaces.surface(place), foot)) {
+        const bool level = foot.normal_z > kLevelCosine && map.lanes == 16;
+        const std::optional<Foot> wide =
+            level ? fit_wide(workpiece, some[k].voxel, axes, neighbourhood, trace)
+                  : std::optional<Foot>();
+        estimate = to_index_space(wide ? *wide : foot, axes);
+      } else {
+        estimate = estimate_in_parts(workpiece, some[k].voxel, map, axes, trace, coarse);
+      }
+      estimate = vetoed(estimate, workpiece, some[k], map, axes, trace, coarse);
+    }
+  }
 }
 
 }  // namespace sulcus

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <span>
+
 #include "engine/normals/height_map.hpp"
 #include "engine/normals/surface_estimate.hpp"
+#include "engine/normals/voxel_query.hpp"
 #include "engine/volume/workpiece.hpp"
 
 namespace sulcus {
@@ -18,13 +21,24 @@ namespace sulcus {
 ///   half-discs of the map, and of a map along the second axis, the one whose face passes nearest
 ///   to the voxel;
 /// - normal and offset are those of the foot point of the voxel's centre.
-/// No normal points away from the coarse one. `outward`, index space, is what the tool knows (minus
-/// the gradient of its distance field there), zero where nothing is known: it stands in for the
-/// coarse normal where the solid around the voxel is symmetric (a lone voxel, a wall of one voxel).
+/// No normal points away from the coarse one. `VoxelQuery::outward`
+/// the gradient of its distance field there), zero where nothing is known. It stands in for the
+/// coarse normal where the solid around the voxel is symmetric (a lone voxel, a wall of one voxel),
+/// and vetoes: where the normal points away from it though the coarse one does not, as with the
+/// wrong face of an edge, the nearest face that does not is taken, else the coarse normal.
 /// Undefined only where both are zero.
 /// 1 <= neighbourhood <= kMaxNeighbourhood, 1 <= trace <= kMaxTrace. Pure, no allocation.
-SurfaceEstimate estimate_ldm(const Workpiece& workpiece, const Cell& voxel, int neighbourhood,
-                             int trace,
-                             const Eigen::Vector3f& outward = Eigen::Vector3f::Zero()) noexcept;
+/// One estimate for each query, eight at a time.
+void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
+                  int neighbourhood, int trace, std::span<SurfaceEstimate> estimates) noexcept;
+
+inline SurfaceEstimate estimate_ldm(
+    const Workpiece& workpiece, const Cell& voxel, int neighbourhood, int trace,
+    const Eigen::Vector3f& outward = Eigen::Vector3f::Zero()) noexcept {
+  const VoxelQuery query{voxel, outward};
+  SurfaceEstimate estimate;
+  estimate_ldm(workpiece, std::span(&query, 1), neighbourhood, trace, std::span(&estimate, 1));
+  return estimate;
+}
 
 }  // namespace sulcus

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <span>
+
 #include "engine/normals/height_map.hpp"
 #include "engine/normals/surface_estimate.hpp"
+#include "engine/normals/voxel_query.hpp"
 #include "engine/volume/workpiece.hpp"
 
 namespace sulcus {
@@ -16,10 +19,19 @@ namespace sulcus {
 /// - weights: a taper, 1 - r^2 / (2 NS^2), instead of 1/r^2;
 /// - fit: a weighted quadric, corrected for what it becomes aslant, instead of a plane; the normal
 ///   and the offset are those at the foot point of the voxel's centre.
-/// `outward` as for estimate_ldm. Undefined only where that and the coarse normal are zero.
-/// 1 <= neighbourhood <= kMaxNeighbourhood, 1 <= trace <= kMaxTrace. Pure, no allocation.
-SurfaceEstimate estimate_ldm_fast(
+/// `VoxelQuery::outward` as for estimate_ldm. Undefined only where that and the coarse normal are
+/// zero. 1 <= neighbourhood <= kMaxNeighbourhood, 1 <= trace <= kMaxTrace. Pure, no allocation. One
+/// estimate for each query, eight at a time.
+void estimate_ldm_fast(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
+                       int neighbourhood, int trace, std::span<SurfaceEstimate> estimates) noexcept;
+
+inline SurfaceEstimate estimate_ldm_fast(
     const Workpiece& workpiece, const Cell& voxel, int neighbourhood, int trace,
-    const Eigen::Vector3f& outward = Eigen::Vector3f::Zero()) noexcept;
+    const Eigen::Vector3f& outward = Eigen::Vector3f::Zero()) noexcept {
+  const VoxelQuery query{voxel, outward};
+  SurfaceEstimate estimate;
+  estimate_ldm_fast(workpiece, std::span(&query, 1), neighbourhood, trace, std::span(&estimate, 1));
+  return estimate;
+}
 
 }  // namespace sulcus

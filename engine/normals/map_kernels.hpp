@@ -13,6 +13,28 @@ inline constexpr int kMaxUneven = 3;
 /// Where a voxel stands in the windows of its columns: bit kLevel of column (0, 0) is its own.
 inline constexpr int kLevel = 16;
 
+/// Eight quadrics that were fitted to maps, and the surfaces they tell, side by side.
+struct alignas(32) SurfaceGroup {
+  static constexpr int kSize = 8;
+  float fitted[kQuadric][kSize];  // in columns
+  float answers[8][kSize];        // of their filters, as FilterAnswers lists them
+  // Filled in:
+  float c[kQuadric][kSize], t_x[kSize], t_y[kSize], quartic[kSize];
+  float normal_x[kSize], normal_y[kSize], normal_z[kSize], offset[kSize];
+
+  void put(int k, const Quadric& quadric, const FilterAnswers& a) {
+    for (std::size_t f = 0; f < kQuadric; ++f) fitted[f][k] = quadric[f];
+    answers[0][k] = a.slope_x3, answers[1][k] = a.slope_xy2;
+    answers[2][k] = a.value_x4, answers[3][k] = a.value_x2y2;
+    answers[4][k] = a.bend_x4, answers[5][k] = a.bend_x2y2, answers[6][k] = a.bend_y4;
+    answers[7][k] = a.twist_x3y;
+  }
+  ColumnQuadric surface(int k) const {
+    return {{c[0][k], c[1][k], c[2][k], c[3][k], c[4][k], c[5][k]}, t_x[k], t_y[k], quartic[k]};
+  }
+  Foot foot(int k) const { return {normal_x[k], normal_y[k], normal_z[k], offset[k]}; }
+};
+
 /// A frame aslant over a map, axes in map space (i, j, outward), and a ball about the voxel.
 struct TiltedFrame {
   std::array<float, 3> u{}, w{}, n{};
@@ -36,10 +58,27 @@ struct TiltedMoments {
   float m[5][5], z[3][3];
 };
 
-/// Residuals of a surface over points, in units of the radius.
-struct TiltedResiduals {
+/// Residuals of a surface over points.
+struct Residuals {
   float largest = 0.0f, sum_squares = 0.0f;
 };
+
+/// Sums over pixels for a plane z = c0 + c1 i + c2 j, twice z; whole numbers below 2^24, so exact
+/// in any order.
+struct PlaneSums {
+  float n = 0, i = 0, j = 0, ii = 0, ij = 0, jj = 0, z = 0, iz = 0, jz = 0;
+};
+
+/// A plane over a map, and how far a pixel may lie from it, across it, to be on it.
+struct HeightPlane {
+  float c0 = 0, c1 = 0, c2 = 0;
+  float cosine = 1;
+  float slack = 0;
+};
+
+/// The disc of 6.8 voxels that lies in a map, and its halves: half d is up to 90 degrees to either
+/// side of the direction of 45 d degrees from i towards j, the line between the halves in both.
+inline constexpr int kDiscReach = 6, kHalves = 8;
 
 /// The inner loops over a local distance map, in one instruction set. All give the same bits: sums
 /// of heights are whole numbers, sums in single precision run in 8 lanes that are added up in one
@@ -58,13 +97,26 @@ struct MapKernels {
   /// of the outermost solid voxel. `filter.lanes` is the map's.
   void (*fit)(const HeightMap& map, const QuadricFilter& filter, Quadric& quadric) noexcept;
 
+  /// Surfaces and feet of eight fits, `stride` voxels between their columns.
+  void (*surfaces)(SurfaceGroup& group, int stride) noexcept;
+
   /// Largest |height - surface| over a whole map, voxels, the surface without its quartic part.
   float (*largest_residual)(const HeightMap& map, const ColumnQuadric& surface) noexcept;
 
+  /// Sums over the halves of the disc.
+  void (*halves)(const HeightMap& map, std::array<PlaneSums, kHalves>& sums) noexcept;
+  /// Of a half, what lies on a plane.
+  void (*on_plane)(const HeightMap& map, int half, const HeightPlane& plane,
+                   PlaneSums& sums) noexcept;
+  /// Residuals across `plane`, voxels, of what lies on `first`.
+  void (*plane_residuals)(const HeightMap& map, int half, const HeightPlane& first,
+                          const HeightPlane& plane, Residuals& residuals) noexcept;
+
   void (*gather)(const HeightMap& map, const TiltedFrame& frame, TiltedPoints& points) noexcept;
   void (*moments)(const TiltedPoints& points, TiltedMoments& moments) noexcept;
+  /// In units of the radius.
   void (*residuals)(const TiltedPoints& points, const Quadric& quadric,
-                    TiltedResiduals& residuals) noexcept;
+                    Residuals& residuals) noexcept;
 };
 
 const MapKernels& plain_map_kernels() noexcept;

@@ -84,6 +84,16 @@ inline int smallest_byte(__m256i v) {
   return _mm_extract_epi16(_mm_minpos_epu16(_mm_and_si128(words, _mm_set1_epi16(0xff))), 0);
 }
 
+/// |i| of each lane of two rows, and the lane of -i; the first lane has none.
+inline __m256i lane_distance() {
+  return _mm256_setr_epi8(8, 7, 6, 5, 4, 3, 2, 1, 0, 1, 2, 3, 4, 5, 6, 7, 8, 7, 6, 5, 4, 3, 2, 1, 0,
+                          1, 2, 3, 4, 5, 6, 7);
+}
+inline __m256i mirror() {
+  return _mm256_setr_epi8(-1, 15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, -1, 15, 14, 13, 12,
+                          11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1);
+}
+
 /// A map as it is packed, checked and stored: rows +j and -j at a time.
 class NarrowRows {
  public:
@@ -106,9 +116,7 @@ class NarrowRows {
     const __m256i good = _mm256_xor_si256(beyond, _mm256_set1_epi8(-1));
     whole_ = _mm256_min_epu8(whole_, _mm256_or_si256(ring, good));
     // None saturates with whatever it meets, and is uneven.
-    const __m256i mirror = _mm256_setr_epi8(-1, 15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1,
-                                            -1, 15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1);
-    const __m256i opposite = _mm256_shuffle_epi8(_mm256_permute2x128_si256(h, h, 1), mirror);
+    const __m256i opposite = _mm256_shuffle_epi8(_mm256_permute2x128_si256(h, h, 1), mirror());
     const __m256i sum = _mm256_subs_epi8(_mm256_adds_epi8(h, opposite), twice_centre_);
     const __m256i uneven =
         _mm256_cmpgt_epi8(_mm256_abs_epi8(_mm256_max_epi8(sum, _mm256_set1_epi8(-127))),
@@ -122,11 +130,6 @@ class NarrowRows {
     const int first_gap = smallest_byte(whole_) - 1, first_uneven = smallest_byte(even_) - 1;
     map_.whole_rings = first_gap < map_.ns ? first_gap : map_.ns;
     map_.even_rings = first_uneven < map_.whole_rings ? first_uneven : map_.whole_rings;
-  }
-
-  static __m256i lane_distance() {
-    return _mm256_setr_epi8(8, 7, 6, 5, 4, 3, 2, 1, 0, 1, 2, 3, 4, 5, 6, 7, 8, 7, 6, 5, 4, 3, 2, 1,
-                            0, 1, 2, 3, 4, 5, 6, 7);
   }
 
  private:
@@ -147,72 +150,96 @@ struct NarrowColumns {
   alignas(32) std::uint32_t bits[2 * 7 + 1][kRowLanes];
 };
 
+/// Reads the columns, and finds the map at once where every column has one surface within the
+/// trace and all are in reach of one another: then the traced map is those surfaces, and no column
+/// waits for the one before. False where not; the columns are read all the same.
 template <int kSign, int kStride>
-inline void read_columns(const ColumnBits::Windows& columns, int ns, NarrowColumns& out) {
-  const __m128i down = _mm_cvtsi32_si128(static_cast<int>(columns.shift));
-  const __m128i up = _mm_cvtsi32_si128(32 - static_cast<int>(columns.shift));
-  for (int j = -ns; j <= ns; ++j) {
-    const std::uint32_t* lower = columns.words + kStride * (j * columns.row - kRowLanes / 2);
-    const std::uint32_t* upper = lower + columns.plane;
-    const auto surface = [&](int k) {
-      return surface_of<kSign>(lower + 8 * k, upper + 8 * k, down, up);
-    };
-    auto* row = reinterpret_cast<__m256i*>(out.bits[ns + j]);
-    if constexpr (kStride == 1) {
-      _mm256_store_si256(row, surface(0));
-      _mm256_store_si256(row + 1, surface(1));
-    } else {
-      _mm256_store_si256(row, even_lanes(surface(0), surface(1)));
-      _mm256_store_si256(row + 1, even_lanes(surface(2), surface(3)));
-    }
-  }
-}
-
-/// Where every column has one surface within the trace, and all are in reach of one another,
-/// the traced map is those surfaces, found without going from column to column. False where not.
-inline bool trace_single(const NarrowColumns& columns, int trace, HeightMap& map) {
+inline bool trace_single(const ColumnBits::Windows& windows, int trace, HeightMap& map,
+                         NarrowColumns& columns) {
   const int ns = map.ns;
+  const __m128i down = _mm_cvtsi32_si128(static_cast<int>(windows.shift));
+  const __m128i up = _mm_cvtsi32_si128(32 - static_cast<int>(windows.shift));
   const __m256i reach =
       _mm256_set1_epi32(static_cast<int>(((2u << (2 * trace)) - 1u) << (kLevel - trace)));
-  const __m256i one = _mm256_set1_epi32(1);
+  const __m256i minus_one = _mm256_set1_epi32(-1);
   // The exponent of a power of two is its bit.
   const __m256i zero_height = _mm256_set1_epi32(127 + kLevel);
   __m256i several = _mm256_setzero_si256();
-  const auto height = [&](const std::uint32_t* bits) {
-    const __m256i s = _mm256_and_si256(load(bits), reach);
-    several = _mm256_or_si256(several, _mm256_and_si256(s, _mm256_sub_epi32(s, one)));
+  const auto height = [&](__m256i surface) {
+    const __m256i s = _mm256_and_si256(surface, reach);
+    several = _mm256_or_si256(several, _mm256_and_si256(s, _mm256_add_epi32(s, minus_one)));
     const __m256i exponent = _mm256_srli_epi32(_mm256_castps_si256(_mm256_cvtepi32_ps(s)), 23);
     return _mm256_sub_epi32(exponent, zero_height);
   };
-  const auto rows = [&](int j) {
-    return as_bytes(height(columns.bits[ns + j]), height(columns.bits[ns + j] + 8),
-                    height(columns.bits[ns - j]), height(columns.bits[ns - j] + 8));
+  struct Row {
+    __m256i low, high;
   };
-  const __m256i step = _mm256_set1_epi8(kMaxStep);
-  __m256i before = rows(0);
+  const auto row = [&](int j) {
+    const std::uint32_t* lower = windows.words + kStride * (j * windows.row - kRowLanes / 2);
+    const std::uint32_t* upper = lower + windows.plane;
+    const auto eight = [&](int k) {
+      return surface_of<kSign>(lower + 8 * k, upper + 8 * k, down, up);
+    };
+    Row surface;
+    if constexpr (kStride == 1) {
+      surface = {eight(0), eight(1)};
+    } else {
+      surface = {even_lanes(eight(0), eight(1)), even_lanes(eight(2), eight(3))};
+    }
+    auto* bits = reinterpret_cast<__m256i*>(columns.bits[ns + j]);
+    _mm256_store_si256(bits, surface.low);
+    _mm256_store_si256(bits + 1, surface.high);
+    return Row{height(surface.low), height(surface.high)};
+  };
+
+  const Row middle = row(0);
+  __m256i before = as_bytes(middle.low, middle.high, middle.low, middle.high);
   const int centre = static_cast<signed char>(_mm256_extract_epi8(before, kRowLanes / 2));
-  if (centre < -kMaxStep || centre > kMaxStep) return false;
-  NarrowRows out(map, trace, centre);
-  out.take(0, before);
-  // Of the middle row from lane to lane, both ways from the centre; lanes beyond the map follow
-  // any.
-  const __m256i inside =
-      _mm256_cmpgt_epi8(_mm256_set1_epi8(static_cast<char>(ns + 1)), NarrowRows::lane_distance());
+  const __m256i twice_centre = _mm256_set1_epi8(static_cast<char>(2 * centre));
+  const __m256i outside =
+      _mm256_cmpgt_epi8(lane_distance(), _mm256_set1_epi8(static_cast<char>(ns)));
+  const __m256i step = _mm256_set1_epi8(kMaxStep), most = _mm256_set1_epi8(kMaxUneven);
+  const __m256i none = _mm256_set1_epi8(HeightMap::kNone);
+  const auto beyond = [](__m256i a, __m256i limit) {
+    return _mm256_subs_epu8(_mm256_abs_epi8(a), limit);
+  };
+  // Of the middle row from lane to lane, both ways from the centre.
   const __m256i inner = _mm256_setr_epi8(1, 2, 3, 4, 5, 6, 7, 8, 8, 8, 9, 10, 11, 12, 13, 14, 1, 2,
                                          3, 4, 5, 6, 7, 8, 8, 8, 9, 10, 11, 12, 13, 14);
-  __m256i apart = _mm256_subs_epu8(
-      _mm256_abs_epi8(_mm256_subs_epi8(before, _mm256_shuffle_epi8(before, inner))), step);
-  for (int j = 1; j <= ns; ++j) {
-    const __m256i h = rows(j);
-    apart = _mm256_or_si256(apart,
-                            _mm256_subs_epu8(_mm256_abs_epi8(_mm256_subs_epi8(h, before)), step));
-    before = h;
-    out.take(j, h);
+  __m256i apart = beyond(_mm256_subs_epi8(before, _mm256_shuffle_epi8(before, inner)), step);
+  __m256i uneven = _mm256_setzero_si256();
+  signed char* out = map.height.data() + ns * kRowLanes;
+  for (int j = 0;; ++j) {
+    const __m256i h = before;
+    const __m256i opposite = _mm256_shuffle_epi8(_mm256_permute2x128_si256(h, h, 1), mirror());
+    uneven = _mm256_or_si256(
+        uneven, beyond(_mm256_subs_epi8(_mm256_adds_epi8(h, opposite), twice_centre), most));
+    const __m256i stored = _mm256_blendv_epi8(h, none, outside);
+    _mm_store_si128(reinterpret_cast<__m128i*>(out + j * kRowLanes),
+                    _mm256_castsi256_si128(stored));
+    _mm_store_si128(reinterpret_cast<__m128i*>(out - j * kRowLanes),
+                    _mm256_extracti128_si256(stored, 1));
+    if (j == ns) break;
+    const Row above = row(j + 1), below = row(-j - 1);
+    before = as_bytes(above.low, above.high, below.low, below.high);
+    apart = _mm256_or_si256(apart, beyond(_mm256_subs_epi8(before, h), step));
   }
-  // A column beyond the map may hold several.
-  out.finish();
-  return _mm256_testz_si256(apart, inside) != 0 && _mm256_testz_si256(several, several) != 0 &&
-         map.whole_rings == ns;
+  // A column beyond the map may hold several: not worth a mask.
+  if (centre < -kMaxStep || centre > kMaxStep || _mm256_testc_si256(outside, apart) == 0 ||
+      _mm256_testz_si256(several, several) == 0) {
+    return false;
+  }
+  map.whole_rings = map.even_rings = ns;
+  if (_mm256_testc_si256(outside, uneven) == 0) {
+    NarrowRows rows(map, trace, centre);
+    for (int j = 0; j <= ns; ++j) {
+      const auto* above = reinterpret_cast<const __m128i*>(out + j * kRowLanes);
+      const auto* below = reinterpret_cast<const __m128i*>(out - j * kRowLanes);
+      rows.take(j, _mm256_set_m128i(_mm_load_si128(below), _mm_load_si128(above)));
+    }
+    rows.finish();
+  }
+  return true;
 }
 
 template <int kSign>
@@ -252,16 +279,113 @@ void trace_columns(const NarrowColumns& columns, int trace, HeightMap& map) noex
 }
 
 template <int kSign, int kStride>
-void trace_narrow(const ColumnBits::Windows& columns, int trace, HeightMap& map) noexcept {
+void trace_narrow(const ColumnBits::Windows& windows, int trace, HeightMap& map) noexcept {
   map.lanes = kRowLanes;
-  NarrowColumns surface;
-  read_columns<kSign, kStride>(columns, map.ns, surface);
-  if (!trace_single(surface, trace, map)) trace_columns<kSign>(surface, trace, map);
+  NarrowColumns columns;
+  if (!trace_single<kSign, kStride>(windows, trace, map, columns)) {
+    trace_columns<kSign>(columns, trace, map);
+  }
+}
+
+/// A map of 32 lanes, stride 1, row by row.
+template <int kSign>
+void trace_wide(const ColumnBits::Windows& windows, int trace, HeightMap& map) noexcept {
+  constexpr int kLanes = HeightMap::kMaxLanes, kMid = kLanes / 2, kFirst = kLevel - kMaxStep;
+  map.lanes = kLanes;
+  const int ns = map.ns;
+  const __m128i down = _mm_cvtsi32_si128(static_cast<int>(windows.shift));
+  const __m128i up = _mm_cvtsi32_si128(32 - static_cast<int>(windows.shift));
+  const StepTable& steps = kSign > 0 ? kUpward : kDownward;
+  const __m256i table = load(steps.step);
+  struct Row {
+    __m256i part[4];
+  };
+  const auto surface = [&](int j) {
+    const std::uint32_t* lower = windows.words + j * windows.row - kMid;
+    Row row;
+    for (int k = 0; k < 4; ++k) {
+      row.part[k] = surface_of<kSign>(lower + 8 * k, lower + windows.plane + 8 * k, down, up);
+    }
+    return row;
+  };
+  const __m256i limit = _mm256_set1_epi8(static_cast<char>(trace));
+  const __m256i none = _mm256_set1_epi8(HeightMap::kNone);
+  alignas(32) signed char distance[kLanes];
+  for (int lane = 0; lane < kLanes; ++lane) {
+    distance[lane] = static_cast<signed char>(lane < kMid ? kMid - lane : lane - kMid);
+  }
+  const __m256i lane_ring = load(distance);
+  const __m256i outside = _mm256_cmpgt_epi8(lane_ring, _mm256_set1_epi8(static_cast<char>(ns)));
+  const auto take = [&](int j, const Row& at) {
+    const __m256i packed =
+        _mm256_permutevar8x32_epi32(_mm256_packs_epi16(_mm256_packs_epi32(at.part[0], at.part[1]),
+                                                       _mm256_packs_epi32(at.part[2], at.part[3])),
+                                    _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7));
+    const __m256i h = _mm256_sub_epi8(packed, _mm256_set1_epi8(kFirst));
+    const __m256i beyond = _mm256_or_si256(outside, _mm256_cmpgt_epi8(_mm256_abs_epi8(h), limit));
+    _mm256_store_si256(reinterpret_cast<__m256i*>(map.height.data() + (ns + j) * kLanes),
+                       _mm256_blendv_epi8(h, none, beyond));
+  };
+
+  alignas(32) std::uint32_t row0[kLanes];
+  const Row middle_row = surface(0);
+  alignas(32) int middle[kLanes];
+  for (int k = 0; k < 4; ++k) {
+    _mm256_store_si256(reinterpret_cast<__m256i*>(row0 + 8 * k), middle_row.part[k]);
+    _mm256_store_si256(reinterpret_cast<__m256i*>(middle + 8 * k), _mm256_set1_epi32(kNowhere));
+  }
+  const auto follow_one = [&](std::uint32_t bits, int at) {
+    const std::uint32_t five = at >= 0 && at < 32 ? bits >> at & 31u : 0u;
+    return at + steps.step[five] - kMaxStep;
+  };
+  int left = middle[kMid] = follow_one(row0[kMid], kFirst), right = left;
+  for (int i = 1; i <= ns; ++i) {
+    middle[kMid + i] = right = follow_one(row0[kMid + i], right);
+    middle[kMid - i] = left = follow_one(row0[kMid - i], left);
+  }
+  Row above, below;
+  for (int k = 0; k < 4; ++k) above.part[k] = below.part[k] = load(middle + 8 * k);
+  take(0, above);
+  for (int j = 1; j <= ns; ++j) {
+    const Row upper = surface(j), lower = surface(-j);
+    for (int k = 0; k < 4; ++k) {
+      above.part[k] = follow(upper.part[k], above.part[k], table);
+      below.part[k] = follow(lower.part[k], below.part[k], table);
+    }
+    take(j, above);
+    take(-j, below);
+  }
+
+  const int centre = map.at(0, 0);
+  const __m256i twice_centre = _mm256_set1_epi8(static_cast<char>(2 * centre));
+  const __m256i backward = _mm256_setr_epi8(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0,
+                                            15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
+  __m256i whole = _mm256_set1_epi8(-1), even = whole;
+  for (int j = -ns; j <= ns; ++j) {
+    const __m256i ring =
+        _mm256_max_epu8(lane_ring, _mm256_set1_epi8(static_cast<char>(j < 0 ? -j : j)));
+    const __m256i h = load(map.height.data() + (ns + j) * kLanes);
+    const __m256i found = _mm256_xor_si256(_mm256_cmpeq_epi8(h, none), _mm256_set1_epi8(-1));
+    whole = _mm256_min_epu8(whole, _mm256_or_si256(ring, found));
+    // Lane of -i: from the second lane on, backward. None saturates, and is uneven.
+    const __m256i other = load(map.height.data() + (ns - j) * kLanes + 1);
+    const __m256i opposite =
+        _mm256_shuffle_epi8(_mm256_permute2x128_si256(other, other, 1), backward);
+    const __m256i sum = _mm256_subs_epi8(_mm256_adds_epi8(h, opposite), twice_centre);
+    const __m256i uneven =
+        _mm256_cmpgt_epi8(_mm256_abs_epi8(_mm256_max_epi8(sum, _mm256_set1_epi8(-127))),
+                          _mm256_set1_epi8(kMaxUneven));
+    even = _mm256_min_epu8(even,
+                           _mm256_or_si256(ring, _mm256_xor_si256(uneven, _mm256_set1_epi8(-1))));
+  }
+  const int first_gap = smallest_byte(whole) - 1, first_uneven = smallest_byte(even) - 1;
+  map.whole_rings = first_gap < ns ? first_gap : ns;
+  map.even_rings = first_uneven < map.whole_rings ? first_uneven : map.whole_rings;
 }
 
 void trace_map(const ColumnBits::Windows& columns, int trace, HeightMap& map) noexcept {
   if (lanes_of(map.ns) != kRowLanes) {
-    plain_map_kernels().trace(columns, trace, map);
+    map.sign > 0 ? trace_wide<1>(columns, trace, map) : trace_wide<-1>(columns, trace, map);
   } else if (map.stride == 1) {
     map.sign > 0 ? trace_narrow<1, 1>(columns, trace, map)
                  : trace_narrow<-1, 1>(columns, trace, map);
@@ -269,13 +393,6 @@ void trace_map(const ColumnBits::Windows& columns, int trace, HeightMap& map) no
     map.sign > 0 ? trace_narrow<1, 2>(columns, trace, map)
                  : trace_narrow<-1, 2>(columns, trace, map);
   }
-}
-
-inline std::int32_t sum_of(__m256i v) {
-  __m128i s = _mm_add_epi32(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
-  s = _mm_add_epi32(s, _mm_shuffle_epi32(s, 0x4e));
-  s = _mm_add_epi32(s, _mm_shuffle_epi32(s, 0xb1));
-  return _mm_cvtsi128_si32(s);
 }
 
 inline __m256i sixteen(const signed char* height) {
@@ -303,15 +420,23 @@ void fit_map(const HeightMap& map, const QuadricFilter& filter, Quadric& quadric
       for (const int f : {2, 4}) add(f, odd, place + j * map.lanes);
     }
   }
+  // Four sums in the four words of one, and two in those of another.
+  const auto fold = [](__m256i a, __m256i b, __m256i c, __m256i d) {
+    const __m256i v = _mm256_hadd_epi32(_mm256_hadd_epi32(a, b), _mm256_hadd_epi32(c, d));
+    return _mm_add_epi32(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
+  };
+  alignas(16) std::int32_t total[8];
+  _mm_store_si128(reinterpret_cast<__m128i*>(total), fold(sums[0], sums[1], sums[2], sums[3]));
+  _mm_store_si128(reinterpret_cast<__m128i*>(total + 4), fold(sums[4], sums[5], sums[4], sums[5]));
   for (int f = 0; f < kQuadric; ++f) {
-    quadric[f] =
-        static_cast<float>(map.sign) * (filter.scale[f] * static_cast<float>(sum_of(sums[f])));
+    quadric[f] = static_cast<float>(map.sign) * (filter.scale[f] * static_cast<float>(total[f]));
   }
   quadric[0] += 0.5f;
 }
 
-constexpr MapKernels kAvx2{"avx2",        trace_map,      fit_map,         largest_residual,
-                           gather_points, tilted_moments, tilted_residuals};
+constexpr MapKernels kAvx2{"avx2",           trace_map,      fit_map,         surfaces_of,
+                           largest_residual, half_sums,      sums_on_plane,   residuals_on_plane,
+                           gather_points,    tilted_moments, tilted_residuals};
 
 }  // namespace
 

@@ -85,8 +85,9 @@ void fit_map(const HeightMap& map, const QuadricFilter& filter, Quadric& quadric
   quadric[0] += 0.5f;
 }
 
-constexpr MapKernels kPlain{"plain",       trace_map,      fit_map,         largest_residual,
-                            gather_points, tilted_moments, tilted_residuals};
+constexpr MapKernels kPlain{"plain",          trace_map,      fit_map,         surfaces_of,
+                            largest_residual, half_sums,      sums_on_plane,   residuals_on_plane,
+                            gather_points,    tilted_moments, tilted_residuals};
 
 }  // namespace
 

@@ -8,25 +8,40 @@
 
 namespace sulcus {
 
+void estimate_surfaces(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
+                       const HapticsSettings& settings,
+                       std::span<SurfaceEstimate> estimates) noexcept {
+  const int ns = settings.neighbourhood, trace = settings.trace;
+  const auto one_by_one = [&](const auto& estimate) {
+    for (std::size_t k = 0; k < queries.size(); ++k) estimates[k] = estimate(queries[k].voxel);
+  };
+  switch (settings.normals) {
+    case NormalMethod::kLdm:
+      return estimate_ldm(workpiece, queries, ns, trace, estimates);
+    case NormalMethod::kLdmFast:
+      return estimate_ldm_fast(workpiece, queries, ns, trace, estimates);
+    case NormalMethod::kLdmPaper:
+      return one_by_one([&](const Cell& c) { return estimate_ldm_paper(workpiece, c, ns, trace); });
+    case NormalMethod::kWeightedSum:
+      return one_by_one([&](const Cell& c) {
+        return estimate_weighted_sum(workpiece, c, ns, WeightedSum::kAsStated);
+      });
+    case NormalMethod::kWeightedSumD2:
+      return one_by_one([&](const Cell& c) {
+        return estimate_weighted_sum(workpiece, c, ns, WeightedSum::kAsPlotted);
+      });
+    case NormalMethod::kExact:
+      return one_by_one([&](const Cell& c) { return estimate_exact(workpiece, c, ns); });
+  }
+}
+
 SurfaceEstimate estimate_surface(const Workpiece& workpiece, const Cell& voxel,
                                  const HapticsSettings& settings,
                                  const Eigen::Vector3f& outward) noexcept {
-  const int ns = settings.neighbourhood;
-  switch (settings.normals) {
-    case NormalMethod::kLdm:
-      return estimate_ldm(workpiece, voxel, ns, settings.trace, outward);
-    case NormalMethod::kLdmFast:
-      return estimate_ldm_fast(workpiece, voxel, ns, settings.trace, outward);
-    case NormalMethod::kLdmPaper:
-      return estimate_ldm_paper(workpiece, voxel, ns, settings.trace);
-    case NormalMethod::kWeightedSum:
-      return estimate_weighted_sum(workpiece, voxel, ns, WeightedSum::kAsStated);
-    case NormalMethod::kWeightedSumD2:
-      return estimate_weighted_sum(workpiece, voxel, ns, WeightedSum::kAsPlotted);
-    case NormalMethod::kExact:
-      return estimate_exact(workpiece, voxel, ns);
-  }
-  return {};
+  const VoxelQuery query{voxel, outward};
+  SurfaceEstimate estimate;
+  estimate_surfaces(workpiece, std::span(&query, 1), settings, std::span(&estimate, 1));
+  return estimate;
 }
 
 }  // namespace sulcus

@@ -1,14 +1,21 @@
 #pragma once
 
+#include <span>
+
 #include "engine/normals/surface_estimate.hpp"
+#include "engine/normals/voxel_query.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/volume/workpiece.hpp"
 
 namespace sulcus {
 
-/// Normal of one surface voxel by the method that a scene names. What is felt is what is seen:
-/// forces and pictures call this. `outward`, index space, is what the tool knows of the surface,
-/// zero where nothing is: see estimate_ldm; other methods do without it.
+/// Normals of surface voxels by the method that a scene names, one for each query. What is felt is
+/// what is seen: forces and pictures call this. What the tool knows is for the ldm methods; the
+/// others do without it.
+void estimate_surfaces(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
+                       const HapticsSettings& settings,
+                       std::span<SurfaceEstimate> estimates) noexcept;
+
 SurfaceEstimate estimate_surface(const Workpiece& workpiece, const Cell& voxel,
                                  const HapticsSettings& settings,
                                  const Eigen::Vector3f& outward = Eigen::Vector3f::Zero()) noexcept;

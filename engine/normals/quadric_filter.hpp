@@ -8,15 +8,6 @@
 
 namespace sulcus {
 
-/// What the filters of a quadric make of powers that it does not have; the others follow by
-/// exchanging x and y, and by parity the rest is zero.
-struct FilterAnswers {
-  float slope_x3 = 0, slope_xy2 = 0;              // c1 to x^3, x y^2
-  float value_x4 = 0, value_x2y2 = 0;             // c0 to x^4, x^2 y^2
-  float bend_x4 = 0, bend_x2y2 = 0, bend_y4 = 0;  // c3 to x^4, x^2 y^2, y^4
-  float twist_x3y = 0;                            // c4 to x^3 y
-};
-
 /// Weighted least-squares quadric of the innermost rings of a map, as plain sums over its heights
 /// [eqs. 3 and 4, with a taper and the square lattice's own moments]. The coefficients are whole
 /// numbers, so that the sums are exact in any order: c[f] = scale[f] * sum coefficient[f] * height.
@@ -26,7 +17,7 @@ struct QuadricFilter {
   /// Row by row, 2 rings + 1 of them, zero beyond the window.
   alignas(32) std::array<std::array<std::int16_t, HeightMap::kMaxRows * HeightMap::kMaxLanes>,
                          kQuadric> coefficient{};
-  FilterAnswers answers;
+  FilterAnswers answers{};
 };
 
 /// Filter for the innermost `rings` of a map of so many lanes, weights

@@ -114,7 +114,7 @@ std::optional<Quadric> solve(const NormalEquations& e) {
 
 bool explains(const Quadric& c, const TiltedPoints& points, const TiltedFrame& frame,
               const Tolerance& tolerance) {
-  TiltedResiduals residuals;
+  Residuals residuals;
   map_kernels().residuals(points, c, residuals);
   const float cosine = frame.n[2];
   const float mean_square = tolerance.mean * std::max(cosine, 0.2f) / frame.radius;
@@ -166,13 +166,14 @@ std::optional<Foot> fit_tilted(const HeightMap& map, const Vector3f& normal,
   if (!c || !explains(*c, points, frame, kCurved)) return {};
   const std::optional<Quadric> plane = solve<3>(equations);
   if (plane && explains(*plane, points, frame, kPlane)) c = plane;
-  ColumnQuadric surface;
+  ColumnQuadric surface;  // in units of the radius
   surface.c = *c;
-  const Foot tilted = foot_of(surface);  // in units of the radius
-  const auto axis = [](const std::array<float, 3>& a) { return Vector3f(a[0], a[1], a[2]); };
-  return Foot{tilted.normal.x() * axis(frame.u) + tilted.normal.y() * axis(frame.w) +
-                  tilted.normal.z() * axis(frame.n),
-              tilted.offset * radius};
+  const Foot tilted = foot_of(surface);
+  const auto along = [&](std::size_t axis) {
+    return tilted.normal_x * frame.u[axis] + tilted.normal_y * frame.w[axis] +
+           tilted.normal_z * frame.n[axis];
+  };
+  return Foot{along(0), along(1), along(2), tilted.offset * radius};
 }
 
 }  // namespace sulcus

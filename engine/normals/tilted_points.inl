@@ -58,6 +58,30 @@ inline Lanes outward(const IntLanes& heights, int sign) {
 }
 constexpr Lanes kAlong = {0, 1, 2, 3, 4, 5, 6, 7};
 
+inline Lanes square_root(const Lanes& v) {
+#ifdef __AVX__
+  return __builtin_ia32_sqrtps256(v);
+#else
+  Lanes root;
+  for (int lane = 0; lane < 8; ++lane) root[lane] = __builtin_sqrtf(v[lane]);
+  return root;
+#endif
+}
+
+inline void surfaces_of(SurfaceGroup& g, int stride) noexcept {
+  QuadricOf<Lanes> fitted;
+  for (unsigned f = 0; f < kQuadric; ++f) fitted[f] = load(g.fitted[f]);
+  const FilterAnswersOf<Lanes> answers{load(g.answers[0]), load(g.answers[1]), load(g.answers[2]),
+                                       load(g.answers[3]), load(g.answers[4]), load(g.answers[5]),
+                                       load(g.answers[6]), load(g.answers[7])};
+  const ColumnQuadricOf<Lanes> q = column_quadric(fitted, answers, static_cast<float>(stride));
+  const FootOf<Lanes> foot = foot_of(q, square_root);
+  for (unsigned f = 0; f < kQuadric; ++f) store(q.c[f], g.c[f]);
+  store(q.t_x, g.t_x), store(q.t_y, g.t_y), store(q.quartic, g.quartic);
+  store(foot.normal_x, g.normal_x), store(foot.normal_y, g.normal_y);
+  store(foot.normal_z, g.normal_z), store(foot.offset, g.offset);
+}
+
 inline float largest_residual(const HeightMap& map, const ColumnQuadric& surface) noexcept {
   // Of the heights as they are stored: the surface is turned inward instead, once.
   const auto sign = static_cast<float>(map.sign), stride = static_cast<float>(map.stride);
@@ -85,6 +109,115 @@ inline float largest_residual(const HeightMap& map, const ColumnQuadric& surface
   }
   return largest_of(largest);
 }
+
+// --- Half-discs. Rows of sixteen lanes, i = -8 to 7, whatever the map's.
+// --------------------------
+
+struct DiscMasks {
+  static constexpr int kRows = 2 * kDiscReach + 1;
+  alignas(32) int half[kHalves][kRows][2][8];  // -1: in it
+};
+constexpr DiscMasks make_disc_masks() {
+  DiscMasks masks{};
+  constexpr int kRays[kHalves][2] = {{1, 0},  {1, 1},   {0, 1},  {-1, 1},
+                                     {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
+  for (int d = 0; d < kHalves; ++d) {
+    for (int row = 0; row < DiscMasks::kRows; ++row) {
+      for (int lane = 0; lane < 16; ++lane) {
+        const int i = lane - 8, j = row - kDiscReach;
+        const bool in_disc = 100 * (i * i + j * j) <= 68 * 68;
+        const bool in_half = i * kRays[d][0] + j * kRays[d][1] >= 0;
+        masks.half[d][row][lane / 8][lane % 8] = in_disc && in_half ? -1 : 0;
+      }
+    }
+  }
+  return masks;
+}
+constexpr DiscMasks kDiscMasks = make_disc_masks();
+
+inline IntLanes load(const int (&p)[8]) {
+  IntLanes v;
+  __builtin_memcpy(&v, p, sizeof v);
+  return v;
+}
+inline Lanes where(const IntLanes& mask, const Lanes& v) {
+  return reinterpret_cast<Lanes>(reinterpret_cast<IntLanes>(v) & mask);
+}
+
+/// Calls `each(found, x, y, twice z, row, group)` for eight pixels of the disc's rows after the
+/// other.
+template <class Each>
+inline void for_disc(const HeightMap& map, const Each& each) {
+  const int reach = map.ns < kDiscReach ? map.ns : kDiscReach;
+  const auto twice_sign = static_cast<float>(2 * map.sign);
+  for (int group = 0; group < 2; ++group) {
+    const Lanes x = kAlong + static_cast<float>(8 * group - 8);
+    const signed char* row =
+        map.height.data() + (map.ns - reach) * map.lanes + map.lanes / 2 - 8 + 8 * group;
+    for (int j = -reach; j <= reach; ++j, row += map.lanes) {
+      const IntLanes height = heights(row);
+      each(height != int{HeightMap::kNone}, x, static_cast<float>(j),
+           __builtin_convertvector(height, Lanes) * twice_sign + 1.0f, j + kDiscReach, group);
+    }
+  }
+}
+
+struct LaneSums9 {
+  Lanes n{}, i{}, j{}, ii{}, ij{}, jj{}, z{}, iz{}, jz{};
+
+  void add(const IntLanes& mask, const Lanes& x, float y, const Lanes& z2) {
+    const Lanes one = where(mask, Lanes{} + 1.0f), mi = where(mask, x), mz = where(mask, z2);
+    const Lanes mj = one * y;
+    n += one, i += mi, j += mj, ii += mi * x, ij += mi * y, jj += mj * y;
+    z += mz, iz += mz * x, jz += mz * y;
+  }
+  PlaneSums total() const {
+    return {sum_of(n),  sum_of(i), sum_of(j),  sum_of(ii), sum_of(ij),
+            sum_of(jj), sum_of(z), sum_of(iz), sum_of(jz)};
+  }
+};
+
+inline void half_sums(const HeightMap& map, std::array<PlaneSums, kHalves>& sums) noexcept {
+  for (unsigned d = 0; d < kHalves; ++d) {
+    LaneSums9 s;
+    for_disc(map,
+             [&](const IntLanes& found, const Lanes& x, float y, const Lanes& z2, int row,
+                 int group) { s.add(found & load(kDiscMasks.half[d][row][group]), x, y, z2); });
+    sums[d] = s.total();
+  }
+}
+
+inline Lanes residual_across(const HeightPlane& plane, const Lanes& x, float y, const Lanes& z2) {
+  return (z2 * 0.5f - (plane.c0 + plane.c2 * y) - plane.c1 * x) * plane.cosine;
+}
+
+inline void sums_on_plane(const HeightMap& map, int half, const HeightPlane& plane,
+                          PlaneSums& sums) noexcept {
+  LaneSums9 s;
+  for_disc(map, [&](const IntLanes& found, const Lanes& x, float y, const Lanes& z2, int row,
+                    int group) {
+    const IntLanes on = abs(residual_across(plane, x, y, z2)) <= plane.slack;
+    s.add(found & on & load(kDiscMasks.half[half][row][group]), x, y, z2);
+  });
+  sums = s.total();
+}
+
+inline void residuals_on_plane(const HeightMap& map, int half, const HeightPlane& first,
+                               const HeightPlane& plane, Residuals& residuals) noexcept {
+  Lanes largest{}, squares{};
+  for_disc(map, [&](const IntLanes& found, const Lanes& x, float y, const Lanes& z2, int row,
+                    int group) {
+    const IntLanes on = abs(residual_across(first, x, y, z2)) <= first.slack;
+    const Lanes r = where(found & on & load(kDiscMasks.half[half][row][group]),
+                          residual_across(plane, x, y, z2));
+    largest = larger(largest, abs(r));
+    squares += r * r;
+  });
+  residuals.largest = largest_of(largest);
+  residuals.sum_squares = sum_of(squares);
+}
+
+// --- Points in a ball ---------------------------------------------------------------------------
 
 inline void gather_points(const HeightMap& map, const TiltedFrame& frame,
                           TiltedPoints& points) noexcept {
@@ -158,7 +291,7 @@ inline void tilted_moments(const TiltedPoints& points, TiltedMoments& moments) n
 }
 
 inline void tilted_residuals(const TiltedPoints& points, const Quadric& c,
-                             TiltedResiduals& residuals) noexcept {
+                             Residuals& residuals) noexcept {
   Lanes largest{}, squares{};
   for (int k = 0; k < points.groups; ++k) {
     const TiltedPoints::Group& g = points.group[static_cast<unsigned>(k)];

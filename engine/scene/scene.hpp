@@ -87,8 +87,9 @@ enum class Scaling : std::uint8_t { kNone, kCount, kSmooth };
 struct HapticsSettings {
   double rate_hz = 1000.0;
   NormalMethod normals = NormalMethod::kLdm;
-  int neighbourhood = 6;  // NS, voxels
-  int trace = 12;         // alpha, voxels; 5 under ldm_paper
+  int neighbourhood = 6;                   // NS, voxels
+  int trace = 12;                          // alpha, voxels; 5 under ldm_paper
+  std::optional<double> normal_error_deg;  // asked for; the three above are what meets it
   Scaling scaling = Scaling::kSmooth;
   int max_contacts = 65536;  // capacity; beyond it the deepest are kept
 };

@@ -9,6 +9,7 @@
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
 #include "engine/normals/height_map.hpp"
+#include "engine/normals/normal_choice.hpp"
 #include "engine/scene/tissue_table.hpp"
 #include "engine/scene/toml_table.hpp"
 #include "engine/volume/grid.hpp"
@@ -222,15 +223,41 @@ TrajectorySettings read_trajectory(TomlTable& root) {
   return t;
 }
 
+/// The cheapest normals that meet haptics.normal_error_deg, where a scene names it.
+void read_normal_error(TomlTable& table, HapticsSettings& h) {
+  h.normal_error_deg = table.number("normal_error_deg", {0, 90});
+  if (!h.normal_error_deg) return;
+  for (const std::string_view key : {"normals", "neighbourhood", "trace"}) {
+    if (table.has(key)) {
+      table.fail(key, std::string(key) + " beside normal_error_deg", "one of them");
+    }
+  }
+  const std::optional<NormalChoice> choice = choose_normals(*h.normal_error_deg);
+  if (!choice) {
+    const NormalChoice best = most_accurate_normals();
+    std::ostringstream found, expected;
+    found << *h.normal_error_deg;
+    expected << best.error_deg << " or more, which normals = \""
+             << kNormalMethodNames[static_cast<std::size_t>(best.method)]
+             << "\" with neighbourhood = " << best.neighbourhood << " meets, the best that can be";
+    table.fail("normal_error_deg", found.str(), expected.str());
+  }
+  h.normals = choice->method;
+  h.neighbourhood = choice->neighbourhood;
+  h.trace = choice->trace;
+}
+
 HapticsSettings read_haptics(TomlTable& root) {
   HapticsSettings h;
   auto table = root.table("haptics");
   if (!table) return h;
   constexpr std::array<std::string_view, 3> kScalings{"none", "count", "smooth"};
   h.rate_hz = table->number("rate_hz", {10, 20000}, 1000);
-  if (const auto method = table->choice("normals", kNormalMethodNames)) h.normals = NormalMethod(*method);
+  if (const auto method = table->choice("normals", kNormalMethodNames))
+    h.normals = NormalMethod(*method);
   h.neighbourhood = table->integer("neighbourhood", {1, kMaxNeighbourhood}, h.neighbourhood);
   h.trace = table->integer("trace", {1, kMaxTrace}, h.normals == NormalMethod::kLdmPaper ? 5 : 12);
+  read_normal_error(*table, h);
   if (const auto scaling = table->choice("scaling", kScalings)) h.scaling = Scaling(*scaling);
   h.max_contacts = table->integer("max_contacts", {1, 1 << 20}, h.max_contacts);
   table->finish();

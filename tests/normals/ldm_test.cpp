@@ -204,5 +204,80 @@ TEST(Ldm, TheFarSideOfAWallDoesNotShowThrough) {
   }
 }
 
+TEST(Ldm, QueriesTogetherAreAnsweredAsOneByOne) {
+  const Workpiece workpiece(test::random_blobs({40, 32, 48}, 9));
+  std::vector<VoxelQuery> queries;
+  for (const Cell& c : test::surface_cells(workpiece)) {
+    queries.push_back({c, Eigen::Vector3f(0.3f, -0.2f, static_cast<float>(c.x() % 3) - 1.0f)});
+  }
+  queries.resize(queries.size() / 8 * 8 + 3);  // and a rest
+  std::vector<SurfaceEstimate> together(queries.size());
+  estimate_ldm(workpiece, queries, kNs, kTrace, together);
+  for (std::size_t k = 0; k < queries.size(); ++k) {
+    ASSERT_TRUE(test::same_bits(
+        together[k], estimate_ldm(workpiece, queries[k].voxel, kNs, kTrace, queries[k].outward)))
+        << k;
+  }
+}
+
+TEST(Ldm, TheToolNamesTheSideWhereTheSolidDoesNot) {
+  // A wall of one voxel.
+  const Workpiece workpiece(test::block({40, 40, 40}, 1e-4, {2, 2, 20}, {38, 38, 21}));
+  EXPECT_FALSE(estimate_ldm(workpiece, {20, 20, 20}, kNs, kTrace).defined);
+  for (const float side : {1.0f, -1.0f}) {
+    const SurfaceEstimate e =
+        estimate_ldm(workpiece, {20, 20, 20}, kNs, kTrace, {0.2f, 0.1f, side});
+    EXPECT_EQ(e.normal, Eigen::Vector3f(0, 0, side));
+    EXPECT_EQ(e.offset, 0.5f);
+  }
+}
+
+TEST(Ldm, TheToolVetoesTheWrongFaceOfAnEdgeButNotTheFarSideOfAWall) {
+  // The ridge of a roof of 90 degrees: either face is as near.
+  const Workpiece roof(test::make_model(
+      {64, 40, 40}, 1e-4, [](const Cell& c) { return c.z() + std::abs(c.x() - 32) <= 24; }));
+  for (const float side : {1.0f, -1.0f}) {
+    const Eigen::Vector3f tool(side, 0.0f, 0.1f);
+    const SurfaceEstimate e = estimate_ldm(roof, {32, 20, 24}, kNs, kTrace, tool);
+    ASSERT_TRUE(e.defined);
+    EXPECT_GE(e.normal.dot(tool), 0.0f);
+  }
+  const Workpiece wall(test::block({40, 40, 40}, 1e-4, {2, 2, 19}, {38, 38, 21}));
+  const SurfaceEstimate far =
+      estimate_ldm(wall, {20, 20, 19}, kNs, kTrace, Eigen::Vector3f::UnitZ());
+  EXPECT_EQ(far.normal, Eigen::Vector3f(0, 0, -1));
+}
+
+TEST(Ldm, FacesHoldUpToTheEdge) {
+  // A block aslant: 2 to 10 voxels from an edge, where a centred window sees two faces.
+  const Eigen::Matrix3d turn =
+      (Eigen::AngleAxisd(0.5, Vector3d::UnitY()) * Eigen::AngleAxisd(0.3, Vector3d::UnitX()))
+          .toRotationMatrix();
+  const Vector3d middle(32.1, 31.8, 32.4);
+  constexpr double kHalf = 18.0;
+  const auto local = [&](const Cell& c) {
+    return Vector3d(turn.transpose() * (c.cast<double>() - middle));
+  };
+  const Workpiece workpiece(test::make_model(
+      {64, 64, 64}, 1e-4, [&](const Cell& c) { return (local(c).array().abs() <= kHalf).all(); }));
+  double sum = 0.0;
+  int count = 0;
+  for (const Cell& c : test::surface_cells(workpiece)) {
+    const Vector3d p = local(c);
+    int face = 0;
+    const double highest = p.cwiseAbs().maxCoeff(&face);
+    Vector3d others = p.cwiseAbs();
+    others[face] = 0.0;
+    const double from_edge = kHalf - others.maxCoeff();
+    if (from_edge < 2.0 || from_edge > 10.0 || kHalf - highest > 1.0) continue;
+    const Vector3d truth = turn * Vector3d(Vector3d::Unit(face) * (p[face] > 0 ? 1 : -1));
+    sum += test::angle_deg(estimate_ldm(workpiece, c, kNs, kTrace).normal.cast<double>(), truth);
+    ++count;
+  }
+  std::printf("ldm, 2 to 10 voxels from an edge: mean %.3f deg, %d voxels\n", sum / count, count);
+  ASSERT_GT(count, 2000);
+  EXPECT_LT(sum / count, 0.8);
+}
+
 }  // namespace
 }  // namespace sulcus

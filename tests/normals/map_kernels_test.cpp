@@ -1,6 +1,8 @@
 #include "engine/normals/map_kernels.hpp"
 
+#include <cmath>
 #include <cstring>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -41,6 +43,11 @@ class MapKernelsTest : public ::testing::Test {
       return std::abs(side) < 1.1;
     }));
     return all;
+  }
+
+  static bool same_sums(const PlaneSums& a, const PlaneSums& b) {
+    return a.n == b.n && a.i == b.i && a.j == b.j && a.ii == b.ii && a.ij == b.ij && a.jj == b.jj &&
+           a.z == b.z && a.iz == b.iz && a.jz == b.jz;
   }
 
   template <class Each>
@@ -112,9 +119,89 @@ TEST_F(MapKernelsTest, FitsAndResidualsAreTheSameBitForBit) {
       fast_->fit(map, filter, b);
       ASSERT_EQ(a, b);
       if (map.whole_rings < ns) continue;
-      const ColumnQuadric surface = column_quadric(a, filter, 1);
+      const ColumnQuadric surface = column_quadric(a, filter.answers, 1.0f);
       ASSERT_EQ(plain_map_kernels().largest_residual(map, surface),
                 fast_->largest_residual(map, surface));
+    }
+  });
+}
+
+TEST_F(MapKernelsTest, SurfacesOfAGroupAreThoseOfEachOfIts) {
+  // Whatever the numbers, sane or not.
+  SurfaceGroup a;
+  std::vector<Quadric> fitted(SurfaceGroup::kSize);
+  for (int k = 0; k < SurfaceGroup::kSize; ++k) {
+    for (std::size_t f = 0; f < kQuadric; ++f) {
+      fitted[k][f] = std::sin(static_cast<float>(11 * k + 3 * f)) * (f < 3 ? 0.9f : 0.03f);
+    }
+    a.put(k, fitted[k], quadric_filter(2 + k % 5, 16).answers);
+  }
+  for (const int stride : {1, 2}) {
+    SurfaceGroup b = a;
+    plain_map_kernels().surfaces(a, stride);
+    fast_->surfaces(b, stride);
+    for (int k = 0; k < SurfaceGroup::kSize; ++k) {
+      const ColumnQuadric one = column_quadric(fitted[k], quadric_filter(2 + k % 5, 16).answers,
+                                               static_cast<float>(stride));
+      const Foot foot = foot_of(one);
+      for (const SurfaceGroup* group : {&a, &b}) {
+        EXPECT_EQ(group->surface(k).c, one.c);
+        EXPECT_EQ(group->surface(k).t_x, one.t_x);
+        EXPECT_EQ(group->surface(k).t_y, one.t_y);
+        EXPECT_EQ(group->surface(k).quartic, one.quartic);
+        EXPECT_EQ(group->foot(k).normal_x, foot.normal_x);
+        EXPECT_EQ(group->foot(k).normal_y, foot.normal_y);
+        EXPECT_EQ(group->foot(k).normal_z, foot.normal_z);
+        EXPECT_EQ(group->foot(k).offset, foot.offset);
+      }
+    }
+  }
+}
+
+TEST_F(MapKernelsTest, HalfDiscsAreThePixelsOnOneSideAndTheSameBitForBit) {
+  for_maps([&](const ColumnBits::Windows& columns, int sign) {
+    for (const int ns : {4, 6, 12}) {
+      HeightMap map = ask(ns, 1, sign);
+      plain_map_kernels().trace(columns, 12, map);
+      std::array<PlaneSums, kHalves> a, b;
+      plain_map_kernels().halves(map, a);
+      fast_->halves(map, b);
+      HeightPlane plane{0.4f, 0.3f, -0.2f, 0.94f, 0.87f}, other{0.3f, 0.25f, -0.2f, 0.95f, 0.87f};
+      for (int d = 0; d < kHalves; ++d) {
+        // The second way: from the angle.
+        PlaneSums half, on;
+        const double angle = d * std::numbers::pi / 4.0;
+        for (int j = -std::min(ns, kDiscReach); j <= std::min(ns, kDiscReach); ++j) {
+          for (int i = -std::min(ns, kDiscReach); i <= std::min(ns, kDiscReach); ++i) {
+            const int h = map.at(i, j);
+            if (h == HeightMap::kNone || i * i + j * j > 6.8 * 6.8) continue;
+            if (i * std::cos(angle) + j * std::sin(angle) < -1e-9) continue;
+            const auto x = static_cast<float>(i), y = static_cast<float>(j),
+                       z2 = static_cast<float>(2 * sign * h + 1);
+            const auto add = [&](PlaneSums& s) {
+              s.n += 1, s.i += x, s.j += y, s.ii += x * x, s.ij += x * y, s.jj += y * y;
+              s.z += z2, s.iz += x * z2, s.jz += y * z2;
+            };
+            add(half);
+            if (std::abs((z2 * 0.5f - (plane.c0 + plane.c2 * y) - plane.c1 * x) * plane.cosine) <=
+                plane.slack) {
+              add(on);
+            }
+          }
+        }
+        ASSERT_TRUE(same_sums(a[d], half)) << ns << " " << d;
+        ASSERT_TRUE(same_sums(b[d], half)) << ns << " " << d;
+        for (const MapKernels* kernels : {&plain_map_kernels(), fast_}) {
+          PlaneSums found;
+          kernels->on_plane(map, d, plane, found);
+          ASSERT_TRUE(same_sums(found, on)) << kernels->name;
+        }
+        Residuals r, s;
+        plain_map_kernels().plane_residuals(map, d, plane, other, r);
+        fast_->plane_residuals(map, d, plane, other, s);
+        ASSERT_EQ(r.largest, s.largest);
+        ASSERT_EQ(r.sum_squares, s.sum_squares);
+      }
     }
   });
 }
@@ -141,7 +228,7 @@ TEST_F(MapKernelsTest, TiltedPointsAndTheirSumsAreTheSameBitForBit) {
     for (int i = 0; i <= 2; ++i) {
       for (int j = 0; i + j <= 2; ++j) ASSERT_EQ(p.z[i][j], q.z[i][j]);
     }
-    TiltedResiduals r, s;
+    Residuals r, s;
     const Quadric c{0.01f, 0.1f, -0.2f, 0.3f, 0.05f, -0.1f};
     plain_map_kernels().residuals(a, c, r);
     fast_->residuals(a, c, s);
@@ -171,9 +258,11 @@ TEST(ColumnQuadric, AQuadricAslantIsRecoveredFromItsHeights) {
   const Eigen::Vector3d truth(std::sin(tilt), 0.0, std::cos(tilt));
   ColumnQuadric plain;
   plain.c = fitted;
-  const double before = test::angle_deg(foot_of(plain).normal.cast<double>(), truth);
-  const double after =
-      test::angle_deg(foot_of(column_quadric(fitted, filter, 1)).normal.cast<double>(), truth);
+  const auto error_deg = [&](const Foot& foot) {
+    return test::angle_deg({foot.normal_x, foot.normal_y, foot.normal_z}, truth);
+  };
+  const double before = error_deg(foot_of(plain));
+  const double after = error_deg(foot_of(column_quadric(fitted, filter.answers, 1.0f)));
   EXPECT_GT(before, 0.8);
   EXPECT_LT(after, 0.2);
 }

@@ -400,6 +400,45 @@ TEST(SceneFile, AWrongTypeOrRangeIsNamedWithItsPlace) {
             "/scenes/s.toml: line 1, column 8, burr: found 3, expected a table, [burr]");
 }
 
+TEST(SceneFile, ANormalErrorPicksTheNormals) {
+  const auto picked = [](const std::string& error) {
+    return parse(kLeast + "[haptics]\nnormal_error_deg = " + error).haptics;
+  };
+  const HapticsSettings coarse = picked("4"), fine = picked("1.5");
+  EXPECT_EQ(coarse.normal_error_deg, 4.0);
+  EXPECT_EQ(coarse.normals, NormalMethod::kLdmFast);
+  EXPECT_LT(coarse.neighbourhood, fine.neighbourhood);
+  EXPECT_EQ(fine.trace, 12);
+  EXPECT_FALSE(parse(kLeast).haptics.normal_error_deg);
+  EXPECT_EQ(parse(kLeast, {"haptics.normal_error_deg=4"}).haptics.neighbourhood,
+            coarse.neighbourhood);
+}
+
+TEST(SceneFile, ANormalErrorStandsAlone) {
+  const auto with = [](const std::string& more) {
+    return error_of(kLeast + "[haptics]\nnormal_error_deg = 2\n" + more);
+  };
+  EXPECT_EQ(with("normals = 'ldm'"),
+            "/scenes/s.toml: line 7, column 11, haptics.normals: found normals beside "
+            "normal_error_deg, expected one of them");
+  EXPECT_NE(with("neighbourhood = 6").find("haptics.neighbourhood: found neighbourhood beside"),
+            std::string::npos);
+  EXPECT_NE(with("trace = 12").find("haptics.trace: found trace beside"), std::string::npos);
+  EXPECT_EQ(with("scaling = 'count'"), "no error");
+}
+
+TEST(SceneFile, ANormalErrorThatCannotBeMetNamesTheBestThatCan) {
+  const std::string message = error_of(kLeast + "[haptics]\nnormal_error_deg = 0.01\n");
+  EXPECT_EQ(message.find("/scenes/s.toml: line 6, column 20, haptics.normal_error_deg: found "
+                         "0.01, expected "),
+            0u)
+      << message;
+  EXPECT_NE(message.find("normals = \"ldm\" with neighbourhood = "), std::string::npos) << message;
+  EXPECT_EQ(message.find('\n'), std::string::npos) << "one line";
+  EXPECT_NE(error_of(kLeast + "[haptics]\nnormal_error_deg = -1\n").find("expected 0 to 90"),
+            std::string::npos);
+}
+
 TEST(SceneFile, AnAxisMustBeFinite) {
   for (const char* axis : {"[inf, 0, 0]", "[0, nan, 1]", "[1e200, 1e200, 0]"}) {
     EXPECT_NE(error_of(kLeast + "axis = " + axis), "no error") << axis;

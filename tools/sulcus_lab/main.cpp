@@ -8,6 +8,8 @@
 #include "app/build_info.hpp"
 #include "engine/core/error.hpp"
 #include "tools/sulcus_lab/normals_command.hpp"
+#include "tools/sulcus_lab/pareto_command.hpp"
+#include "tools/sulcus_lab/table1_command.hpp"
 
 int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);  // gnuplot that goes away is an error, not an end
@@ -17,6 +19,8 @@ int main(int argc, char** argv) {
   program.set_version_flag("--version", sulcus::build_info());
   program.require_subcommand(1);
   sulcus::lab::add_normals_command(program);
+  sulcus::lab::add_pareto_command(program);
+  sulcus::lab::add_table1_command(program);
   try {
     program.parse(argc, argv);
   } catch (const CLI::Success& success) {  // --help, --version

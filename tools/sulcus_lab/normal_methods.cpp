@@ -45,6 +45,14 @@ Eigen::Vector3f outward_of(const std::optional<Eigen::Vector3d>& tool_direction)
   return tool_direction ? Eigen::Vector3f(tool_direction->cast<float>()) : Eigen::Vector3f::Zero();
 }
 
+VoxelSample queries_of(std::vector<Cell> cells, const Eigen::Vector3f& outward) {
+  VoxelSample sample;
+  sample.queries.reserve(cells.size());
+  for (const Cell& cell : cells) sample.queries.push_back({cell, outward});
+  sample.cells = std::move(cells);
+  return sample;
+}
+
 }  // namespace
 
 std::span<const MethodInfo> all_methods() { return kMethods; }
@@ -116,7 +124,7 @@ NormalMethods::NormalMethods(const Workpiece& workpiece, bool with_cloud,
 }
 
 VoxelSample NormalMethods::sample(std::vector<Cell> cells) const {
-  VoxelSample sample{std::move(cells), {}};
+  VoxelSample sample = queries_of(std::move(cells), outward_);
   if (!cloud_) return sample;
   for (const Cell& cell : sample.cells) {
     const auto at = std::lower_bound(cloud_->voxels.begin(), cloud_->voxels.end(),
@@ -134,7 +142,9 @@ NormalMethods::NormalMethods(const Workpiece& workpiece, bool,
                              const std::optional<Eigen::Vector3d>& tool_direction)
     : workpiece_(workpiece), outward_(outward_of(tool_direction)) {}
 
-VoxelSample NormalMethods::sample(std::vector<Cell> cells) const { return {std::move(cells), {}}; }
+VoxelSample NormalMethods::sample(std::vector<Cell> cells) const {
+  return queries_of(std::move(cells), outward_);
+}
 
 #endif
 
@@ -146,11 +156,11 @@ void NormalMethods::estimate(Method method, int neighbourhood, const VoxelSample
   const int ns = neighbourhood;
   switch (method) {
     case Method::kLdm:
-      return for_each_cell(sample, estimates,
-                           [&](const Cell& c) { return estimate_ldm(w, c, ns, kTrace, outward_); });
+      estimates.resize(sample.queries.size());
+      return estimate_ldm(w, sample.queries, ns, kTrace, estimates);
     case Method::kLdmFast:
-      return for_each_cell(sample, estimates,
-                           [&](const Cell& c) { return estimate_ldm_fast(w, c, ns, kTrace); });
+      estimates.resize(sample.queries.size());
+      return estimate_ldm_fast(w, sample.queries, ns, kTrace, estimates);
     case Method::kLdmPaper:
       return for_each_cell(sample, estimates, [&](const Cell& c) {
         return estimate_ldm_paper(w, c, ns, kPaperTrace);

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "engine/normals/surface_estimate.hpp"
+#include "engine/normals/voxel_query.hpp"
 #include "engine/volume/workpiece.hpp"
 
 namespace sulcus::lab {
@@ -66,7 +67,8 @@ double readouts(Method method, int neighbourhood);
 /// timed.
 struct VoxelSample {
   std::vector<Cell> cells;
-  std::vector<int> points;  // places in the cloud; empty where no cloud was needed
+  std::vector<VoxelQuery> queries;  // the same, with what the tool knows
+  std::vector<int> points;          // places in the cloud; empty where no cloud was needed
 };
 
 /// The methods on one workpiece, which must outlive this. Not for several threads.

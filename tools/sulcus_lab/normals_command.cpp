@@ -113,6 +113,12 @@ std::string csv_line(const ShapeResult& result, const NormalsRow& row, bool seve
          number("%.1f", row.ns_per_normal) + "," + number("%.3f", row.ratio_to_ldm);
 }
 
+std::string tool_csv_line(const ShapeResult& result, const NormalsRow& row, bool several) {
+  return std::string(info_of(row.method).name) + "," + std::to_string(row.neighbourhood) + "," +
+         zone_label(result, row, several) + "," + std::to_string(row.voxels) + "," +
+         number("%.3f", row.max_with_tool_deg);
+}
+
 /// Mean errors and times at the marked neighbourhood, or the largest measured below it.
 void print_table(const ShapeResult& result, bool several) {
   int ns = 0;
@@ -222,6 +228,7 @@ void normals(const NormalsOptions& options) {
   Outputs outputs(options.folder);
   CsvFile csv(outputs.table("normals.csv"),
               "method,ns,zone,voxels,mae_deg,p95_deg,max_deg,undefined,ns_per_normal,ratio_to_ldm");
+  CsvFile tool_csv(outputs.table("normals_tool.csv"), "method,ns,zone,voxels,max_deg");
   const ProgressLine progress;
   const bool several = names.size() > 1;
   std::vector<ShapeResult> results;
@@ -232,6 +239,7 @@ void normals(const NormalsOptions& options) {
         {name, measure_normals(parts, runs, [&](const std::string& what) { progress.say(what); })});
     for (const NormalsRow& row : results.back().rows) {
       csv.write(csv_line(results.back(), row, several));
+      if (row.max_with_tool_deg > 0.0) tool_csv.write(tool_csv_line(results.back(), row, several));
     }
     if (from_file.empty() && is_pictured(name)) {
       progress.say(name + ": picture");
@@ -281,6 +289,7 @@ void add_normals_command(CLI::App& program) {
   command->footer(
       "Writes into the folder:\n"
       "  normals.csv         errors in degrees and nanoseconds per normal, by method, NS and zone\n"
+      "  normals_tool.csv    largest error of the ldm methods where the tool's direction is known\n"
       "  normals.png         error against time, a panel for each shape or zone\n"
       "  speed_accuracy.png  the same of one shape: the molar, or the only one\n"
       "  cost.csv, cost.png  places read and time against 2 NS + 1: the sphere, or the only shape\n"

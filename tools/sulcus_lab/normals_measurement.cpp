@@ -25,12 +25,14 @@ double thread_cpu_ns() {
 struct Tally {
   std::vector<float> errors_deg;
   std::size_t undefined = 0;
+  double max_with_tool_deg = 0.0;
   double ns = 0.0;
   std::size_t timed = 0;
 
   void add(const Tally& other) {
     errors_deg.insert(errors_deg.end(), other.errors_deg.begin(), other.errors_deg.end());
     undefined += other.undefined;
+    max_with_tool_deg = std::max(max_with_tool_deg, other.max_with_tool_deg);
     ns += other.ns;
     timed += other.timed;
   }
@@ -109,6 +111,9 @@ class PartMeasurement {
             ++tally.undefined;
           }
         }
+        if (info.method == Method::kLdm || info.method == Method::kLdmFast) {
+          with_tool(runs_[r], block, places, sample, tally);
+        }
       }
     }
   }
@@ -145,6 +150,20 @@ class PartMeasurement {
   }
 
  private:
+  void with_tool(const MethodRun& run, const Block& block, const std::vector<std::size_t>& places,
+                 VoxelSample sample, Tally& tally) const {
+    for (std::size_t v = 0; v < places.size(); ++v) {
+      const Eigen::Vector3d& squarely = block.voxels[places[v]].normal;
+      sample.queries[v].outward = part_.tool_direction.value_or(squarely).cast<float>();
+    }
+    std::vector<SurfaceEstimate> estimates;
+    methods_.estimate(run.method, run.neighbourhood, sample, estimates);
+    for (std::size_t v = 0; v < places.size(); ++v) {
+      const auto error = error_deg(estimates[v], block.voxels[places[v]], part_);
+      tally.max_with_tool_deg = std::max<double>(tally.max_with_tool_deg, error.value_or(180.0f));
+    }
+  }
+
   std::size_t limit_of(const MethodRun& run, int limit, const Block& block) const {
     if (run.neighbourhood < info_of(run.method).slow_from_ns) return 0;
     return share(limit, block.voxels.size(), voxels_of_shape_);
@@ -185,6 +204,7 @@ NormalsRow row_of(const MethodRun& run, std::string zone, const Tally& tally) {
   row.p95_deg = stats.p95;
   row.max_deg = stats.max;
   row.undefined = tally.undefined;
+  row.max_with_tool_deg = tally.max_with_tool_deg;
   row.ns_per_normal = tally.ns_per_normal();
   return row;
 }

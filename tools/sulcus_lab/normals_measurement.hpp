@@ -23,9 +23,10 @@ struct NormalsRow {
   std::string zone;        // "all" for the whole shape
   std::size_t voxels = 0;  // that the errors are of
   double mean_deg = 0.0, p95_deg = 0.0, max_deg = 0.0;
-  std::size_t undefined = 0;   // of `voxels`; they have no error
-  double ns_per_normal = 0.0;  // NaN where no voxel of the zone was timed
-  double ratio_to_ldm = 0.0;   // of the times, at the same neighbourhood; NaN without ldm
+  std::size_t undefined = 0;       // of `voxels`; they have no error
+  double max_with_tool_deg = 0.0;  // of the ldm methods where they are told the tool's direction
+  double ns_per_normal = 0.0;      // NaN where no voxel of the zone was timed
+  double ratio_to_ldm = 0.0;       // of the times, at the same neighbourhood; NaN without ldm
 };
 
 /// Errors and times of each run on a shape, which may be in several parts that are told apart by
@@ -33,6 +34,9 @@ struct NormalsRow {
 ///
 /// Errors are of all voxels, or of an even stride over them for slow methods (MethodInfo). PCL's
 /// normals are turned to the side of the truth, in its favour.
+///
+/// With the tool: that stands where the shape says, else it meets the surface squarely, along the
+/// true normal; what it vetoes may then be worst by 90 degrees, not by 180.
 ///
 /// Times are of this thread's processor time, best of three passes; in each pass every run has its
 /// turn, so that a change in the machine's pace meets all alike. Slow methods are timed on

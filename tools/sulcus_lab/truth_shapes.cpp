@@ -45,6 +45,16 @@ Pose aslant() {
   return pose;
 }
 
+/// Other ways to lie aslant: what a method does near an edge depends on it.
+std::vector<Pose> attitudes() {
+  std::vector<Pose> poses(3, aslant());
+  poses[1].orientation = Eigen::AngleAxisd(0.2, Vector3d::UnitZ()) *
+                         Eigen::AngleAxisd(0.5, Vector3d::UnitY()) *
+                         Eigen::AngleAxisd(0.3, Vector3d::UnitX());
+  poses[2].orientation = Eigen::AngleAxisd(0.55, Vector3d(1.0, 1.0, 0.2).normalized());
+  return poses;
+}
+
 std::vector<Cell> surface_cells(const Workpiece& workpiece, int margin) {
   std::vector<Cell> cells;
   const Eigen::Vector3i n = workpiece.grid().cells;
@@ -236,14 +246,18 @@ std::vector<TruthShape> truth_shapes(std::string_view name) {
   // An index of 127.5 is the middle of 256 cells, the shape's origin.
   if (name == "sphere") return one(whole(SphereShape(102.4)), 256, {}, 4);
   if (name == "cube") return one(box(224), 256, {}, 4);
-  if (name == "rotated_cube") return one(box(110), 216, aslant(), 4);
-  if (name == "torus") return one(whole(TorusShape(40, 12)), 144, aslant(), 4);
+  if (name == "torus") return one(whole(TorusShape(48, 12)), 160, aslant(), 4);
   if (name == "cone") return one(frustum(48, 40, 20 * std::numbers::pi / 180), 144, aslant(), 4);
   if (name == "drilled_ellipsoid") {
     return one(drilled_ellipsoid({60, 42, 32}, {0.3, 0.2, 0.9}, 9), 144, aslant(), 4);
   }
   if (name == "gyroid") return one(gyroid(12), 144, aslant(), kMarginAtCuts);
   std::vector<TruthShape> shapes;
+  if (name == "rotated_cube") {
+    for (const Pose& pose : attitudes()) {
+      shapes.push_back(make_shape("rotated_cube", box(110), grid_of(216, 1.0), pose, 4));
+    }
+  }
   if (name == "molar") shapes.push_back(tooth("molar", whole(Molar())));
   if (name == "molar_cut") shapes.push_back(tooth("molar_cut", cut_molar()));
   if (shapes.empty()) throw InputError("", "shape", "'" + std::string(name) + "'", listed_names());

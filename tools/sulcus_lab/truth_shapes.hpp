@@ -40,8 +40,8 @@ inline constexpr std::string_view kShapeNames[] = {
 /// - sphere: radius 102.4 about (127.5, 127.5, 127.5) in 256^3 [Kim and Park 2019, VI-C]
 /// - cube: upright, of 224, so that its surface has about as many voxels as the paper's. The
 ///   voxels of its edges are equally near to two faces: the truth is the first in the order of axes
-/// - rotated_cube: of 110, aslant
-/// - torus: radii 40 and 12, aslant
+/// - rotated_cube: three of 110, each aslant in its own way
+/// - torus: radii 48 and 12, aslant
 /// - molar: the built-in one at 0.07 mm
 /// - plate: 1, 1.5, 2 and 3 thick at tilts up to 45 degrees, each thickness a zone; the side that
 ///   faces the tool, which comes from +z. Of one voxel both sides are one, so either sign is right
