@@ -3,14 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
-
-#include <unistd.h>
 
 #include "engine/core/error.hpp"
 #include "engine/import/medical_volume.hpp"
@@ -19,6 +14,7 @@
 #include "tools/sulcus_lab/error_tiles.hpp"
 #include "tools/sulcus_lab/normals_charts.hpp"
 #include "tools/sulcus_lab/normals_measurement.hpp"
+#include "tools/sulcus_lab/results.hpp"
 #include "tools/sulcus_lab/truth_file.hpp"
 
 namespace sulcus::lab {
@@ -63,34 +59,6 @@ std::vector<MethodRun> runs_of(const NormalsOptions& options) {
   }
   return runs;
 }
-
-/// One line on a terminal that is written over; nothing in a pipe.
-class ProgressLine {
- public:
-  void say(const std::string& what) const {
-    if (on_terminal_) std::fprintf(stderr, "\r\033[K%s", what.c_str());
-  }
-  void clear() const { say(""); }
-
- private:
-  bool on_terminal_ = isatty(STDERR_FILENO) == 1;
-};
-
-/// A table that grows line by line, so that what was measured before an interruption is there.
-class CsvFile {
- public:
-  CsvFile(const std::string& path, const std::string& header) : path_(path), out_(path) {
-    write(header);
-  }
-  void write(const std::string& line) {
-    out_ << line << '\n' << std::flush;
-    if (!out_) throw std::runtime_error(path_ + ": cannot be written");
-  }
-
- private:
-  std::string path_;
-  std::ofstream out_;
-};
 
 std::string number(const char* format, double value) {
   if (!std::isfinite(value)) return "";  // not measured
@@ -145,39 +113,6 @@ bool is_pictured(const std::string& shape) {
   return shape == "sphere" || shape == "cube" || shape == "rotated_cube";
 }
 
-/// The files of one command, named at its end; a picture that gnuplot did not draw is warned of.
-class Outputs {
- public:
-  explicit Outputs(const std::string& folder) : folder_(folder) {
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    if (error) {
-      throw InputError(folder, "", "no folder that can be written", "one for the results, -o DIR");
-    }
-  }
-  std::string table(const std::string& name) {
-    files_.push_back(folder_ + "/" + name);
-    return files_.back();
-  }
-  template <class Draw>
-  void picture(const std::string& name, const Draw& draw) {
-    const std::string file = folder_ + "/" + name;
-    if (draw(file)) {
-      files_.push_back(file);
-    } else {
-      std::fprintf(stderr, "sulcus-lab: %s was not drawn: gnuplot could not be run\n",
-                   name.c_str());
-    }
-  }
-  void print() const {
-    for (const std::string& file : files_) std::printf("%s\n", file.c_str());
-  }
-
- private:
-  std::string folder_;
-  std::vector<std::string> files_;
-};
-
 /// The one of that name, else the first.
 const ShapeResult& preferred(const std::vector<ShapeResult>& results, const std::string& shape) {
   const auto at = std::find_if(results.begin(), results.end(),
@@ -198,7 +133,7 @@ void print_growth(const std::string& shape, const std::vector<CostRow>& costs) {
   if (any) std::printf("\n");
 }
 
-void write_cost(const ShapeResult& result, Outputs& outputs) {
+void write_cost(const ShapeResult& result, Results& outputs) {
   const std::vector<CostRow> costs = costs_of(result);
   CsvFile csv(outputs.table("cost.csv"), "method,ns,readouts,ns_per_normal");
   for (const CostRow& cost : costs) {
@@ -225,7 +160,7 @@ void normals(const NormalsOptions& options) {
     names.assign(std::begin(kShapeNames), std::end(kShapeNames));
   }
 
-  Outputs outputs(options.folder);
+  Results outputs(options.folder);
   CsvFile csv(outputs.table("normals.csv"),
               "method,ns,zone,voxels,mae_deg,p95_deg,max_deg,undefined,ns_per_normal,ratio_to_ldm");
   CsvFile tool_csv(outputs.table("normals_tool.csv"), "method,ns,zone,voxels,max_deg");

@@ -2,15 +2,11 @@
 
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <tbb/parallel_for.h>
-#include <unistd.h>
 
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
@@ -18,6 +14,7 @@
 #include "engine/shapes/voxelise_implicit.hpp"
 #include "tools/sulcus_lab/pareto_chart.hpp"
 #include "tools/sulcus_lab/pareto_measurement.hpp"
+#include "tools/sulcus_lab/results.hpp"
 
 namespace sulcus::lab {
 
@@ -84,16 +81,6 @@ std::string csv_line(const ParetoRow& row, const Burr& burr) {
   return name_of(row.setting) + numbers;
 }
 
-void write_table(const std::string& file, const std::vector<ParetoRow>& rows,
-                 const std::vector<Burr>& burrs) {
-  std::ofstream out(file);
-  out << "method,ns,field_samples,tick_us,normals_us,force_error_pct,normal_error_deg,on_front,"
-         "directions_error_pct,own_weights_error_pct\n";
-  for (const ParetoRow& row : rows) out << csv_line(row, burrs[row.setting.field]) << '\n';
-  out.flush();
-  if (!out) throw std::runtime_error(file + ": cannot be written");
-}
-
 void print(const std::vector<ParetoRow>& rows, const Voxelisation& voxelisation) {
   std::printf(
       "Net force of a burr of 20 voxels, 4 deep, at %d poses on the crown: RMS error in %%\n",
@@ -122,15 +109,9 @@ void print(const std::vector<ParetoRow>& rows, const Voxelisation& voxelisation)
 }
 
 void pareto(const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) {
-    throw InputError(folder, "", "no folder that can be written", "one for the results, -o DIR");
-  }
-  const bool on_terminal = isatty(STDERR_FILENO) == 1;
-  const auto progress = [&](const std::string& what) {
-    if (on_terminal) std::fprintf(stderr, "\r\033[K%s", what.c_str());
-  };
+  Results results(folder);
+  const ProgressLine line;
+  const auto progress = [&](const std::string& what) { line.say(what); };
   progress("the tooth and the poses");
   const Molar molar;
   VoxelGrid grid;
@@ -154,17 +135,16 @@ void pareto(const std::string& folder) {
   }
   const std::vector<ParetoRow> rows =
       measure_pareto(surface, burrs, poses, pareto_settings(burrs.size()), progress);
-  progress("");
+  line.clear();
 
-  const std::string table = folder + "/pareto.csv", chart = folder + "/pareto.png";
-  write_table(table, rows, burrs);
-  const bool drawn = draw_pareto(rows, field_names, chart);
-  if (!drawn) {
-    std::fprintf(stderr, "sulcus-lab: pareto.png was not drawn: gnuplot could not be run\n");
-  }
+  CsvFile csv(results.table("pareto.csv"),
+              "method,ns,field_samples,tick_us,normals_us,force_error_pct,normal_error_deg,"
+              "on_front,directions_error_pct,own_weights_error_pct");
+  for (const ParetoRow& row : rows) csv.write(csv_line(row, burrs[row.setting.field]));
+  results.picture("pareto.png",
+                  [&](const std::string& file) { return draw_pareto(rows, field_names, file); });
   print(rows, voxelisation);
-  std::printf("%s\n", table.c_str());
-  if (drawn) std::printf("%s\n", chart.c_str());
+  results.print();
 }
 
 }  // namespace

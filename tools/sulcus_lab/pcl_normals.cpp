@@ -103,12 +103,4 @@ std::vector<SurfaceEstimate> PclSurface::mls(std::span<const int> points, int ne
   return estimates;
 }
 
-void orient_normals(std::vector<SurfaceEstimate>& estimates,
-                    std::span<const Eigen::Vector3d> outward) {
-  for (std::size_t i = 0; i < estimates.size(); ++i) {
-    Eigen::Vector3f& normal = estimates[i].normal;
-    if (normal.cast<double>().dot(outward[i]) < 0.0) normal = -normal;
-  }
-}
-
 }  // namespace sulcus::lab

@@ -18,7 +18,7 @@ namespace sulcus::lab {
 ///
 /// `points` are places in the list that the cloud was made of; one result per point, in the same
 /// order. A cloud of unoriented points has no outside: signs are as PCL leaves them, see
-/// `orient_normals`. Offsets are 0. Undefined: fewer than three neighbours, or PCL's result is not
+/// `turned_outward`. Offsets are 0. Undefined: fewer than three neighbours, or PCL's result is not
 /// finite (PCA of points on a line).
 class PclSurface {
  public:
@@ -37,10 +37,5 @@ class PclSurface {
   struct Cloud;
   std::unique_ptr<Cloud> cloud_;
 };
-
-/// Turns each normal to the side of `outward` of the same place. With the truth there PCL is asked
-/// for less than the methods that find the sign themselves: a comparison in its favour.
-void orient_normals(std::vector<SurfaceEstimate>& estimates,
-                    std::span<const Eigen::Vector3d> outward);
 
 }  // namespace sulcus::lab

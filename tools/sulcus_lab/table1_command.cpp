@@ -2,17 +2,13 @@
 
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
-#include <unistd.h>
-
 #include "engine/core/error.hpp"
 #include "engine/scene/scene_file.hpp"
+#include "tools/sulcus_lab/results.hpp"
 #include "tools/sulcus_lab/table1_chart.hpp"
 #include "tools/sulcus_lab/table1_experiment.hpp"
 #include "tools/sulcus_lab/table1_rows.hpp"
@@ -74,44 +70,26 @@ void print_rows(const std::vector<Table1Row>& rows) {
 
 void table1(const Table1Options& options) {
   const std::vector<Experiment> experiments = experiments_of(options);
-  std::error_code error;
-  std::filesystem::create_directories(options.folder, error);
-  const std::string csv_file = options.folder + "/table1.csv";
-  std::ofstream csv(csv_file);
-  if (!csv) {
-    throw InputError(options.folder, "", "no folder that can be written",
-                     "one for the results, -o DIR");
-  }
-  std::vector<std::string> files{csv_file};
-  csv << "experiment,quantity,paper,ours,exact\n";
-
-  const bool on_terminal = isatty(STDERR_FILENO) == 1;
-  const auto say = [&](const std::string& what) {
-    if (on_terminal) std::fprintf(stderr, "\r\033[K%s", what.c_str());
-  };
+  Results results(options.folder);
+  CsvFile csv(results.table("table1.csv"), "experiment,quantity,paper,ours,exact");
+  const ProgressLine progress;
   for (const Experiment& experiment : experiments) {
-    const Table1Run run =
-        run_table1_experiment(experiment.scene, experiment.every,
-                              [&](const std::string& what) { say(experiment.name + ": " + what); });
+    const Table1Run run = run_table1_experiment(
+        experiment.scene, experiment.every,
+        [&](const std::string& what) { progress.say(experiment.name + ": " + what); });
     const std::vector<Table1Row> rows = table1_rows(experiment.name, run);
     for (const Table1Row& row : rows) {
-      csv << row.experiment << ',' << row.quantity << ',' << cell(row.paper) << ','
-          << cell(row.ours) << ',' << cell(row.exact) << '\n';
+      csv.write(row.experiment + "," + row.quantity + "," + cell(row.paper) + "," + cell(row.ours) +
+                "," + cell(row.exact));
     }
-    csv << std::flush;  // what was measured before an interruption is there
-    if (!csv) throw std::runtime_error(csv_file + ": cannot be written");
-    say("");
+    progress.clear();
     print_rows(rows);
 
-    const std::string picture = options.folder + "/table1_" + experiment.name + ".png";
-    if (draw_table1_chart(run, experiment.title, picture)) {
-      files.push_back(picture);
-    } else {
-      std::fprintf(stderr, "sulcus-lab: %s was not drawn: gnuplot could not be run\n",
-                   picture.c_str());
-    }
+    results.picture("table1_" + experiment.name + ".png", [&](const std::string& file) {
+      return draw_table1_chart(run, experiment.title, file);
+    });
   }
-  for (const std::string& file : files) std::printf("%s\n", file.c_str());
+  results.print();
 }
 
 }  // namespace
