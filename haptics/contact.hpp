@@ -6,8 +6,7 @@
 #include <Eigen/Core>
 
 #include "engine/core/pose.hpp"
-#include "engine/normals/surface_estimate.hpp"
-#include "engine/normals/voxel_query.hpp"
+#include "engine/normals/normal_method.hpp"
 #include "engine/scene/scene.hpp"
 #include "haptics/stage_clock.hpp"
 
@@ -63,6 +62,7 @@ struct ContactScratch {
     contacts.reserve(2 * capacity);
     queries.reserve(capacity);
     estimates.reserve(capacity);
+    prepare_normals();
   }
   std::size_t memory_bytes() const {
     return (leaves.capacity() + hollow.capacity()) * sizeof(std::uint32_t) +

@@ -4,9 +4,15 @@
 #include "engine/normals/ldm.hpp"
 #include "engine/normals/ldm_fast.hpp"
 #include "engine/normals/ldm_paper.hpp"
+#include "engine/normals/map_kernels.hpp"
 #include "engine/normals/weighted_sum.hpp"
 
 namespace sulcus {
+
+void prepare_normals() noexcept {
+  map_kernels();
+  quadric_filter(1, lanes_of(1));
+}
 
 void estimate_surfaces(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
                        const HapticsSettings& settings,

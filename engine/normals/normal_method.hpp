@@ -9,6 +9,10 @@
 
 namespace sulcus {
 
+/// Makes the tables that the methods share, so that no tick does. Called once when a scene loads; a
+/// millisecond.
+void prepare_normals() noexcept;
+
 /// Normals of surface voxels by the method that a scene names, one for each query. What is felt is
 /// what is seen: forces and pictures call this. What the tool knows is for the ldm methods; the
 /// others do without it.

@@ -13,6 +13,8 @@ using Eigen::Vector3d;
 
 namespace {
 
+constexpr double kLeastGradient2 = 0.25;  // of a side's, which is 1 where it is a distance
+
 /// The nearest point of one side to p: onto it by Newton steps along the gradient, then along it
 /// towards p, in turn. For a true distance one round is exact.
 Vector3d nearest_on(const Side& side, const Vector3d& p) {
@@ -20,7 +22,8 @@ Vector3d nearest_on(const Side& side, const Vector3d& p) {
   for (int round = 0; round < 30; ++round) {
     for (int newton = 0; newton < 3; ++newton) {
       const Vector3d g = side.gradient(x);
-      x -= side.value(x) / g.squaredNorm() * g;
+      // Where sides blend the gradient may nearly vanish; the step is held then.
+      x -= side.value(x) / std::max(g.squaredNorm(), kLeastGradient2) * g;
     }
     const Vector3d n = side.gradient(x).normalized();
     const Vector3d along = (p - x) - (p - x).dot(n) * n;
@@ -33,12 +36,17 @@ Vector3d nearest_on(const Side& side, const Vector3d& p) {
 /// The nearest point to x where two sides meet, by Gauss-Newton steps of least length; none where
 /// they run side by side.
 std::optional<Vector3d> nearest_on_both(const Side& a, const Side& b, Vector3d x) {
+  double least = 0.0;
   for (int step = 0; step < 20; ++step) {
     const Vector3d ga = a.gradient(x), gb = b.gradient(x);
     Eigen::Matrix2d gram;
     gram << ga.dot(ga), ga.dot(gb), ga.dot(gb), gb.dot(gb);
-    if (gram.determinant() < 1e-4 * gram(0, 0) * gram(1, 1)) return std::nullopt;
+    if (!(gram.determinant() >= 1e-4 * gram(0, 0) * gram(1, 1))) return std::nullopt;
     const Eigen::Vector2d residual(a.value(x), b.value(x));
+    if (step == 0) least = residual.norm();
+    // The steps lead away: there is no such point near here.
+    if (!(residual.norm() <= 4.0 * least + 1e-12)) return std::nullopt;
+    least = std::min(least, residual.norm());
     const Eigen::Vector2d s = gram.inverse() * residual;
     const Vector3d change = s.x() * ga + s.y() * gb;
     x -= change;
