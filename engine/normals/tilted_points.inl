@@ -1,6 +1,10 @@
 // The loops of map_kernels.hpp in single precision, written once and compiled for each instruction
 // set by the files that include this. Eight lanes everywhere: the bits do not depend on the set.
 
+#ifdef __AVX2__
+#include <immintrin.h>
+#endif
+
 #include "engine/normals/map_kernels.hpp"
 
 namespace sulcus {
@@ -33,8 +37,8 @@ inline Lanes abs(const Lanes& v) {
 
 /// The larger of each lane; a's where they do not compare.
 inline Lanes larger(const Lanes& a, const Lanes& b) {
-#ifdef __AVX__
-  return __builtin_ia32_maxps256(b, a);  // what GCC does not make of the line below
+#ifdef __AVX2__
+  return _mm256_max_ps(b, a);  // what GCC does not make of the line below
 #else
   return b > a ? b : a;
 #endif
@@ -43,11 +47,8 @@ inline Lanes larger(const Lanes& a, const Lanes& b) {
 /// Eight heights of a row as they lie.
 inline IntLanes heights(const signed char* row) {
 #ifdef __AVX2__
-  using Bytes = char __attribute__((vector_size(16)));
-  long long eight;
-  __builtin_memcpy(&eight, row, sizeof eight);
-  const long long __attribute__((vector_size(16))) low = {eight, 0};
-  return __builtin_ia32_pmovsxbd256(reinterpret_cast<Bytes>(low));
+  const __m128i eight = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(row));
+  return reinterpret_cast<IntLanes>(_mm256_cvtepi8_epi32(eight));
 #else
   return IntLanes{row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7]};
 #endif
@@ -59,8 +60,8 @@ inline Lanes outward(const IntLanes& heights, int sign) {
 constexpr Lanes kAlong = {0, 1, 2, 3, 4, 5, 6, 7};
 
 inline Lanes square_root(const Lanes& v) {
-#ifdef __AVX__
-  return __builtin_ia32_sqrtps256(v);
+#ifdef __AVX2__
+  return _mm256_sqrt_ps(v);
 #else
   Lanes root;
   for (int lane = 0; lane < 8; ++lane) root[lane] = __builtin_sqrtf(v[lane]);

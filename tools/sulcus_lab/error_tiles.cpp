@@ -86,6 +86,7 @@ bool draw_error_tiles(const TruthShape& shape, std::span<const MethodRun> runs,
       runs.begin(), runs.end(), [](const MethodRun& r) { return !info_of(r.method).finds_sign; });
   const NormalMethods methods(workpiece, with_cloud, shape.tool_direction);
   std::vector<Cell> cells;
+  cells.reserve(shown.size());
   for (const int v : shown) cells.push_back(shape.voxels[static_cast<std::size_t>(v)].cell);
   const VoxelSample sample = methods.sample(std::move(cells));
 
