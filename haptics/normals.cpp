@@ -20,10 +20,13 @@ Eigen::Vector3f out_of_tooth(const DistanceField& field, const Pose& world_from_
 
 void normals(const Workpiece& workpiece, const DistanceField& field, const Pose& world_from_tool,
              const HapticsSettings& settings, ContactScratch& scratch) noexcept {
+  const bool told = use_tool(settings.normals);
   scratch.queries.clear();
   for (const Contact& contact : scratch.contacts) {
-    const Eigen::Vector3d centre_world = workpiece.grid().centre_world(contact.cell);
-    scratch.queries.push_back({contact.cell, out_of_tooth(field, world_from_tool, centre_world)});
+    VoxelQuery& query = scratch.queries.emplace_back(VoxelQuery{contact.cell});
+    if (!told) continue;
+    query.outward =
+        out_of_tooth(field, world_from_tool, workpiece.grid().centre_world(contact.cell));
   }
   scratch.estimates.resize(scratch.queries.size());
   estimate_surfaces(workpiece, scratch.queries, settings, scratch.estimates);

@@ -53,10 +53,9 @@ std::optional<Foot> fit_wide(const Workpiece& workpiece, const Cell& voxel, cons
 /// The face nearest to the voxel that its map, or one across the second axis, has.
 std::optional<SurfaceEstimate> nearest_face(const Workpiece& workpiece, const Cell& voxel,
                                             const HeightMap& map, const MapAxes& axes, int trace,
-                                            const Vector3f& coarse,
-                                            const Vector3f& outward) noexcept {
+                                            const Vector3f& coarse, const Vector3f& tool) noexcept {
   const std::optional<HalfDisc> nearest =
-      nearest_half_disc(map, to_map_space(coarse, axes).normalized(), to_map_space(outward, axes));
+      nearest_half_disc(map, to_map_space(coarse, axes).normalized(), to_map_space(tool, axes));
   Vector3f rest = coarse.cwiseAbs();
   const float component = rest[axes.axis];
   rest[axes.axis] = -1.0f;
@@ -67,7 +66,7 @@ std::optional<SurfaceEstimate> nearest_face(const Workpiece& workpiece, const Ce
     other.ns = map.ns;
     trace_along(workpiece, voxel, second, trace, other);
     const std::optional<HalfDisc> across = nearest_half_disc(
-        other, to_map_space(coarse, second).normalized(), to_map_space(outward, second));
+        other, to_map_space(coarse, second).normalized(), to_map_space(tool, second));
     if (across && (!nearest || across->score < nearest->score)) {
       return to_index_space(across->foot, second);
     }
@@ -79,7 +78,7 @@ std::optional<SurfaceEstimate> nearest_face(const Workpiece& workpiece, const Ce
 /// Where no quadric explains the whole map.
 SurfaceEstimate estimate_in_parts(const Workpiece& workpiece, const Cell& voxel,
                                   const HeightMap& map, const MapAxes& axes, int trace,
-                                  const Vector3f& coarse) noexcept {
+                                  const Vector3f& coarse, const Vector3f& tool) noexcept {
   std::optional<Foot> in_ball;
   if (const std::optional<Vector3f> tilt = first_tilt(map)) {
     const float wide = std::max(1.0f, static_cast<float>(map.ns) / 6.0f);
@@ -93,24 +92,11 @@ SurfaceEstimate estimate_in_parts(const Workpiece& workpiece, const Cell& voxel,
     }
   }
   const std::optional<SurfaceEstimate> face =
-      nearest_face(workpiece, voxel, map, axes, trace, coarse, Vector3f::Zero());
+      nearest_face(workpiece, voxel, map, axes, trace, coarse, tool);
   if (face) return *face;
   if (in_ball) return to_index_space(*in_ball, axes);
   // Nothing fits, as on the floor of a fissure. The coarse normal errs least there.
   return {coarse.normalized(), 0.5f, true};
-}
-
-/// As the tool lets it stand.
-SurfaceEstimate vetoed(const SurfaceEstimate& estimate, const Workpiece& workpiece,
-                       const VoxelQuery& query, const HeightMap& map, const MapAxes& axes,
-                       int trace, const Vector3f& coarse) noexcept {
-  const bool sound = estimate.normal.dot(coarse) > 0.0f;
-  if (sound && !(estimate.normal.dot(query.outward) < 0.0f)) return estimate;
-  // The far side of a wall stays what it is; the wrong face of an edge does not.
-  if (sound && coarse.dot(query.outward) < 0.0f) return estimate;
-  const std::optional<SurfaceEstimate> face =
-      nearest_face(workpiece, query.voxel, map, axes, trace, coarse, query.outward);
-  return face ? *face : SurfaceEstimate{coarse.normalized(), 0.5f, true};
 }
 
 }  // namespace
@@ -129,6 +115,7 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
       SurfaceEstimate& estimate = estimates[first + k];
       estimate = {};
       if (coarse == Vector3f::Zero()) continue;
+      const Vector3f tool = heard(some[k].outward, coarse);
       const int place = static_cast<int>(k);
       const Foot foot = group.surfaces.foot(place);
       if (explains(map, group.surfaces.surface(place), foot)) {
@@ -138,9 +125,12 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
                   : std::optional<Foot>();
         estimate = to_index_space(wide ? *wide : foot, axes);
       } else {
-        estimate = estimate_in_parts(workpiece, some[k].voxel, map, axes, trace, coarse);
+        estimate = estimate_in_parts(workpiece, some[k].voxel, map, axes, trace, coarse, tool);
       }
-      estimate = vetoed(estimate, workpiece, some[k], map, axes, trace, coarse);
+      if (stands(estimate.normal, coarse, tool)) continue;
+      const std::optional<SurfaceEstimate> face =
+          nearest_face(workpiece, some[k].voxel, map, axes, trace, coarse, tool);
+      estimate = face ? *face : SurfaceEstimate{coarse.normalized(), 0.5f, true};
     }
   }
 }

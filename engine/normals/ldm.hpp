@@ -21,14 +21,12 @@ namespace sulcus {
 ///   half-discs of the map, and of a map along the second axis, the one whose face passes nearest
 ///   to the voxel;
 /// - normal and offset are those of the foot point of the voxel's centre.
-/// No normal points away from the coarse one. `VoxelQuery::outward`
-/// the gradient of its distance field there), zero where nothing is known. It stands in for the
-/// coarse normal where the solid around the voxel is symmetric (a lone voxel, a wall of one voxel),
-/// and vetoes: where the normal points away from it though the coarse one does not, as with the
-/// wrong face of an edge, the nearest face that does not is taken, else the coarse normal.
-/// Undefined only where both are zero.
-/// 1 <= neighbourhood <= kMaxNeighbourhood, 1 <= trace <= kMaxTrace. Pure, no allocation.
-/// One estimate for each query, eight at a time.
+/// No normal points away from the coarse one. `VoxelQuery::outward` stands in for the coarse normal
+/// where the solid around the voxel is symmetric (a lone voxel, a wall of one voxel), and vetoes:
+/// where the normal points away from it though the coarse one does not, as with the wrong face of
+/// an edge, the nearest face that does not is taken, else the coarse normal. Undefined only where
+/// both are zero. 1 <= neighbourhood <= kMaxNeighbourhood, 1 <= trace <= kMaxTrace. Pure, no
+/// allocation. One estimate for each query, eight at a time.
 void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
                   int neighbourhood, int trace, std::span<SurfaceEstimate> estimates) noexcept;
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "engine/normals/coarse_normal.hpp"
 #include "engine/normals/map_group.hpp"
 
 namespace sulcus {
@@ -22,7 +21,7 @@ void estimate_ldm_fast(const Workpiece& workpiece, std::span<const VoxelQuery> q
       if (coarse == Eigen::Vector3f::Zero()) continue;
       if (group.maps[k].even_rings >= 1) {
         estimate = to_index_space(group.surfaces.foot(static_cast<int>(k)), group.axes[k]);
-        if (estimate.normal.dot(coarse) > 0.0f) continue;
+        if (stands(estimate.normal, coarse, heard(some[k].outward, coarse))) continue;
       }
       // No map: an edge sharper than the steps allow. The face of the voxel is the best surface.
       estimate = {coarse.normalized(), 0.5f, true};

@@ -16,10 +16,11 @@ namespace sulcus {
 ///   the map follows the surface down slopes and does not jump to the far side of a thin wall;
 /// - window: a ring is rejected where a column fails, leaves |z| <= trace, or where opposite
 ///   pixels are out of line by more than 3 voxels, a test blind to tilt;
-/// - weights: a taper, 1 - r^2 / (2 NS^2), instead of 1/r^2;
+/// - weights: a taper, 1 - r^2 / (2.5 NS^2), instead of 1/r^2;
 /// - fit: a weighted quadric, corrected for what it becomes aslant, instead of a plane; the normal
 ///   and the offset are those at the foot point of the voxel's centre.
-/// `VoxelQuery::outward` as for estimate_ldm. Undefined only where that and the coarse normal are
+/// No normal points away from the coarse one; what does, or what `VoxelQuery::outward` vetoes as in
+/// estimate_ldm, gives way to it. Undefined only where `outward` and the coarse normal are
 /// zero. 1 <= neighbourhood <= kMaxNeighbourhood, 1 <= trace <= kMaxTrace. Pure, no allocation. One
 /// estimate for each query, eight at a time.
 void estimate_ldm_fast(const Workpiece& workpiece, std::span<const VoxelQuery> queries,

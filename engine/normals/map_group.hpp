@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <span>
 
@@ -44,6 +45,16 @@ struct MapGroup {
  private:
   std::size_t count_ = 0;
 };
+
+/// What the tool has to say: nothing on the far side of a wall, which the coarse normal tells.
+inline Eigen::Vector3f heard(const Eigen::Vector3f& outward, const Eigen::Vector3f& coarse) {
+  return coarse.dot(outward) < 0.0f ? Eigen::Vector3f(Eigen::Vector3f::Zero()) : outward;
+}
+/// Whether a normal points away from neither the coarse one nor what the tool has to say.
+inline bool stands(const Eigen::Vector3f& normal, const Eigen::Vector3f& coarse,
+                   const Eigen::Vector3f& tool) {
+  return normal.dot(coarse) > 0.0f && !(normal.dot(tool) < 0.0f);
+}
 
 /// Traces the map of a voxel along an axis; `map.ns` and `map.stride` are set.
 inline void trace_along(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes,

@@ -1,4 +1,5 @@
-// Compiled for AVX2. Includes nothing whose inline code could be shared with the other files.
+// Compiled for AVX2. Leaves no inline code for others to be linked with (test
+// Avx2KernelsKeepToThemselves).
 #include "engine/normals/map_kernels.hpp"
 
 #ifdef __AVX2__
@@ -103,8 +104,8 @@ class NarrowRows {
         limit_(_mm256_set1_epi8(static_cast<char>(trace))),
         twice_centre_(_mm256_set1_epi8(static_cast<char>(2 * centre))) {}
 
-  /// `h`: heights of row +j in the lower half, of -j in the upper. Returns them as they are stored.
-  __m256i take(int j, __m256i h) {
+  /// `h`: heights of row +j in the lower half, of -j in the upper.
+  void take(int j, __m256i h) {
     const __m256i beyond = _mm256_or_si256(outside_, _mm256_cmpgt_epi8(_mm256_abs_epi8(h), limit_));
     h = _mm256_blendv_epi8(h, _mm256_set1_epi8(HeightMap::kNone), beyond);
     signed char* height = map_.height.data() + map_.ns * kRowLanes;
@@ -123,7 +124,6 @@ class NarrowRows {
                           _mm256_set1_epi8(kMaxUneven));
     even_ = _mm256_min_epu8(even_,
                             _mm256_or_si256(ring, _mm256_xor_si256(uneven, _mm256_set1_epi8(-1))));
-    return h;
   }
 
   void finish() {

@@ -9,13 +9,15 @@
 
 namespace sulcus {
 
-/// Makes the tables that the methods share, so that no tick does. Called once when a scene loads; a
-/// millisecond.
+/// Makes the tables that the methods share, so that no tick does. Called when a scene loads.
 void prepare_normals() noexcept;
 
 /// Normals of surface voxels by the method that a scene names, one for each query. What is felt is
-/// what is seen: forces and pictures call this. What the tool knows is for the ldm methods; the
-/// others do without it.
+/// what is seen: forces and pictures call this. What the tool knows is for the methods that
+/// `use_tool` is true of; the others do without it.
+constexpr bool use_tool(NormalMethod method) {
+  return method == NormalMethod::kLdm || method == NormalMethod::kLdmFast;
+}
 void estimate_surfaces(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
                        const HapticsSettings& settings,
                        std::span<SurfaceEstimate> estimates) noexcept;

@@ -22,8 +22,8 @@ struct QuadricFilter {
 
 /// Filter for the innermost `rings` of a map of so many lanes, weights
 /// max(0.02, 1 - r^2 / (2.5 rings^2)); with one ring a plane, since a quadric would interpolate the
-/// quantisation of the centre. 1 <= rings <= kMaxNeighbourhood. All are made on first use, in
-/// milliseconds.
+/// quantisation of the centre. 1 <= rings <= kMaxNeighbourhood. All are made on first use, see
+/// prepare_normals.
 const QuadricFilter& quadric_filter(int rings, int lanes) noexcept;
 
 }  // namespace sulcus

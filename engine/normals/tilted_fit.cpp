@@ -79,7 +79,7 @@ NormalEquations without_quantisation(const TiltedMoments& s, const TiltedFrame& 
 }
 
 /// Coefficients of the first `kTerms` powers, or none where the points do not determine them. By
-/// Cholesky's L D L', unrolled: a quarter of the time of Eigen's for six unknowns.
+/// Cholesky's L D L', unrolled, without the checks and pivots of a general solver.
 template <int kTerms>
 std::optional<Quadric> solve(const NormalEquations& e) {
   float l[kTerms][kTerms], inverse[kTerms];

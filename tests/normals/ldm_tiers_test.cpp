@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/normals/coarse_normal.hpp"
 #include "engine/normals/ldm.hpp"
 #include "engine/normals/ldm_fast.hpp"
 #include "tests/support/normal_errors.hpp"
@@ -221,6 +222,23 @@ TEST_P(LdmTiers, TheFarSideOfAWallDoesNotShowThrough) {
     EXPECT_EQ(e.normal, Eigen::Vector3f(0, 0, 1)) << x;
     EXPECT_EQ(e.offset, 0.5f) << x;
   }
+}
+
+TEST_P(LdmTiers, NoNormalPointsAwayFromTheToolWhereTheCoarseOneDoesNot) {
+  const Workpiece workpiece(test::random_blobs({40, 32, 48}, 9));
+  int vetoed = 0;
+  for (const Cell& c : test::surface_cells(workpiece)) {
+    const Eigen::Vector3f coarse = coarse_normal(workpiece, c).cast<float>();
+    // Nearly across the coarse normal, on its side.
+    const Eigen::Vector3f tool = coarse.cross(Eigen::Vector3f(0.3f, -0.5f, 0.8f)) + 0.05f * coarse;
+    if (coarse == Eigen::Vector3f::Zero() || coarse.dot(tool) <= 0.0f) continue;
+    const SurfaceEstimate free = estimate(workpiece, c);
+    const SurfaceEstimate told = GetParam().estimate(workpiece, c, kNs, kTrace, tool);
+    ASSERT_TRUE(told.defined);
+    EXPECT_GE(told.normal.dot(tool), 0.0f) << c.transpose();
+    vetoed += free.normal.dot(tool) < 0.0f;
+  }
+  EXPECT_GT(vetoed, 100);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -73,18 +74,21 @@ std::string zone_label(const ShapeResult& result, const NormalsRow& row, bool se
   return row.zone == "all" ? result.shape : result.shape + "/" + row.zone;
 }
 
-std::string csv_line(const ShapeResult& result, const NormalsRow& row, bool several) {
+/// What both tables begin a row with.
+std::string key_of(const ShapeResult& result, const NormalsRow& row, bool several) {
   return std::string(info_of(row.method).name) + "," + std::to_string(row.neighbourhood) + "," +
-         zone_label(result, row, several) + "," + std::to_string(row.voxels) + "," +
-         number("%.4f", row.mean_deg) + "," + number("%.4f", row.p95_deg) + "," +
-         number("%.3f", row.max_deg) + "," + std::to_string(row.undefined) + "," +
-         number("%.1f", row.ns_per_normal) + "," + number("%.3f", row.ratio_to_ldm);
+         zone_label(result, row, several) + "," + std::to_string(row.voxels) + ",";
+}
+
+std::string csv_line(const ShapeResult& result, const NormalsRow& row, bool several) {
+  return key_of(result, row, several) + number("%.4f", row.mean_deg) + "," +
+         number("%.4f", row.p95_deg) + "," + number("%.3f", row.max_deg) + "," +
+         std::to_string(row.undefined) + "," + number("%.1f", row.ns_per_normal) + "," +
+         number("%.3f", row.ratio_to_ldm);
 }
 
 std::string tool_csv_line(const ShapeResult& result, const NormalsRow& row, bool several) {
-  return std::string(info_of(row.method).name) + "," + std::to_string(row.neighbourhood) + "," +
-         zone_label(result, row, several) + "," + std::to_string(row.voxels) + "," +
-         number("%.3f", row.max_with_tool_deg);
+  return key_of(result, row, several) + number("%.3f", *row.max_with_tool_deg);
 }
 
 /// Mean errors and times at the marked neighbourhood, or the largest measured below it.
@@ -174,7 +178,7 @@ void normals(const NormalsOptions& options) {
         {name, measure_normals(parts, runs, [&](const std::string& what) { progress.say(what); })});
     for (const NormalsRow& row : results.back().rows) {
       csv.write(csv_line(results.back(), row, several));
-      if (row.max_with_tool_deg > 0.0) tool_csv.write(tool_csv_line(results.back(), row, several));
+      if (row.max_with_tool_deg) tool_csv.write(tool_csv_line(results.back(), row, several));
     }
     if (from_file.empty() && is_pictured(name)) {
       progress.say(name + ": picture");

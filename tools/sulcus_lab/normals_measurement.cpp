@@ -25,13 +25,14 @@ double thread_cpu_ns() {
 struct Tally {
   std::vector<float> errors_deg;
   std::size_t undefined = 0;
-  double max_with_tool_deg = 0.0;
+  std::optional<double> max_with_tool_deg;
   double ns = 0.0;
   std::size_t timed = 0;
 
   void add(const Tally& other) {
     errors_deg.insert(errors_deg.end(), other.errors_deg.begin(), other.errors_deg.end());
     undefined += other.undefined;
+    // None is less than any.
     max_with_tool_deg = std::max(max_with_tool_deg, other.max_with_tool_deg);
     ns += other.ns;
     timed += other.timed;
@@ -160,7 +161,8 @@ class PartMeasurement {
     methods_.estimate(run.method, run.neighbourhood, sample, estimates);
     for (std::size_t v = 0; v < places.size(); ++v) {
       const auto error = error_deg(estimates[v], block.voxels[places[v]], part_);
-      tally.max_with_tool_deg = std::max<double>(tally.max_with_tool_deg, error.value_or(180.0f));
+      tally.max_with_tool_deg =
+          std::max<std::optional<double>>(tally.max_with_tool_deg, error.value_or(180.0f));
     }
   }
 

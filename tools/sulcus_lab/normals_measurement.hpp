@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,10 +24,10 @@ struct NormalsRow {
   std::string zone;        // "all" for the whole shape
   std::size_t voxels = 0;  // that the errors are of
   double mean_deg = 0.0, p95_deg = 0.0, max_deg = 0.0;
-  std::size_t undefined = 0;       // of `voxels`; they have no error
-  double max_with_tool_deg = 0.0;  // of the ldm methods where they are told the tool's direction
-  double ns_per_normal = 0.0;      // NaN where no voxel of the zone was timed
-  double ratio_to_ldm = 0.0;       // of the times, at the same neighbourhood; NaN without ldm
+  std::size_t undefined = 0;                // of `voxels`; they have no error
+  std::optional<double> max_with_tool_deg;  // of the methods that are told the tool's direction
+  double ns_per_normal = 0.0;               // NaN where no voxel of the zone was timed
+  double ratio_to_ldm = 0.0;  // of the times, at the same neighbourhood; NaN without ldm
 };
 
 /// Errors and times of each run on a shape, which may be in several parts that are told apart by
