@@ -5,6 +5,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
+#include "engine/normals/normal_method.hpp"
 
 namespace sulcus {
 
@@ -26,6 +27,9 @@ Simulation::Simulation(const Scene& scene, VoxelModel start, Burr burr, StageClo
       scratch_(scene_, clock),
       context_{scene_, burr_, bodies_.query()} {
   if (scene_.cutting) state_.removal.emplace(*scene_.cutting);
+  if (scene_.haptics.keep_normals && use_tool(scene_.haptics.normals)) {
+    state_.kept.emplace(workpiece_.grid(), scene_.haptics);
+  }
 }
 
 std::size_t Simulation::cutting_bytes() const {

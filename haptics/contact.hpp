@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -8,26 +9,10 @@
 #include "engine/core/pose.hpp"
 #include "engine/normals/normal_method.hpp"
 #include "engine/scene/scene.hpp"
+#include "haptics/contacts.hpp"
 #include "haptics/stage_clock.hpp"
 
 namespace sulcus {
-
-/// A surface voxel that the burr may touch, and what the stages find out about it.
-struct Contact {
-  // [narrow_phase]
-  std::uint32_t voxel = 0;  // VoxelGrid::linear
-  Eigen::Vector3i cell = Eigen::Vector3i::Zero();
-  float distance_m = 0.0f;  // of the voxel's centre to the burr, negative inside
-  // [normals]
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // unit, out of the tooth; zero: none
-  float offset_m = 0.0f;  // of the surface from the voxel's centre along the normal
-  // [contact_force]
-  Eigen::Vector3d arm_m = Eigen::Vector3d::Zero();  // world, from the torque reference
-  float depth_m = 0.0f;         // where depth is measured, positive inside the burr
-  float weight = 0.0f;          // 0: dropped
-  double normal_force_N = 0.0;  // |F_n|, after scaling
-  double power_W = 0.0;         // beta |F_n| |v_t|; 0 without cutting
-};
 
 /// Force and torque on the tool, world axes, torque about the burr's reference point.
 struct Wrench {
@@ -55,29 +40,31 @@ struct ContactResult {
 
 /// All the memory a contact evaluation uses, taken once when the scene loads. One per thread.
 struct ContactScratch {
-  explicit ContactScratch(const HapticsSettings& settings, StageClock stage_clock = StageClock{})
-      : clock(stage_clock), capacity(static_cast<std::size_t>(settings.max_contacts)) {
-    leaves.reserve(kMaxLeaves);
-    hollow.reserve(kMaxLeaves);
-    contacts.reserve(2 * capacity);
-    queries.reserve(capacity);
-    estimates.reserve(capacity);
-    prepare_normals();
-  }
-  std::size_t memory_bytes() const {
-    return (leaves.capacity() + hollow.capacity()) * sizeof(std::uint32_t) +
-           contacts.capacity() * sizeof(Contact) + queries.capacity() * sizeof(VoxelQuery) +
-           estimates.capacity() * sizeof(SurfaceEstimate);
-  }
+  explicit ContactScratch(const HapticsSettings& settings, StageClock stage_clock = StageClock{});
+  std::size_t memory_bytes() const;
 
   static constexpr std::size_t kMaxLeaves = 1 << 16;
+  static constexpr std::size_t kBlock = 4096;  // voxels tested at a time
+
   StageClock clock;
   std::size_t capacity;               // contacts that are kept
   std::vector<std::uint32_t> leaves;  // [broad_phase] leaf numbers
   std::vector<std::uint32_t> hollow;  // [broad_phase] internal nodes without children left
-  std::vector<Contact> contacts;      // [narrow_phase] and on
-  std::vector<VoxelQuery> queries;    // [normals] one for each contact
+  // [narrow_phase]
+  std::vector<std::uint32_t> leaf_keys;            // of the leaves' first voxels
+  std::vector<float> leaf_distances_m;             // at their centres
+  std::vector<std::uint32_t> block_keys;           // of voxels to be tested
+  std::array<std::vector<float>, 4> block_values;  // distance, outward
+  std::vector<std::uint64_t> by_depth;             // where there are too many
+  Contacts contacts;                               // and on
+  // [normals] What had to be found, contacts by number.
+  std::vector<VoxelQuery> queries;
+  std::vector<std::uint32_t> queried;
   std::vector<SurfaceEstimate> estimates;
+  std::vector<std::uint32_t> vetoed;  // by the tool, or without a normal
+  std::vector<VoxelQuery> tool_queries;
+  std::vector<std::uint32_t> tool_queried;
+  std::vector<SurfaceEstimate> tool_estimates;
 };
 
 }  // namespace sulcus

@@ -10,7 +10,8 @@ namespace sulcus {
 
 ContactResult evaluate_contact(const Workpiece& workpiece, std::span<const TissueSettings> tissues,
                                const Burr& burr, const Pose& world_from_tool, const Twist* twist,
-                               const HapticsSettings& settings, ContactScratch& scratch) noexcept {
+                               const HapticsSettings& settings, const KeptNormals* kept,
+                               ContactScratch& scratch) noexcept {
   ContactResult result;
   // Where depth is measured at the fitted surface point, a voxel takes part before its centre is
   // inside: that point lies up to half a diagonal (0.87 voxel) further out.
@@ -28,7 +29,7 @@ ContactResult evaluate_contact(const Workpiece& workpiece, std::span<const Tissu
   }
   {
     const auto timed = scratch.clock.time(Stage::kNormals);
-    normals(workpiece, burr.field, world_from_tool, settings, scratch);
+    normals(workpiece, settings, kept, scratch);
   }
   {
     const auto timed = scratch.clock.time(Stage::kContactForce);

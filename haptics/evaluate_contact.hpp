@@ -5,6 +5,7 @@
 #include "engine/tool/burr.hpp"
 #include "engine/volume/workpiece.hpp"
 #include "haptics/contact.hpp"
+#include "haptics/kept_normals.hpp"
 
 namespace sulcus {
 
@@ -12,9 +13,11 @@ namespace sulcus {
 /// wrench and stiffness. Broad phase, narrow phase, normals, forces. Changes no state and no
 /// result by being called, so a coupling may call it any number of times in a tick; cutting happens
 /// once, after it. `twist` is the tool's own motion, for the tangential forces of cutting; null:
-/// no cutting, none. `tissues` are the scene's, by label. Does not allocate.
+/// no cutting, none. `kept` is read only, and may be null. `tissues` are the scene's, by label.
+/// Does not allocate.
 ContactResult evaluate_contact(const Workpiece& workpiece, std::span<const TissueSettings> tissues,
                                const Burr& burr, const Pose& world_from_tool, const Twist* twist,
-                               const HapticsSettings& settings, ContactScratch& scratch) noexcept;
+                               const HapticsSettings& settings, const KeptNormals* kept,
+                               ContactScratch& scratch) noexcept;
 
 }  // namespace sulcus

@@ -2,97 +2,151 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 
 #include "engine/recording/tick_record.hpp"
+#include "haptics/contact_kernels.hpp"
 
 namespace sulcus {
 
 namespace {
 
-/// Voxel (i, j, k) of a leaf in field space: base + i x + j y + k z. The base is computed in double
-/// per leaf, so that single precision spans 8 voxels only.
-struct LeafFrame {
-  Eigen::Vector3f base, x, y, z;
+constexpr std::size_t kGroup = 8;
+constexpr std::size_t kLeafVoxels = kLeafEdge * kLeafEdge * kLeafEdge;
+
+std::size_t whole_groups(std::size_t count) { return (count + kGroup - 1) / kGroup * kGroup; }
+
+/// Orders by distance, and by voxel where that is equal: a float's bits order like the float once
+/// negative ones are turned over.
+std::uint64_t depth_order(float distance_m, std::uint32_t key) {
+  const auto bits = std::bit_cast<std::uint32_t>(distance_m);
+  const std::uint32_t ordered = (bits >> 31) != 0 ? ~bits : bits | 0x80000000u;
+  return std::uint64_t{ordered} << 32 | key;
+}
+
+/// Keeps the `count` deepest contacts, in the order that they have.
+void keep_deepest(ContactScratch& scratch, std::size_t count) {
+  Contacts& contacts = scratch.contacts;
+  const auto order = [&](std::size_t i) {
+    return depth_order(contacts(Contacts::kDistance)[i], contacts.keys()[i]);
+  };
+  scratch.by_depth.resize(contacts.size());
+  for (std::size_t i = 0; i < contacts.size(); ++i) scratch.by_depth[i] = order(i);
+  const auto last = scratch.by_depth.begin() + static_cast<std::ptrdiff_t>(count - 1);
+  std::nth_element(scratch.by_depth.begin(), last, scratch.by_depth.end());
+  const std::uint64_t bound = *last;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    if (order(i) > bound) continue;
+    contacts.keys()[kept] = contacts.keys()[i];
+    contacts.tissues()[kept] = contacts.tissues()[i];
+    contacts(Contacts::kDistance)[kept] = contacts(Contacts::kDistance)[i];
+    contacts.set_vector(Contacts::kOutward, kept, contacts.vector(Contacts::kOutward, i));
+    ++kept;
+  }
+  contacts.resize(kept);
+}
+
+/// Voxels waiting to be tested, and those that were found.
+class Tester {
+ public:
+  Tester(const Workpiece& workpiece, const ContactFrame& frame, float reach_m,
+         ContactScratch& scratch, ContactResult& result)
+      : workpiece_(workpiece),
+        frame_(frame),
+        reach_m_(reach_m),
+        scratch_(scratch),
+        result_(result) {}
+
+  void add_leaf(std::uint32_t first_key, const LeafBits& surface) {
+    if (waiting_ + kLeafVoxels > ContactScratch::kBlock) test();
+    std::uint32_t* out = scratch_.block_keys.data() + waiting_;
+    for (int k = 0; k < kLeafEdge; ++k) {
+      const std::uint32_t slice = first_key + voxel_key(0, 0, k);
+      for (std::uint64_t rest = surface.words[static_cast<std::size_t>(k)]; rest != 0;
+           rest &= rest - 1) {
+        const int bit = std::countr_zero(rest);
+        *out++ = slice + voxel_key(bit & 7, bit >> 3, 0);
+      }
+    }
+    waiting_ = static_cast<std::size_t>(out - scratch_.block_keys.data());
+  }
+
+  void test() {
+    if (waiting_ == 0) return;
+    Contacts& contacts = scratch_.contacts;
+    if (contacts.size() + waiting_ > contacts.capacity()) {
+      keep_deepest(scratch_, scratch_.capacity);
+      result_.faults |= kFaultContactsFull;
+    }
+    std::uint32_t* const keys = scratch_.block_keys.data();
+    std::fill(keys + waiting_, keys + whole_groups(waiting_), keys[0]);
+    auto& values = scratch_.block_values;
+    float* const outward[3] = {values[1].data(), values[2].data(), values[3].data()};
+    const float* const distance_m = values[0].data();
+    contact_kernels().distances(frame_, keys, whole_groups(waiting_), values[0].data(), outward);
+
+    // Written whether it is near enough or not, and counted only where it is.
+    const bool labelled = workpiece_.model().tissues != nullptr;
+    std::uint32_t* const to_keys = contacts.keys();
+    float* const to_distance = contacts(Contacts::kDistance);
+    float* const to_outward[3] = {contacts(Contacts::kOutward, 0), contacts(Contacts::kOutward, 1),
+                                  contacts(Contacts::kOutward, 2)};
+    std::size_t n = contacts.size();
+    const std::size_t first = n;
+    for (std::size_t i = 0; i < waiting_; ++i) {
+      to_keys[n] = keys[i];
+      to_distance[n] = distance_m[i];
+      for (int a = 0; a < 3; ++a) to_outward[a][n] = outward[a][i];
+      n += distance_m[i] < reach_m_ ? 1 : 0;
+    }
+    for (std::size_t i = first; i < n; ++i) {
+      contacts.tissues()[i] =
+          labelled ? workpiece_.tissue(cell_of_key(to_keys[i])) : std::uint8_t{0};
+    }
+    contacts.resize(n);
+    result_.tested += static_cast<std::uint32_t>(waiting_);
+    waiting_ = 0;
+  }
+
+ private:
+  const Workpiece& workpiece_;
+  const ContactFrame& frame_;
+  float reach_m_;
+  ContactScratch& scratch_;
+  ContactResult& result_;
+  std::size_t waiting_ = 0;
 };
-
-/// Distance to the burr, never too large: what a leaf may be passed over by. Outside its box the
-/// field is the value at the nearest point of the box plus the way there. The burr lies aslant of
-/// that way, so that the two are the legs of the distance, not its parts.
-float least_distance(const DistanceField& field, const Eigen::Vector3f& p_field) {
-  const Eigen::Vector3f last = (field.samples().array() - 1).cast<float>();
-  const Eigen::Vector3f inside = p_field.cwiseMax(0.0f).cwiseMin(last);
-  const float value = field.sample(inside);
-  const float beyond = (p_field - inside).norm() * static_cast<float>(field.spacing_m());
-  return value > 0.0f ? std::sqrt(value * value + beyond * beyond) : value;
-}
-
-bool deeper(const Contact& a, const Contact& b) {
-  return a.distance_m != b.distance_m ? a.distance_m < b.distance_m : a.voxel < b.voxel;
-}
-
-/// Keeps the `count` deepest contacts, in the order of their voxels so that sums do not depend on
-/// how the library partitions.
-void keep_deepest(std::vector<Contact>& contacts, std::size_t count) {
-  const auto end = contacts.begin() + static_cast<std::ptrdiff_t>(count);
-  std::nth_element(contacts.begin(), end, contacts.end(), deeper);
-  contacts.resize(count);
-  std::sort(contacts.begin(), contacts.end(),
-            [](const Contact& a, const Contact& b) { return a.voxel < b.voxel; });
-}
 
 }  // namespace
 
 void narrow_phase(const Workpiece& workpiece, const DistanceField& field,
                   const Pose& world_from_tool, double reach_m, ContactScratch& scratch,
                   ContactResult& result) noexcept {
-  scratch.contacts.clear();
+  scratch.contacts.resize(0);
+  const std::size_t count = scratch.leaves.size();
+  if (count == 0) return;
   const VoxelGrid& grid = workpiece.grid();
-  const Eigen::Matrix3d tool_from_world =
-      world_from_tool.orientation.conjugate().toRotationMatrix();
-  // One voxel along each axis, in samples of the field.
-  const Eigen::Matrix3d field_per_voxel = tool_from_world * (grid.voxel_m / field.spacing_m());
-  const auto reach = static_cast<float>(reach_m);
+  const ContactFrame frame(grid, field, world_from_tool, 0.0);
+  scratch.leaf_keys.resize(whole_groups(count));
+  scratch.leaf_distances_m.resize(whole_groups(count));
+  for (std::size_t l = 0; l < scratch.leaf_keys.size(); ++l) {
+    scratch.leaf_keys[l] = voxel_key(grid.leaf_origin(scratch.leaves[std::min(l, count - 1)]));
+  }
+  contact_kernels().leaf_distances(frame, scratch.leaf_keys.data(), scratch.leaf_keys.size(),
+                                   scratch.leaf_distances_m.data());
+
   // Half the diagonal between the outermost voxel centres of a leaf; between samples the field may
   // rise by a little more than the way.
   const auto leaf_reach = static_cast<float>(reach_m + 3.5 * 1.7320508075688772 * grid.voxel_m +
                                              0.25 * field.spacing_m());
-
-  LeafFrame frame;
-  frame.x = field_per_voxel.col(0).cast<float>();
-  frame.y = field_per_voxel.col(1).cast<float>();
-  frame.z = field_per_voxel.col(2).cast<float>();
-  for (const std::uint32_t leaf : scratch.leaves) {
-    const Cell origin = grid.leaf_origin(leaf);
-    const Eigen::Vector3d base = field.field_from_tool(
-        tool_from_world * (grid.centre_world(origin) - world_from_tool.position));
-    frame.base = base.cast<float>();
-    const Eigen::Vector3f centre = frame.base + 3.5f * (frame.x + frame.y + frame.z);
-    if (least_distance(field, centre) > leaf_reach) continue;
-
-    const LeafBits& surface = workpiece.surface(leaf);
-    for (int k = 0; k < 8; ++k) {
-      const Eigen::Vector3f slice = frame.base + static_cast<float>(k) * frame.z;
-      for (std::uint64_t rest = surface.words[k]; rest != 0; rest &= rest - 1) {
-        const int bit = std::countr_zero(rest);
-        const int i = bit & 7, j = bit >> 3;
-        ++result.tested;
-        const float distance_m =
-            field.sample(slice + static_cast<float>(i) * frame.x + static_cast<float>(j) * frame.y);
-        if (!(distance_m < reach)) continue;
-        if (scratch.contacts.size() == scratch.contacts.capacity()) {
-          keep_deepest(scratch.contacts, scratch.capacity);
-          result.faults |= kFaultContactsFull;
-        }
-        Contact& contact = scratch.contacts.emplace_back();
-        contact.cell = origin + Cell(i, j, k);
-        contact.voxel = grid.linear(contact.cell);
-        contact.distance_m = distance_m;
-      }
-    }
+  Tester tester(workpiece, frame, static_cast<float>(reach_m), scratch, result);
+  for (std::size_t l = 0; l < count; ++l) {
+    if (scratch.leaf_distances_m[l] > leaf_reach) continue;
+    tester.add_leaf(scratch.leaf_keys[l], workpiece.surface(scratch.leaves[l]));
   }
+  tester.test();
   if (scratch.contacts.size() > scratch.capacity) {
-    keep_deepest(scratch.contacts, scratch.capacity);
+    keep_deepest(scratch, scratch.capacity);
     result.faults |= kFaultContactsFull;
   }
 }

@@ -10,7 +10,7 @@ namespace sulcus {
 /// depth is measured at centres), by trilinear interpolation of its distance field, into
 /// `scratch.contacts` in the order of the leaves; adds to `result.tested`. A leaf farther from the
 /// burr than its own half diagonal is passed over by one sample at its centre. Beyond the
-/// capacity the deepest are kept and kFaultContactsFull is set.
+/// capacity the deepest are kept, in the same order, and kFaultContactsFull is set.
 void narrow_phase(const Workpiece& workpiece, const DistanceField& field,
                   const Pose& world_from_tool, double reach_m, ContactScratch& scratch,
                   ContactResult& result) noexcept;

@@ -1,16 +1,23 @@
 #pragma once
 
-#include "engine/core/pose.hpp"
-#include "engine/tool/burr.hpp"
 #include "engine/volume/workpiece.hpp"
 #include "haptics/contact.hpp"
+#include "haptics/kept_normals.hpp"
 
 namespace sulcus {
 
 /// Normal and surface offset of every contact by the scene's method (engine/normals), which is told
-/// the burr's distance gradient at the voxel. What is undefined stays zero; contact_force takes the
-/// gradient itself there.
-void normals(const Workpiece& workpiece, const DistanceField& field, const Pose& world_from_tool,
-             const HapticsSettings& settings, ContactScratch& scratch) noexcept;
+/// the burr's distance gradient at the voxel: what is kept where it stands, else found now, in the
+/// tier that the state says (KeptNormals). `kept` may be null: nothing is kept, and every normal is
+/// of the scene's method. What is undefined stays zero; contact_force takes the gradient itself
+/// there. What was found is left in the scratch for `keep_normals`.
+void normals(const Workpiece& workpiece, const HapticsSettings& settings, const KeptNormals* kept,
+             ContactScratch& scratch) noexcept;
+
+/// After the contact has been evaluated, once a tick and before anything is cut: keeps what was
+/// found, and refines up to `settings.refine_per_tick` normals from ldm_fast to ldm, in the order
+/// of the contacts. The forces of this tick are not changed.
+void keep_normals(const Workpiece& workpiece, const HapticsSettings& settings, std::uint64_t tick,
+                  ContactScratch& scratch, KeptNormals& kept) noexcept;
 
 }  // namespace sulcus

@@ -11,32 +11,39 @@ std::uint32_t removal(Workpiece& workpiece, std::span<const TissueSettings> tiss
   const double voxel_m3 = workpiece.grid().voxel_volume_m3();
 
   /// Gives a voxel energy; what it has over when it goes flows back into the pool.
-  const auto spend = [&](const Contact& contact, double energy_J) {
-    const std::uint8_t tissue = workpiece.tissue(contact.cell);
+  const Contacts& contacts = scratch.contacts;
+  const float* const power_W = contacts(Contacts::kPower);
+  const auto spend = [&](std::size_t i, double energy_J) {
+    const Cell cell = cell_of_key(contacts.keys()[i]);
+    const std::uint32_t voxel = workpiece.grid().linear(cell);
+    const std::uint8_t tissue = contacts.tissues()[i];
     const double needed_J = tissues[tissue].specific_energy_J_per_m3 * voxel_m3;
-    const double stored_J = state.part_cut.energy(contact.voxel) + energy_J;
+    const double stored_J = state.part_cut.energy(voxel) + energy_J;
     if (stored_J < needed_J) {
-      if (!state.part_cut.set_energy(contact.voxel, stored_J)) {
+      if (!state.part_cut.set_energy(voxel, stored_J)) {
         state.pool_J += energy_J;
         faults |= kFaultCutStateFull;
       }
       return;
     }
-    state.part_cut.set_energy(contact.voxel, 0.0);
+    state.part_cut.set_energy(voxel, 0.0);
     state.pool_J += stored_J - needed_J;
     state.removed_J += needed_J;
     ++state.removed_voxels[tissue];
-    workpiece.remove(contact.cell);
-    edits.push_back({tick, contact.voxel, 0, EditCause::kCut});
+    workpiece.remove(cell);
+    edits.push_back({tick, voxel, 0, EditCause::kCut});
   };
 
+  const auto stands = [&](std::size_t i) {
+    return workpiece.solid(cell_of_key(contacts.keys()[i]));
+  };
   std::uint32_t standing = 0;
-  for (const Contact& contact : scratch.contacts) {
-    if (contact.power_W <= 0.0) continue;
-    const double work_J = contact.power_W * dt_s;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    if (power_W[i] <= 0.0f) continue;
+    const double work_J = static_cast<double>(power_W[i]) * dt_s;
     state.work_J += work_J;
-    spend(contact, work_J);
-    standing += workpiece.solid(contact.cell);
+    spend(i, work_J);
+    standing += stands(i);
   }
   // A share that fells a voxel may leave something over again. Each round either fells one or
   // empties the pool; a few rounds reach the end of all but a flood, which waits for the next tick.
@@ -44,10 +51,10 @@ std::uint32_t removal(Workpiece& workpiece, std::span<const TissueSettings> tiss
     const double share_J = state.pool_J / standing;
     state.pool_J = 0.0;
     standing = 0;
-    for (const Contact& contact : scratch.contacts) {
-      if (contact.power_W <= 0.0 || !workpiece.solid(contact.cell)) continue;
-      spend(contact, share_J);
-      standing += workpiece.solid(contact.cell);
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+      if (power_W[i] <= 0.0f || !stands(i)) continue;
+      spend(i, share_J);
+      standing += stands(i);
     }
   }
   return faults;

@@ -17,7 +17,8 @@ std::uint64_t SimulationState::hash() const {
     values[8] = removal->work_J;
     values[9] = removal->removed_J;
   }
-  const std::uint64_t seed = tick ^ (removal ? removal->part_cut.hash() : 0);
+  const std::uint64_t seed =
+      tick ^ (removal ? removal->part_cut.hash() : 0) ^ (kept ? kept->hash() : 0);
   return hash_bytes(values.data(), sizeof(values), seed);
 }
 

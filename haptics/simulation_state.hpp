@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "engine/core/pose.hpp"
+#include "haptics/kept_normals.hpp"
 #include "haptics/removal.hpp"
 
 namespace sulcus {
@@ -15,6 +16,7 @@ struct SimulationState {
   bool has_pose = false;                // the tool has been somewhere: its motion is known
   Pose tool;                            // world from tool, at the last tick
   std::optional<RemovalState> removal;  // with [cutting] only
+  std::optional<KeptNormals> kept;      // with haptics.keep_normals only
 
   std::uint64_t hash() const;
 };

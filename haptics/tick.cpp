@@ -5,6 +5,7 @@
 
 #include "haptics/broad_phase.hpp"
 #include "haptics/evaluate_contact.hpp"
+#include "haptics/normals.hpp"
 
 namespace sulcus {
 
@@ -35,6 +36,7 @@ ContactResult contact_with_bodies(const TickContext& context, const Workpiece& w
                                   ContactScratch& scratch) {
   std::array<std::uint16_t, 1> near{};
   scratch.contacts.clear();
+  scratch.queries.clear();
   {
     const auto timed = scratch.clock.time(Stage::kBroadPhase);
     const Eigen::AlignedBox3d box =
@@ -42,7 +44,8 @@ ContactResult contact_with_bodies(const TickContext& context, const Workpiece& w
     if (context.bodies.find(context.bodies.bodies, box, near) == 0) return {};
   }
   return evaluate_contact(workpiece, context.scene.tissues, context.burr, state.tool,
-                          state.removal ? &twist : nullptr, context.scene.haptics, scratch);
+                          state.removal ? &twist : nullptr, context.scene.haptics,
+                          state.kept ? &*state.kept : nullptr, scratch);
 }
 
 /// What the hand gets: the contact's wrench, or nothing and a fault where it is not finite. Limits
@@ -93,11 +96,16 @@ TickRecord tick(const TickContext& context, Device& device, Workpiece& workpiece
   if (is_finite(device_pose)) {
     const Twist twist = move_tool(state, device_pose, dt_s);
     contact = contact_with_bodies(context, workpiece, state, twist, scratch.contact);
+    if (state.kept) {
+      const auto timed = scratch.contact.clock.time(Stage::kNormals);
+      keep_normals(workpiece, context.scene.haptics, state.tick, scratch.contact, *state.kept);
+    }
     if (state.removal) {
       const auto timed = scratch.contact.clock.time(Stage::kRemoval);
       contact.faults |= removal(workpiece, context.scene.tissues, dt_s, state.tick, scratch.contact,
                                 *state.removal, scratch.edits);
       workpiece.switch_off(scratch.contact.hollow);
+      if (state.kept) state.kept->drop(scratch.edits);
     }
   } else {
     device_pose = state.tool;  // the tool stays; the fault stops the run

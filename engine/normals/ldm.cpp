@@ -52,10 +52,12 @@ std::optional<Foot> fit_wide(const Workpiece& workpiece, const Cell& voxel, cons
   return foot;
 }
 
-/// The face nearest to the voxel that its map, or one across the second axis, has.
+/// The face nearest to the voxel that its map, or one across the second axis, has. Adds to
+/// `windows` where it looked.
 std::optional<SurfaceEstimate> nearest_face(const Workpiece& workpiece, const Cell& voxel,
                                             const HeightMap& map, const MapAxes& axes, int trace,
-                                            const Vector3f& coarse, const Vector3f& tool) noexcept {
+                                            const Vector3f& coarse, const Vector3f& tool,
+                                            std::uint8_t& windows) noexcept {
   const std::optional<HalfDisc> nearest =
       nearest_half_disc(map, to_map_space(coarse, axes).normalized(), to_map_space(tool, axes));
   Vector3f rest = coarse.cwiseAbs();
@@ -64,6 +66,7 @@ std::optional<SurfaceEstimate> nearest_face(const Workpiece& workpiece, const Ce
   MapAxes second;
   if (rest.maxCoeff(&second.axis) > kSecondAxis * component) {
     second.sign = coarse[second.axis] > 0.0f ? 1 : -1;
+    windows |= second.window();
     HeightMap other;
     other.ns = map.ns;
     trace_along(workpiece, voxel, second, trace, other);
@@ -80,7 +83,8 @@ std::optional<SurfaceEstimate> nearest_face(const Workpiece& workpiece, const Ce
 /// Where no quadric explains the whole map.
 SurfaceEstimate estimate_in_parts(const Workpiece& workpiece, const Cell& voxel,
                                   const HeightMap& map, const MapAxes& axes, int trace,
-                                  const Vector3f& coarse, const Vector3f& tool) noexcept {
+                                  const Vector3f& coarse, const Vector3f& tool,
+                                  std::uint8_t& windows) noexcept {
   std::optional<Foot> in_ball;
   if (const std::optional<Vector3f> tilt = first_tilt(map)) {
     const float wide = std::max(1.0f, static_cast<float>(map.ns) / 6.0f);
@@ -94,7 +98,7 @@ SurfaceEstimate estimate_in_parts(const Workpiece& workpiece, const Cell& voxel,
     }
   }
   const std::optional<SurfaceEstimate> face =
-      nearest_face(workpiece, voxel, map, axes, trace, coarse, tool);
+      nearest_face(workpiece, voxel, map, axes, trace, coarse, tool, windows);
   if (face) return *face;
   if (in_ball) return to_index_space(*in_ball, axes);
   // Nothing fits, as on the floor of a fissure. The coarse normal errs least there.
@@ -117,23 +121,27 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
       SurfaceEstimate& estimate = estimates[first + k];
       estimate = {};
       if (coarse == Vector3f::Zero()) continue;
+      std::uint8_t windows = axes.window();
       const Vector3f tool = heard(queries[first + k].outward, coarse);
       const int place = static_cast<int>(k);
       const Foot foot = group.surfaces.foot(place);
       if (explains(map, group.surfaces.surface(place), foot)) {
         const bool level = foot.normal_z > kLevelCosine && map.lanes == 16;
+        if (level) windows |= SurfaceEstimate::kWideWindow;
         const std::optional<Foot> wide =
             level ? fit_wide(workpiece, queries[first + k].voxel, axes, neighbourhood, trace)
                   : std::optional<Foot>();
         estimate = to_index_space(wide ? *wide : foot, axes);
       } else {
-        estimate =
-            estimate_in_parts(workpiece, queries[first + k].voxel, map, axes, trace, coarse, tool);
+        estimate = estimate_in_parts(workpiece, queries[first + k].voxel, map, axes, trace, coarse,
+                                     tool, windows);
       }
-      if (stands(estimate.normal, coarse, tool)) continue;
-      const std::optional<SurfaceEstimate> face =
-          nearest_face(workpiece, queries[first + k].voxel, map, axes, trace, coarse, tool);
-      estimate = face ? *face : SurfaceEstimate{coarse.normalized(), 0.5f, true};
+      if (!stands(estimate.normal, coarse, tool)) {
+        const std::optional<SurfaceEstimate> face = nearest_face(
+            workpiece, queries[first + k].voxel, map, axes, trace, coarse, tool, windows);
+        estimate = face ? *face : SurfaceEstimate{coarse.normalized(), 0.5f, true};
+      }
+      estimate.windows = windows;
     }
   }
 }

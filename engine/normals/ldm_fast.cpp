@@ -22,7 +22,7 @@ void estimate_ldm_fast(const Workpiece& workpiece, std::span<const VoxelQuery> q
         if (stands(estimate.normal, coarse, heard(queries[first + k].outward, coarse))) continue;
       }
       // No map: an edge sharper than the steps allow. The face of the voxel is the best surface.
-      estimate = {coarse.normalized(), 0.5f, true};
+      estimate = {coarse.normalized(), 0.5f, true, group.axes[k].window()};
     }
   }
 }

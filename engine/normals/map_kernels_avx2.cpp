@@ -51,7 +51,9 @@ constexpr RingTable make_rings() {
 }
 constexpr RingTable kRings = make_rings();
 
-inline __m256i load(const void* p) { return _mm256_loadu_si256(static_cast<const __m256i*>(p)); }
+inline __m256i load_bits(const void* p) {
+  return _mm256_loadu_si256(static_cast<const __m256i*>(p));
+}
 
 // --- Coarse normal ------------------------------------------------------------------------------
 
@@ -96,8 +98,8 @@ void coarse_sums(const ColumnBits::Windows& rows, std::array<std::int32_t, 3>& s
   const __m128i up = _mm_cvtsi32_si128(32 - static_cast<int>(rows.shift));
   const auto patterns = [&](int k) {  // of j = -2 to 5
     const std::uint32_t* w = rows.words + k * rows.row - 2;
-    const __m256i five = _mm256_or_si256(_mm256_srl_epi32(load(w), down),
-                                         _mm256_sll_epi32(load(w + rows.plane), up));
+    const __m256i five = _mm256_or_si256(_mm256_srl_epi32(load_bits(w), down),
+                                         _mm256_sll_epi32(load_bits(w + rows.plane), up));
     return _mm256_and_si256(five, _mm256_set1_epi32(31));
   };
   const __m256i most = _mm256_packus_epi16(_mm256_packus_epi32(patterns(-2), patterns(-1)),
@@ -111,11 +113,11 @@ void coarse_sums(const ColumnBits::Windows& rows, std::array<std::int32_t, 3>& s
 #pragma GCC unroll 6
   for (int v = 0; v < 6; ++v) {
     const __m256i from = v == 4 ? second4 : v == 5 ? ahead : first4;
-    const __m256i row = _mm256_shuffle_epi8(from, load(kCoarse.from[v]));
+    const __m256i row = _mm256_shuffle_epi8(from, load_bits(kCoarse.from[v]));
     const __m256i solid = _mm256_min_epu8(_mm256_and_si256(row, bits), one);
-    x = _mm256_add_epi16(x, _mm256_maddubs_epi16(solid, load(kCoarse.weight[0][v])));
-    y = _mm256_add_epi16(y, _mm256_maddubs_epi16(solid, load(kCoarse.weight[1][v])));
-    z = _mm256_add_epi16(z, _mm256_maddubs_epi16(solid, load(kCoarse.weight[2][v])));
+    x = _mm256_add_epi16(x, _mm256_maddubs_epi16(solid, load_bits(kCoarse.weight[0][v])));
+    y = _mm256_add_epi16(y, _mm256_maddubs_epi16(solid, load_bits(kCoarse.weight[1][v])));
+    z = _mm256_add_epi16(z, _mm256_maddubs_epi16(solid, load_bits(kCoarse.weight[2][v])));
   }
   const __m256i ones = _mm256_set1_epi16(1);
   const __m256i xy = _mm256_hadd_epi32(_mm256_madd_epi16(x, ones), _mm256_madd_epi16(y, ones));
@@ -133,8 +135,8 @@ void coarse_sums(const ColumnBits::Windows& rows, std::array<std::int32_t, 3>& s
 template <int kSign>
 inline __m256i surface_of(const std::uint32_t* lower, const std::uint32_t* upper, __m128i down,
                           __m128i up) {
-  const __m256i w =
-      _mm256_or_si256(_mm256_srl_epi32(load(lower), down), _mm256_sll_epi32(load(upper), up));
+  const __m256i w = _mm256_or_si256(_mm256_srl_epi32(load_bits(lower), down),
+                                    _mm256_sll_epi32(load_bits(upper), up));
   return _mm256_andnot_si256(kSign > 0 ? _mm256_srli_epi32(w, 1) : _mm256_slli_epi32(w, 1), w);
 }
 
@@ -189,7 +191,7 @@ class NarrowRows {
     _mm_store_si128(reinterpret_cast<__m128i*>(height - j * kRowLanes),
                     _mm256_extracti128_si256(h, 1));
 
-    const __m256i ring = load(kRings.ring[j]);
+    const __m256i ring = load_bits(kRings.ring[j]);
     const __m256i good = _mm256_xor_si256(beyond, _mm256_set1_epi8(-1));
     whole_ = _mm256_min_epu8(whole_, _mm256_or_si256(ring, good));
     // None saturates with whatever it meets, and is uneven.
@@ -329,7 +331,7 @@ void trace_columns(const NarrowColumns& columns, int trace, HeightMap& map) noex
   constexpr int kMid = kRowLanes / 2, kFirst = kLevel - kMaxStep;
   const int ns = map.ns;
   const StepTable& steps = kSign > 0 ? kUpward : kDownward;
-  const __m256i table = load(steps.step);
+  const __m256i table = load_bits(steps.step);
 
   // Heights as the lowest bit that the next column is looked for at.
   alignas(32) int middle[kRowLanes];
@@ -346,13 +348,14 @@ void trace_columns(const NarrowColumns& columns, int trace, HeightMap& map) noex
   }
 
   NarrowRows out(map, trace, middle[kMid] - kFirst);
-  __m256i above0 = load(middle), above1 = load(middle + 8), below0 = above0, below1 = above1;
+  __m256i above0 = load_bits(middle), above1 = load_bits(middle + 8), below0 = above0,
+          below1 = above1;
   for (int j = 0; j <= ns; ++j) {
     if (j > 0) {
-      above0 = follow(load(columns.bits[ns + j]), above0, table);
-      above1 = follow(load(columns.bits[ns + j] + 8), above1, table);
-      below0 = follow(load(columns.bits[ns - j]), below0, table);
-      below1 = follow(load(columns.bits[ns - j] + 8), below1, table);
+      above0 = follow(load_bits(columns.bits[ns + j]), above0, table);
+      above1 = follow(load_bits(columns.bits[ns + j] + 8), above1, table);
+      below0 = follow(load_bits(columns.bits[ns - j]), below0, table);
+      below1 = follow(load_bits(columns.bits[ns - j] + 8), below1, table);
     }
     out.take(j,
              _mm256_sub_epi8(as_bytes(above0, above1, below0, below1), _mm256_set1_epi8(kFirst)));
@@ -378,7 +381,7 @@ void trace_wide(const ColumnBits::Windows& windows, int trace, HeightMap& map) n
   const __m128i down = _mm_cvtsi32_si128(static_cast<int>(windows.shift));
   const __m128i up = _mm_cvtsi32_si128(32 - static_cast<int>(windows.shift));
   const StepTable& steps = kSign > 0 ? kUpward : kDownward;
-  const __m256i table = load(steps.step);
+  const __m256i table = load_bits(steps.step);
   struct Row {
     __m256i part[4];
   };
@@ -396,7 +399,7 @@ void trace_wide(const ColumnBits::Windows& windows, int trace, HeightMap& map) n
   for (int lane = 0; lane < kLanes; ++lane) {
     distance[lane] = static_cast<signed char>(lane < kMid ? kMid - lane : lane - kMid);
   }
-  const __m256i lane_ring = load(distance);
+  const __m256i lane_ring = load_bits(distance);
   const __m256i outside = _mm256_cmpgt_epi8(lane_ring, _mm256_set1_epi8(static_cast<char>(ns)));
   const auto take = [&](int j, const Row& at) {
     const __m256i packed =
@@ -426,7 +429,7 @@ void trace_wide(const ColumnBits::Windows& windows, int trace, HeightMap& map) n
     middle[kMid - i] = left = follow_one(row0[kMid - i], left);
   }
   Row above, below;
-  for (int k = 0; k < 4; ++k) above.part[k] = below.part[k] = load(middle + 8 * k);
+  for (int k = 0; k < 4; ++k) above.part[k] = below.part[k] = load_bits(middle + 8 * k);
   take(0, above);
   for (int j = 1; j <= ns; ++j) {
     const Row upper = surface(j), lower = surface(-j);
@@ -446,11 +449,11 @@ void trace_wide(const ColumnBits::Windows& windows, int trace, HeightMap& map) n
   for (int j = -ns; j <= ns; ++j) {
     const __m256i ring =
         _mm256_max_epu8(lane_ring, _mm256_set1_epi8(static_cast<char>(j < 0 ? -j : j)));
-    const __m256i h = load(map.height.data() + (ns + j) * kLanes);
+    const __m256i h = load_bits(map.height.data() + (ns + j) * kLanes);
     const __m256i found = _mm256_xor_si256(_mm256_cmpeq_epi8(h, none), _mm256_set1_epi8(-1));
     whole = _mm256_min_epu8(whole, _mm256_or_si256(ring, found));
     // Lane of -i: from the second lane on, backward. None saturates, and is uneven.
-    const __m256i other = load(map.height.data() + (ns - j) * kLanes + 1);
+    const __m256i other = load_bits(map.height.data() + (ns - j) * kLanes + 1);
     const __m256i opposite =
         _mm256_shuffle_epi8(_mm256_permute2x128_si256(other, other, 1), backward);
     const __m256i sum = _mm256_subs_epi8(_mm256_adds_epi8(h, opposite), twice_centre);
@@ -534,7 +537,7 @@ inline void read_heights(const ColumnBits::Windows& windows, HeightTile& tile) {
     gaps[r] = static_cast<std::uint32_t>(_mm256_movemask_epi8(_mm256_cmpeq_epi8(h, none)));
     falls[r] = jumps(h, before);  // from the row before
     // From each lane to the next; across the halves the two are loaded as they were stored.
-    const __m256i next = load(tile.height[r] + 1);
+    const __m256i next = load_bits(tile.height[r] + 1);
     beside[r] = jumps(h, next);
     before = h;
   }
@@ -741,7 +744,8 @@ void fit_map(const HeightMap& map, const QuadricFilter& filter, QuadricSums& out
   const int rings = filter.rings;
   __m256i sums[kQuadric] = {};
   const auto add = [&](int f, __m256i h, int place) {
-    sums[f] = _mm256_add_epi32(sums[f], _mm256_madd_epi16(h, load(&filter.coefficient[f][place])));
+    sums[f] =
+        _mm256_add_epi32(sums[f], _mm256_madd_epi16(h, load_bits(&filter.coefficient[f][place])));
   };
   for (int chunk = 0; chunk < map.lanes; chunk += 16) {
     const signed char* middle = map.height.data() + map.ns * map.lanes + chunk;

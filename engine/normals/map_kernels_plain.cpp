@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <iterator>
 
+#include "engine/core/instruction_set.hpp"
 #include "engine/normals/map_kernels.hpp"
 #include "engine/normals/tilted_points.inl"
 
@@ -185,7 +186,8 @@ constexpr MapKernels kPlain{"plain",        coarse_sums,     trace_map,         
 const MapKernels& plain_map_kernels() noexcept { return kPlain; }
 
 const MapKernels& map_kernels() noexcept {
-  static const MapKernels& fastest = avx2_map_kernels() ? *avx2_map_kernels() : kPlain;
+  static const MapKernels& fastest =
+      use_avx2() && avx2_map_kernels() ? *avx2_map_kernels() : kPlain;
   return fastest;
 }
 

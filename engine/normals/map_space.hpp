@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 
 #include <Eigen/Core>
 
@@ -15,6 +16,7 @@ struct MapAxes {
   int axis = 0;  // that the columns run along
   int sign = 1;  // of outward along it
 
+  std::uint8_t window() const { return static_cast<std::uint8_t>(1 << axis); }
   int first() const { return axis == 2 ? 0 : axis + 1; }
   int second() const { return axis == 0 ? 2 : axis - 1; }
 };
@@ -37,6 +39,7 @@ inline SurfaceEstimate to_index_space(const Foot& foot, const MapAxes& axes) noe
   estimate.normal[axes.axis] = static_cast<float>(axes.sign) * foot.normal_z;
   estimate.offset = foot.offset;
   estimate.defined = true;
+  estimate.windows = axes.window();
   return estimate;
 }
 

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+
 #include <Eigen/Core>
 
 namespace sulcus {
@@ -11,6 +14,13 @@ struct SurfaceEstimate {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // unit, out of the solid
   float offset = 0.0f;  // of the surface from the voxel's centre along the normal, voxels
   bool defined = false;
+  /// Where ldm and ldm_fast looked: bit a, a map along axis a; bit 3, one of every other column
+  /// too. What lies in none of these windows has no part in the estimate.
+  std::uint8_t windows = 0;
+
+  bool looked_along(std::size_t axis) const { return (windows >> axis & 1) != 0; }
+  bool looked_wide() const { return (windows & kWideWindow) != 0; }
+  static constexpr std::uint8_t kWideWindow = 8;
 };
 
 }  // namespace sulcus

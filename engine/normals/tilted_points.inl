@@ -1,48 +1,12 @@
 // The loops of map_kernels.hpp in single precision, written once and compiled for each instruction
 // set by the files that include this. Eight lanes everywhere: the bits do not depend on the set.
 
-#ifdef __AVX2__
-#include <immintrin.h>
-#endif
-
+#include "engine/core/lanes.hpp"
 #include "engine/normals/map_kernels.hpp"
 
 namespace sulcus {
 
 namespace {
-
-using Lanes = float __attribute__((vector_size(32)));
-using IntLanes = int __attribute__((vector_size(32)));
-
-inline Lanes load(const float (&p)[8]) {
-  Lanes v;
-  __builtin_memcpy(&v, p, sizeof v);
-  return v;
-}
-inline void store(const Lanes& v, float (&p)[8]) { __builtin_memcpy(p, &v, sizeof v); }
-
-inline float sum_of(const Lanes& v) {
-  return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
-}
-inline float largest_of(const Lanes& v) {
-  float largest = v[0];
-  for (int lane = 1; lane < 8; ++lane) largest = v[lane] > largest ? v[lane] : largest;
-  return largest;
-}
-inline Lanes abs(const Lanes& v) {
-  constexpr IntLanes kSize = {0x7fffffff, 0x7fffffff, 0x7fffffff, 0x7fffffff,
-                              0x7fffffff, 0x7fffffff, 0x7fffffff, 0x7fffffff};
-  return reinterpret_cast<Lanes>(reinterpret_cast<IntLanes>(v) & kSize);
-}
-
-/// The larger of each lane; a's where they do not compare.
-inline Lanes larger(const Lanes& a, const Lanes& b) {
-#ifdef __AVX2__
-  return _mm256_max_ps(b, a);  // what GCC does not make of the line below
-#else
-  return b > a ? b : a;
-#endif
-}
 
 /// Eight heights of a row as they lie.
 inline IntLanes heights(const signed char* row) {
@@ -58,22 +22,6 @@ inline Lanes outward(const IntLanes& heights, int sign) {
   return __builtin_convertvector(heights, Lanes) * static_cast<float>(sign) + 0.5f;
 }
 constexpr Lanes kAlong = {0, 1, 2, 3, 4, 5, 6, 7};
-
-inline Lanes square_root(const Lanes& v) {
-#ifdef __AVX2__
-  return _mm256_sqrt_ps(v);
-#else
-  Lanes root;
-  for (int lane = 0; lane < 8; ++lane) root[lane] = __builtin_sqrtf(v[lane]);
-  return root;
-#endif
-}
-
-inline IntLanes load(const std::int32_t (&p)[8]) {
-  IntLanes v;
-  __builtin_memcpy(&v, p, sizeof v);
-  return v;
-}
 
 inline void surfaces_of(SurfaceGroup& g, int stride) noexcept {
   std::array<IntLanes, kQuadric> sums;
@@ -147,10 +95,6 @@ constexpr DiscMasks make_disc_masks() {
   return masks;
 }
 constexpr DiscMasks kDiscMasks = make_disc_masks();
-
-inline Lanes where(const IntLanes& mask, const Lanes& v) {
-  return reinterpret_cast<Lanes>(reinterpret_cast<IntLanes>(v) & mask);
-}
 
 /// Calls `each(found, x, y, twice z, row, group)` for eight pixels of the disc's rows after the
 /// other.

@@ -29,7 +29,7 @@ class EvaluateContact : public ::testing::Test {
         scratch_(settings_) {}
 
   ContactResult evaluate(const Pose& pose, const Twist* twist = nullptr) {
-    return evaluate_contact(workpiece_, tissues_, burr_, pose, twist, settings_, scratch_);
+    return evaluate_contact(workpiece_, tissues_, burr_, pose, twist, settings_, nullptr, scratch_);
   }
   /// Everything a caller sees of an evaluation.
   struct Seen {
@@ -48,8 +48,8 @@ class EvaluateContact : public ::testing::Test {
   Seen see(const Pose& pose, const Twist* twist = nullptr) {
     const ContactResult r = evaluate(pose, twist);
     Seen seen{r.wrench, r.stiffness, r.contacts, r.tested, r.leaves, r.faults, {}, {}, {}};
-    for (const Contact& contact : scratch_.contacts) {
-      seen.voxels.push_back(contact.voxel);
+    for (const Contact contact : scratch_.contacts) {
+      seen.voxels.push_back(contact.key());
       seen.forces_N.push_back(contact.normal_force_N);
       seen.powers_W.push_back(contact.power_W);
     }

@@ -248,7 +248,7 @@ TEST(Tick, TheToolsMotionSinceTheLastTickDragsOnIt) {
   EXPECT_EQ(first.force_N[0], 0.0) << "where it came from is not known";
   for (int i = 1; i < 3; ++i) {
     const TickRecord next = tick(context, device, run.workpiece, run.state, run.scratch);
-    EXPECT_NEAR(next.force_N[0], -0.3 * next.force_N[2], 1e-9);
+    EXPECT_NEAR(next.force_N[0], -0.3 * next.force_N[2], 3e-7 * next.force_N[2]);
     EXPECT_NEAR(next.force_N[1], 0.0, 1e-9);
   }
 }

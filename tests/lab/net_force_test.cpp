@@ -46,14 +46,14 @@ class NetForce : public ::testing::Test {
     truth_ = true_force(surface_, burr_, pose_, settings_, scratch_);
   }
   /// The truth as if a tick had found it, its normals turned by `turn`.
-  std::vector<Contact> contacts_turned(const Eigen::Quaterniond& turn) const {
-    std::vector<Contact> contacts;
+  Contacts contacts_turned(const Eigen::Quaterniond& turn, double stronger = 1.0) const {
+    Contacts contacts(truth_.contacts.size());
     for (const TrueContact& known : truth_.contacts) {
-      Contact& contact = contacts.emplace_back();
-      contact.voxel = known.voxel;
-      contact.cell = workpiece_.grid().cell_of_linear(known.voxel);
+      Contact contact;
+      contact.cell = cell_of_key(known.voxel);
       contact.normal = (turn * known.normal).cast<float>();
-      contact.normal_force_N = known.normal_force_N;
+      contact.normal_force_N = static_cast<float>(stronger * known.normal_force_N);
+      contacts.push_back(contact);
     }
     return contacts;
   }
@@ -74,8 +74,7 @@ TEST_F(NetForce, TheTruthIsTakenAtTheFootPoints) {
   ASSERT_GT(truth_.contacts.size(), 200u);
   EXPECT_NEAR(truth_.deepest_m / kVoxel, 4.0, 0.05);  // of points a voxel apart
   for (const TrueContact& contact : truth_.contacts) {
-    const Vector3d centre =
-        workpiece_.grid().centre_world(workpiece_.grid().cell_of_linear(contact.voxel));
+    const Vector3d centre = workpiece_.grid().centre_world(cell_of_key(contact.voxel));
     ASSERT_LT((contact.normal - centre.normalized()).norm(), 1e-9);
   }
   EXPECT_GT(truth_.force_N.normalized().dot(outward_), std::cos(0.01));
@@ -107,8 +106,7 @@ TEST_F(NetForce, NormalsTurnedAsOneTurnTheForce) {
 }
 
 TEST_F(NetForce, AForceThatIsTooStrongIsAnErrorOfTheWholeAlone) {
-  std::vector<Contact> contacts = contacts_turned(Eigen::Quaterniond::Identity());
-  for (Contact& contact : contacts) contact.normal_force_N *= 1.1;
+  const Contacts contacts = contacts_turned(Eigen::Quaterniond::Identity(), 1.1);
   const NetForceErrors errors = net_force_errors(surface_, truth_, contacts, 1.1 * truth_.force_N);
   EXPECT_LT(errors.directions, 1e-5);
   EXPECT_LT(errors.own_weights, 1e-5);

@@ -85,11 +85,13 @@ TrueForce true_force(KnownSurface& surface, const Burr& burr, const Pose& world_
   ContactResult result;
   broad_phase(workpiece, burr.capsule, world_from_tool, reach_m, scratch);
   narrow_phase(workpiece, burr.field, world_from_tool, reach_m, scratch, result);
-  for (Contact& contact : scratch.contacts) {
+  for (std::size_t i = 0; i < scratch.contacts.size(); ++i) {
+    Contact contact = scratch.contacts[i];
     const ComposedShape::Foot& foot = surface.foot(contact.cell);
     const Vector3d centre_world = workpiece.grid().centre_world(contact.cell);
     contact.normal = foot.normal.cast<float>();
     contact.offset_m = static_cast<float>((foot.point - centre_world).dot(foot.normal));
+    scratch.contacts.set(i, contact);
   }
   const std::vector<TissueSettings> tissues(1);
   contact_force(workpiece, tissues, burr, world_from_tool, nullptr, settings.scaling, scratch,
@@ -97,9 +99,9 @@ TrueForce true_force(KnownSurface& surface, const Burr& burr, const Pose& world_
 
   TrueForce truth;
   truth.force_N = result.wrench.force_N;
-  for (const Contact& contact : scratch.contacts) {
+  for (const Contact contact : scratch.contacts) {
     truth.contacts.push_back(
-        {contact.voxel, surface.foot(contact.cell).normal, contact.normal_force_N});
+        {contact.key(), surface.foot(contact.cell).normal, contact.normal_force_N});
     truth.deepest_m = std::max(truth.deepest_m, static_cast<double>(contact.depth_m));
     if (contact.normal_force_N > 0.0) {
       truth.box_world.extend(workpiece.grid().centre_world(contact.cell));
@@ -116,7 +118,7 @@ TrueForce true_force(KnownSurface& surface, const Burr& burr, const Pose& world_
 }
 
 NetForceErrors net_force_errors(KnownSurface& surface, const TrueForce& truth,
-                                std::span<const Contact> contacts, const Vector3d& force_N) {
+                                const Contacts& contacts, const Vector3d& force_N) {
   NetForceErrors errors;
   Vector3d turned = Vector3d::Zero();    // true weights, the tick's normals
   Vector3d straight = Vector3d::Zero();  // the tick's weights, true normals
@@ -124,7 +126,7 @@ NetForceErrors net_force_errors(KnownSurface& surface, const TrueForce& truth,
   int count = 0;
   for (const Contact& contact : contacts) {
     const Vector3d normal = contact.normal.cast<double>();
-    const TrueContact* known = find(truth.contacts, contact.voxel);
+    const TrueContact* known = find(truth.contacts, contact.key());
     const Vector3d true_normal = known ? known->normal : surface.foot(contact.cell).normal;
     straight += contact.normal_force_N * true_normal;
     if (!known || known->normal_force_N == 0.0) continue;

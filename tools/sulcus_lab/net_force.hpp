@@ -18,7 +18,7 @@ namespace sulcus::lab {
 
 /// What a contact's voxel has in truth.
 struct TrueContact {
-  std::uint32_t voxel = 0;
+  std::uint32_t voxel = 0;                           // voxel_key
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // at the foot point, outward, unit
   double normal_force_N = 0.0;                       // K w d, scaled; 0: takes no part
 };
@@ -64,7 +64,7 @@ struct NetForceErrors {
 /// `contacts` and `force_N` are what evaluate_contact left. A voxel that takes part in truth and is
 /// not among the contacts is missing from the tick's sum.
 NetForceErrors net_force_errors(KnownSurface& surface, const TrueForce& truth,
-                                std::span<const Contact> contacts, const Eigen::Vector3d& force_N);
+                                const Contacts& contacts, const Eigen::Vector3d& force_N);
 
 /// The same penalty over the continuous surface: integral of w d n over integral of w, times the
 /// stiffness of the first tissue; w = d min(1, c / 0.2) as in contact_force. The surface within

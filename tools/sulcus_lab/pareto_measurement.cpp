@@ -68,7 +68,7 @@ class Run {
       evaluate(pose);
       tick_ns += static_cast<double>(thread_cpu_ns() - begin);
       begin = thread_cpu_ns();
-      normals(surface_.workpiece(), burr_.field, pose, haptics_, scratch_);
+      normals(surface_.workpiece(), haptics_, nullptr, scratch_);
       normals_ns += static_cast<double>(thread_cpu_ns() - begin);
     }
     row.tick_us = std::min(row.tick_us, 1e-3 * tick_ns / count);
@@ -77,7 +77,7 @@ class Run {
 
  private:
   ContactResult evaluate(const Pose& pose) {
-    return evaluate_contact(surface_.workpiece(), tissues_, burr_, pose, nullptr, haptics_,
+    return evaluate_contact(surface_.workpiece(), tissues_, burr_, pose, nullptr, haptics_, nullptr,
                             scratch_);
   }
 

@@ -1,0 +1,36 @@
+#include "haptics/contact.hpp"
+
+namespace sulcus {
+
+ContactScratch::ContactScratch(const HapticsSettings& settings, StageClock stage_clock)
+    : clock(stage_clock),
+      capacity(static_cast<std::size_t>(settings.max_contacts)),
+      contacts(capacity + kBlock) {
+  leaves.reserve(kMaxLeaves);
+  hollow.reserve(kMaxLeaves);
+  leaf_keys.reserve(kMaxLeaves);
+  leaf_distances_m.reserve(kMaxLeaves);
+  block_keys.resize(kBlock);
+  for (std::vector<float>& values : block_values) values.resize(kBlock);
+  queries.reserve(capacity);
+  queried.reserve(capacity);
+  estimates.reserve(capacity);
+  vetoed.reserve(capacity);
+  tool_queries.reserve(capacity);
+  tool_queried.reserve(capacity);
+  tool_estimates.reserve(capacity);
+  by_depth.reserve(capacity + kBlock);
+  prepare_normals();
+}
+
+std::size_t ContactScratch::memory_bytes() const {
+  const std::size_t words = leaves.capacity() + hollow.capacity() + leaf_keys.capacity() +
+                            leaf_distances_m.capacity() + 5 * block_keys.capacity() +
+                            queried.capacity() + tool_queried.capacity() + vetoed.capacity();
+  return words * sizeof(std::uint32_t) + by_depth.capacity() * sizeof(std::uint64_t) +
+         contacts.memory_bytes() +
+         (queries.capacity() + tool_queries.capacity()) * sizeof(VoxelQuery) +
+         (estimates.capacity() + tool_estimates.capacity()) * sizeof(SurfaceEstimate);
+}
+
+}  // namespace sulcus

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "engine/core/pose.hpp"
+#include "engine/tool/distance_field.hpp"
+#include "haptics/contacts.hpp"
+
+namespace sulcus {
+
+/// A burr's pose over a grid, for loops in single precision. Voxels are counted from one near the
+/// tip, so that the numbers stay small: single precision then errs by less than a nanometre.
+struct ContactFrame {
+  ContactFrame(const VoxelGrid& grid, const DistanceField& field, const Pose& world_from_tool,
+               double reference_m);
+
+  const float* values = nullptr;               // of the field
+  std::int32_t row = 0, slice = 0, most[3]{};  // pitches; last cell along each axis
+  float last[3]{}, spacing_m = 0.0f;           // last sample along each axis
+
+  std::int32_t cell[3]{};         // the voxel that is counted from
+  float base[3]{}, step[3][3]{};  // field space of its centre, and a voxel along each axis
+  float world_from_tool[3][3]{};  // rows
+  float arm_m[3]{};               // of its centre from the torque reference
+  float voxel_m = 0.0f;
+};
+
+/// The arrays of Contacts, as the kernels see them.
+struct ContactArrays {
+  std::size_t size = 0;
+  const std::uint32_t* keys = nullptr;
+  const std::uint8_t* tissues = nullptr;
+  float* of[Contacts::kQuantities]{};
+};
+
+/// How a contact's depth and weight are measured.
+struct ForceSettings {
+  bool at_surface = false;  // depth at the fitted surface point, and weights: Scaling::kSmooth
+  float fade_below = 0.0f;  // cosine between the normal and the tool's
+};
+
+/// What every contact's force needs, and the tool's motion, single precision, world.
+struct ForceTerms {
+  const float* stiffness_N_per_m = nullptr;  // by label, already divided by the scaling's divisor
+  bool cutting = false;
+  float axis_m[3]{};   // from the torque reference back to the tip: arms about the tip are longer
+  float linear[3]{};   // velocity of the tip, m/s
+  float turning[3]{};  // rad/s, spindle and handpiece
+  float tangential_ratio = 0.0f, slow_edge_m_per_s = 0.0f;
+};
+
+/// Force, torque, upper triangle of the stiffness.
+struct ForceSums {
+  double of[27]{};
+};
+
+/// The inner loops of a tick over voxels in contact, in one instruction set. All give the same
+/// bits: eight lanes, one order of operations. Pure, no allocation. Counts are rounded up to whole
+/// groups of eight.
+struct ContactKernels {
+  const char* name;
+
+  /// Distance to the burr at the centres of voxels, and minus its gradient there, world, of any
+  /// length [Kim and Park 2019, III-A].
+  void (*distances)(const ContactFrame& frame, const std::uint32_t* keys, std::size_t count,
+                    float* distance_m, float* const outward[3]) noexcept;
+
+  /// Bounds from below on the distances at the centres of leaves, the keys of whose first voxels
+  /// are given: what a leaf may be passed over by.
+  void (*leaf_distances)(const ContactFrame& frame, const std::uint32_t* keys, std::size_t count,
+                         float* distance_m) noexcept;
+
+  /// Arm, depth and weight of every contact, and a normal for those without; returns the sum of the
+  /// weights, and the contacts that count.
+  double (*measure)(const ContactFrame& frame, const ForceSettings& settings,
+                    const ContactArrays& contacts, std::uint32_t& counted) noexcept;
+
+  /// Normal force and power of every contact, and the sums.
+  void (*forces)(const ForceTerms& terms, const ContactArrays& contacts, ForceSums& sums) noexcept;
+};
+
+const ContactKernels& plain_contact_kernels() noexcept;
+/// Null where the processor or the build has none.
+const ContactKernels* avx2_contact_kernels() noexcept;
+/// The fastest that this processor runs, found once.
+const ContactKernels& contact_kernels() noexcept;
+
+}  // namespace sulcus

@@ -1,0 +1,270 @@
+// The loops of contact_kernels.hpp, written once and compiled for each instruction set by the files
+// that include this.
+
+#include "engine/core/lanes.hpp"
+#include "haptics/contact_kernels.hpp"
+
+namespace sulcus {
+
+namespace {
+
+struct Lanes3 {
+  Lanes x, y, z;
+};
+inline Lanes3 operator+(const Lanes3& a, const Lanes3& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+inline Lanes3 operator*(const Lanes3& a, const Lanes& s) { return {a.x * s, a.y * s, a.z * s}; }
+inline Lanes dot(const Lanes3& a, const Lanes3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Lanes3 cross(const Lanes3& a, const Lanes3& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline Lanes3 constant(const float (&v)[3]) {
+  return {Lanes{} + v[0], Lanes{} + v[1], Lanes{} + v[2]};
+}
+inline Lanes lerp(const Lanes& a, const Lanes& b, const Lanes& t) { return a + t * (b - a); }
+
+/// A nearest cell of the field, and where the point lies from it: DistanceField's locate.
+struct CellLanes {
+  IntLanes offset;
+  Lanes3 t, beyond;
+};
+inline CellLanes locate(const ContactFrame& f, const Lanes3& p) {
+  CellLanes cell{};
+  const auto along = [&](int a, const Lanes& v, Lanes& t, Lanes& beyond, std::int32_t pitch) {
+    // A NaN becomes 0: the memory read stays in the box, `beyond` carries the NaN.
+    const Lanes inside = smaller(Lanes{} + f.last[a], larger(Lanes{}, v));
+    beyond = v - inside;
+    IntLanes i = to_int(inside);
+    const IntLanes most = IntLanes{} + f.most[a];
+    i = i < most ? i : most;
+    t = inside - to_float(i);
+    cell.offset += i * pitch;
+  };
+  along(0, p.x, cell.t.x, cell.beyond.x, 1);
+  along(1, p.y, cell.t.y, cell.beyond.y, f.row);
+  along(2, p.z, cell.t.z, cell.beyond.z, f.slice);
+  return cell;
+}
+
+/// The eight corners of eight cells: [z][y][x].
+struct Corners {
+  Lanes of[8];
+};
+inline Corners corners(const ContactFrame& f, const IntLanes& offset) {
+  alignas(32) float v[8][kLaneCount];
+  for (int lane = 0; lane < kLaneCount; ++lane) {
+    const float* c = f.values + offset[lane];
+    v[0][lane] = c[0], v[1][lane] = c[1];
+    v[2][lane] = c[f.row], v[3][lane] = c[f.row + 1];
+    c += f.slice;
+    v[4][lane] = c[0], v[5][lane] = c[1];
+    v[6][lane] = c[f.row], v[7][lane] = c[f.row + 1];
+  }
+  Corners all;
+  for (int k = 0; k < 8; ++k) all.of[k] = load(v[k]);
+  return all;
+}
+
+/// Distance and gradient (tool axes) at points of field space: the bits of
+/// DistanceField::sample_with_gradient.
+inline Lanes sample(const ContactFrame& f, const Lanes3& p, Lanes3& gradient) {
+  const CellLanes cell = locate(f, p);
+  const Corners v = corners(f, cell.offset);
+  const Lanes3& t = cell.t;
+  const Lanes x00 = lerp(v.of[0], v.of[1], t.x), x10 = lerp(v.of[2], v.of[3], t.x);
+  const Lanes x01 = lerp(v.of[4], v.of[5], t.x), x11 = lerp(v.of[6], v.of[7], t.x);
+  const Lanes y0 = lerp(x00, x10, t.y), y1 = lerp(x01, x11, t.y);
+  const Lanes dx = lerp(lerp(v.of[1] - v.of[0], v.of[3] - v.of[2], t.y),
+                        lerp(v.of[5] - v.of[4], v.of[7] - v.of[6], t.y), t.z);
+  const Lanes dy = lerp(x10 - x00, x11 - x01, t.z);
+  const float per_m = 1.0f / f.spacing_m;
+  gradient = Lanes3{dx, dy, y1 - y0} * (Lanes{} + per_m);
+  const Lanes inside = lerp(y0, y1, t.z);
+  const Lanes squared = dot(cell.beyond, cell.beyond);
+  if (!any(squared != 0.0f)) return inside;
+  // Beyond a face the box's value no longer changes along its normal; the way there does.
+  const Lanes beyond_m = square_root(squared) * f.spacing_m;
+  const Lanes length = beyond_m * per_m;
+  const auto turn = [&](const Lanes& beyond, Lanes& g) {
+    g = beyond != 0.0f ? beyond / length : g;
+  };
+  turn(cell.beyond.x, gradient.x), turn(cell.beyond.y, gradient.y);
+  turn(cell.beyond.z, gradient.z);
+  return inside + beyond_m;
+}
+
+/// The value alone, never larger than the distance. Outside its box the field is the value at the
+/// nearest point of the box plus the way there; the burr lies aslant of that way, so that the two
+/// are the legs of the distance, not its parts.
+inline Lanes least_distance(const ContactFrame& f, const Lanes3& p) {
+  const CellLanes cell = locate(f, p);
+  const Corners v = corners(f, cell.offset);
+  const Lanes3& t = cell.t;
+  const Lanes y0 = lerp(lerp(v.of[0], v.of[1], t.x), lerp(v.of[2], v.of[3], t.x), t.y);
+  const Lanes y1 = lerp(lerp(v.of[4], v.of[5], t.x), lerp(v.of[6], v.of[7], t.x), t.y);
+  const Lanes value = lerp(y0, y1, t.z);
+  const Lanes squared = dot(cell.beyond, cell.beyond) * (f.spacing_m * f.spacing_m);
+  return value > 0.0f ? square_root(value * value + squared) : value;
+}
+
+/// Voxels from the frame's own, by key.
+inline Lanes3 voxels(const ContactFrame& f, const std::uint32_t* keys) {
+  const IntLanes key = load(reinterpret_cast<const std::int32_t*>(keys));
+  return {to_float((key & 1023) - f.cell[0]), to_float((key >> 10 & 1023) - f.cell[1]),
+          to_float((key >> 20 & 1023) - f.cell[2])};
+}
+inline Lanes3 field_from_voxels(const ContactFrame& f, const Lanes3& d) {
+  const auto along = [&](int a) {
+    return f.base[a] + (d.x * f.step[a][0] + d.y * f.step[a][1] + d.z * f.step[a][2]);
+  };
+  return {along(0), along(1), along(2)};
+}
+inline Lanes3 to_world(const ContactFrame& f, const Lanes3& v) {
+  const auto row = [&](int a) {
+    return v.x * f.world_from_tool[a][0] + v.y * f.world_from_tool[a][1] +
+           v.z * f.world_from_tool[a][2];
+  };
+  return {row(0), row(1), row(2)};
+}
+
+inline void distances_of(const ContactFrame& frame, const std::uint32_t* keys, std::size_t count,
+                         float* distance_m, float* const outward[3]) noexcept {
+  for (std::size_t k = 0; k < count; k += kLaneCount) {
+    Lanes3 gradient;
+    const Lanes3 p = field_from_voxels(frame, voxels(frame, keys + k));
+    store(sample(frame, p, gradient), distance_m + k);
+    const Lanes3 away = to_world(frame, gradient);
+    store(-away.x, outward[0] + k), store(-away.y, outward[1] + k);
+    store(-away.z, outward[2] + k);
+  }
+}
+
+inline void leaf_distances_of(const ContactFrame& frame, const std::uint32_t* keys,
+                              std::size_t count, float* distance_m) noexcept {
+  constexpr float kCentre = 0.5f * (kLeafEdge - 1);
+  for (std::size_t k = 0; k < count; k += kLaneCount) {
+    const Lanes3 first = voxels(frame, keys + k);
+    const Lanes3 centre{first.x + kCentre, first.y + kCentre, first.z + kCentre};
+    store(least_distance(frame, field_from_voxels(frame, centre)), distance_m + k);
+  }
+}
+
+inline Lanes3 load3(const ContactArrays& contacts, Contacts::Quantity q, std::size_t k) {
+  return {load(contacts.of[q] + k), load(contacts.of[q + 1] + k), load(contacts.of[q + 2] + k)};
+}
+inline void store3(const Lanes3& v, const ContactArrays& contacts, Contacts::Quantity q,
+                   std::size_t k) {
+  store(v.x, contacts.of[q] + k), store(v.y, contacts.of[q + 1] + k);
+  store(v.z, contacts.of[q + 2] + k);
+}
+
+inline DoubleLanes to_double(const Lanes& v) { return __builtin_convertvector(v, DoubleLanes); }
+
+inline double measure_all(const ContactFrame& frame, const ForceSettings& settings,
+                          const ContactArrays& contacts, std::uint32_t& counted) noexcept {
+  const float voxel_m = frame.voxel_m, half_voxel_m = 0.5f * voxel_m, per_voxel = 1.0f / voxel_m;
+  const float full_cosine = 1.0f / settings.fade_below;
+  DoubleLanes weights{};
+  IntLanes counts{};
+  for (std::size_t k = 0; k < contacts.size; k += kLaneCount) {
+    const Lanes3 d = voxels(frame, contacts.keys + k);
+    Lanes3 normal = load3(contacts, Contacts::kNormal, k);
+    const Lanes distance_m = load(contacts.of[Contacts::kDistance] + k);
+    const IntLanes known = dot(normal, normal) > 0.0f;
+    // Voxels from the frame's to where depth is measured: from the centre along the normal.
+    Lanes along = settings.at_surface
+                      ? where(known, load(contacts.of[Contacts::kOffset] + k) * per_voxel)
+                      : Lanes{};
+    Lanes depth = -distance_m;
+    Lanes weight;
+    if (settings.at_surface || any(~known)) {
+      Lanes3 gradient;
+      const Lanes3 p = field_from_voxels(frame, d + normal * along);
+      const Lanes value = sample(frame, p, gradient);
+      const Lanes3 away = to_world(frame, gradient);
+      const Lanes length = square_root(dot(away, away));
+      const IntLanes tells = length > 0.0f;
+      // Where the method gives no normal the tool's is taken, and the voxel's own face.
+      const Lanes turned = where(tells & ~known, -1.0f / length);
+      Lanes cosine = tells ? -dot(normal, away) / length : Lanes{} + 1.0f;
+      cosine = known ? cosine : Lanes{} + 1.0f;
+      normal = normal + away * turned;
+      if (settings.at_surface) {
+        depth = known ? -value : half_voxel_m - value;
+        along = known ? along : Lanes{} + 0.5f;
+      }
+      // Neither the tooth nor the tool knows a direction here.
+      depth = where(known | tells, depth);
+      along = where(known | tells, along);
+      if (settings.at_surface) {
+        weight = depth * per_voxel * smaller(Lanes{} + 1.0f, cosine * full_cosine);
+        weight = where((depth > 0.0f) & (cosine > 0.0f), weight);
+      } else {
+        weight = where(depth > 0.0f, Lanes{} + 1.0f);
+      }
+      store3(normal, contacts, Contacts::kNormal, k);
+    } else {
+      weight = where(depth > 0.0f, Lanes{} + 1.0f);
+    }
+    store3(constant(frame.arm_m) + (d + normal * along) * (Lanes{} + voxel_m), contacts,
+           Contacts::kArm, k);
+    store(depth, contacts.of[Contacts::kDepth] + k);
+    store(weight, contacts.of[Contacts::kWeight] + k);
+    weights += to_double(weight);
+    counts -= weight > 0.0f;
+  }
+  counted = 0;
+  for (int lane = 0; lane < kLaneCount; ++lane) counted += static_cast<std::uint32_t>(counts[lane]);
+  return sum_of(weights);
+}
+
+template <bool kCutting>
+inline void add_forces(const ForceTerms& terms, const ContactArrays& contacts, ForceSums& sums) {
+  DoubleLanes total[27] = {};
+  const Lanes3 to_tip = constant(terms.axis_m), linear = constant(terms.linear),
+               turning = constant(terms.turning);
+  for (std::size_t k = 0; k < contacts.size; k += kLaneCount) {
+    const Lanes3 normal = load3(contacts, Contacts::kNormal, k);
+    const Lanes3 arm = load3(contacts, Contacts::kArm, k);
+    alignas(32) float of_tissue[kLaneCount];
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+      of_tissue[lane] = terms.stiffness_N_per_m[contacts.tissues[k + lane]];
+    }
+    const Lanes stiffness = load(of_tissue) * load(contacts.of[Contacts::kWeight] + k);
+    const Lanes normal_force = stiffness * load(contacts.of[Contacts::kDepth] + k);
+    Lanes3 force = normal * normal_force;  // eq. 1
+    Lanes power{};
+    if constexpr (kCutting) {
+      const Lanes3 velocity = linear + cross(turning, arm + to_tip);
+      const Lanes3 sliding = velocity + normal * -dot(velocity, normal);
+      const Lanes squared = dot(sliding, sliding);
+      const Lanes speed = larger(square_root(squared), Lanes{} + terms.slow_edge_m_per_s);
+      const Lanes along = terms.tangential_ratio * normal_force / speed;
+      force = force + sliding * -along;  // eq. 7
+      power = along * squared;
+    }
+    store(normal_force, contacts.of[Contacts::kForce] + k);
+    store(power, contacts.of[Contacts::kPower] + k);
+    const Lanes3 torque = cross(arm, force), turn = cross(arm, normal);
+    const Lanes wrench[6] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};
+    const Lanes row[6] = {normal.x, normal.y, normal.z, turn.x, turn.y, turn.z};  // of the Jacobian
+    int entry = 0;
+    for (; entry < 6; ++entry) total[entry] += to_double(wrench[entry]);
+    for (int a = 0; a < 6; ++a) {
+      const Lanes scaled = stiffness * row[a];
+      for (int b = a; b < 6; ++b) total[entry++] += to_double(scaled * row[b]);
+    }
+  }
+  for (int entry = 0; entry < 27; ++entry) sums.of[entry] = sum_of(total[entry]);
+}
+
+inline void forces_of(const ForceTerms& terms, const ContactArrays& contacts,
+                      ForceSums& sums) noexcept {
+  terms.cutting ? add_forces<true>(terms, contacts, sums)
+                : add_forces<false>(terms, contacts, sums);
+}
+
+}  // namespace
+
+}  // namespace sulcus

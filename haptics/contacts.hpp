@@ -1,0 +1,110 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include <Eigen/Core>
+
+#include "engine/volume/grid.hpp"
+
+namespace sulcus {
+
+/// A surface voxel that the burr may touch, and what the stages find out about it.
+struct Contact {
+  // [narrow_phase]
+  Cell cell = Cell::Zero();
+  std::uint8_t tissue = 0;  // label
+  float distance_m = 0.0f;  // of the voxel's centre to the burr, negative inside
+  Eigen::Vector3f outward = Eigen::Vector3f::Zero();  // minus the burr's gradient there, world
+  // [normals]
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // unit, out of the tooth; zero: none
+  float offset_m = 0.0f;  // of the surface from the voxel's centre along the normal
+  // [contact_force]
+  Eigen::Vector3f arm_m = Eigen::Vector3f::Zero();  // world, from the torque reference
+  float depth_m = 0.0f;         // where depth is measured, positive inside the burr
+  float weight = 0.0f;          // 0: dropped
+  float normal_force_N = 0.0f;  // |F_n|, after scaling
+  float power_W = 0.0f;         // beta |F_n| |v_t|; 0 without cutting
+
+  std::uint32_t key() const { return voxel_key(cell); }
+};
+
+/// The contacts of a tick, quantity by quantity, so that the kernels take eight at a time. The
+/// arrays hold whole groups of eight: after `resize` what lies beyond the last contact is zero.
+class Contacts {
+ public:
+  enum Quantity : std::size_t {
+    kDistance,
+    kOutward,
+    kNormal = kOutward + 3,
+    kOffset = kNormal + 3,
+    kArm,
+    kDepth = kArm + 3,
+    kWeight,
+    kForce,
+    kPower,
+    kQuantities
+  };
+
+  /// Room for so many; memory is taken here and nowhere else.
+  explicit Contacts(std::size_t capacity);
+
+  std::size_t size() const { return size_; }
+  std::size_t capacity() const { return capacity_; }
+  bool empty() const { return size_ == 0; }
+  void clear() { size_ = 0; }
+  /// Keeps the first `size` and clears the rest of their last group.
+  void resize(std::size_t size) noexcept;
+  /// Up to the capacity.
+  void push_back(const Contact& contact) noexcept;
+
+  Contact operator[](std::size_t i) const noexcept;
+  void set(std::size_t i, const Contact& contact) noexcept;
+
+  /// voxel_key of each.
+  std::uint32_t* keys() { return keys_.get(); }
+  const std::uint32_t* keys() const { return keys_.get(); }
+  std::uint8_t* tissues() { return tissues_.get(); }
+  const std::uint8_t* tissues() const { return tissues_.get(); }
+  float* operator()(Quantity q) { return values_[q].get(); }
+  const float* operator()(Quantity q) const { return values_[q].get(); }
+  float* operator()(Quantity q, int axis) {
+    return values_[q + static_cast<std::size_t>(axis)].get();
+  }
+  const float* operator()(Quantity q, int axis) const {
+    return values_[q + static_cast<std::size_t>(axis)].get();
+  }
+  Eigen::Vector3f vector(Quantity q, std::size_t i) const {
+    return {values_[q][i], values_[q + 1][i], values_[q + 2][i]};
+  }
+  void set_vector(Quantity q, std::size_t i, const Eigen::Vector3f& v) {
+    for (std::size_t a = 0; a < 3; ++a) values_[q + a][i] = v[static_cast<int>(a)];
+  }
+
+  class Iterator {
+   public:
+    Iterator(const Contacts& contacts, std::size_t i) : contacts_(contacts), i_(i) {}
+    Contact operator*() const { return contacts_[i_]; }
+    Iterator& operator++() { return ++i_, *this; }
+    bool operator!=(const Iterator& other) const { return i_ != other.i_; }
+
+   private:
+    const Contacts& contacts_;
+    std::size_t i_;
+  };
+  Iterator begin() const { return {*this, 0}; }
+  Iterator end() const { return {*this, size_}; }
+
+  std::size_t memory_bytes() const;
+
+ private:
+  std::size_t size_ = 0, capacity_ = 0;
+  // Untouched, and so no memory, until they are used.
+  std::unique_ptr<std::uint32_t[]> keys_;
+  std::unique_ptr<std::uint8_t[]> tissues_;
+  std::array<std::unique_ptr<float[]>, kQuantities> values_;
+};
+
+}  // namespace sulcus

@@ -1,0 +1,185 @@
+#include "haptics/kept_normals.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace sulcus {
+
+namespace {
+
+constexpr int kAlong = 17;  // reach of a map along its axis: the window of a column, and one
+constexpr int kAround = 2;  // of the coarse normal, all round
+constexpr std::uint32_t kLeavesPerContact = 16;  // contacts for each leaf that can be kept
+
+std::uint64_t mixed(std::uint64_t v) {  // splitmix64
+  v += 0x9e3779b97f4a7c15u;
+  v = (v ^ v >> 30) * 0xbf58476d1ce4e5b9u;
+  v = (v ^ v >> 27) * 0x94d049bb133111ebu;
+  return v ^ v >> 31;
+}
+
+/// Voxels of a leaf's slice with x and y in the ranges, 0 to 7, ends included.
+std::uint64_t slice(int x0, int x1, int y0, int y1) {
+  const std::uint64_t row = (0xffu >> (7 - (x1 - x0))) << x0;
+  const std::uint64_t rows = 0x0101010101010101u >> (8 * (7 - (y1 - y0))) << (8 * y0);
+  return row * rows;
+}
+
+}  // namespace
+
+KeptNormals::KeptNormals(const VoxelGrid& grid, const HapticsSettings& settings)
+    : grid_(grid),
+      across_(std::max(settings.neighbourhood, kAround)),
+      wide_(2 * across_),
+      capacity_(
+          std::max(64u, static_cast<std::uint32_t>(settings.max_contacts) / kLeavesPerContact)),
+      pages_(std::make_unique_for_overwrite<Page[]>(capacity_)),
+      table_(std::bit_ceil(std::size_t{2} * capacity_)) {}
+
+std::size_t KeptNormals::home(std::uint32_t leaf_key) const noexcept {
+  return (leaf_key * std::uint64_t{0x9e3779b97f4a7c15}) >> 32 & (table_.size() - 1);
+}
+
+std::size_t KeptNormals::slot_of(std::uint32_t leaf_key) const noexcept {
+  std::size_t slot = home(leaf_key);
+  while (table_[slot] != 0 && pages_[table_[slot] - 1].first_key != leaf_key) {
+    slot = (slot + 1) & (table_.size() - 1);
+  }
+  return slot;
+}
+
+const KeptNormals::Page* KeptNormals::find(std::uint32_t leaf_key) const noexcept {
+  const std::uint32_t entry = table_[slot_of(leaf_key)];
+  return entry == 0 ? nullptr : &pages_[entry - 1];
+}
+
+KeptNormals::Page* KeptNormals::page(std::uint32_t leaf_key) noexcept {
+  const std::uint32_t entry = table_[slot_of(leaf_key)];
+  return entry == 0 ? nullptr : &pages_[entry - 1];
+}
+
+KeptNormals::Page* KeptNormals::make_page(std::uint32_t leaf_key, std::uint64_t tick) noexcept {
+  std::uint32_t at = used_;
+  if (used_ == capacity_) {
+    at = 0;
+    for (std::uint32_t p = 1; p < capacity_; ++p) {
+      if (pages_[p].touched < pages_[at].touched) at = p;
+    }
+    if (pages_[at].touched == tick) return nullptr;  // all are in use
+    forget(at);
+  } else {
+    ++used_;
+  }
+  Page& page = pages_[at];
+  page.first_key = leaf_key;
+  page.touched = tick;
+  page.kept = page.refined = page.wide = {};
+  page.along = {};
+  table_[slot_of(leaf_key)] = at + 1;
+  return &page;
+}
+
+void KeptNormals::forget(std::uint32_t at) noexcept {
+  Page& page = pages_[at];
+  for (int word = 0; word < 8; ++word) clear(page, word, ~std::uint64_t{0});
+  // Linear probing without tombstones, as in CutState.
+  const std::size_t mask = table_.size() - 1;
+  std::size_t slot = slot_of(page.first_key);
+  for (std::size_t next = (slot + 1) & mask; table_[next] != 0; next = (next + 1) & mask) {
+    const std::size_t wanted = home(pages_[table_[next] - 1].first_key);
+    if (((next - wanted) & mask) >= ((next - slot) & mask)) {
+      table_[slot] = table_[next];
+      slot = next;
+    }
+  }
+  table_[slot] = 0;
+}
+
+void KeptNormals::keep(std::uint32_t key, const SurfaceEstimate& estimate, bool refined,
+                       std::uint64_t tick) noexcept {
+  if (!estimate.defined) return;
+  const std::uint32_t leaf = leaf_key(key);
+  Page* p = page(leaf);
+  if (!p) p = make_page(leaf, tick);
+  if (!p) return;
+  const int place = leaf_place(key);
+  const auto word = static_cast<std::size_t>(place >> 6);
+  const std::uint64_t bit = std::uint64_t{1} << (place & 63);
+  const auto set = [&](Mask& mask, bool value) {
+    mask[word] = value ? mask[word] | bit : mask[word] & ~bit;
+  };
+  if (refined && !is(p->refined, place)) hash_ ^= mixed(key);
+  set(p->kept, true);
+  if (refined) set(p->refined, true);
+  for (std::size_t axis = 0; axis < 3; ++axis) set(p->along[axis], estimate.looked_along(axis));
+  set(p->wide, estimate.looked_wide());
+  p->values[static_cast<std::size_t>(place)] = {
+      {estimate.normal.x(), estimate.normal.y(), estimate.normal.z()}, estimate.offset};
+}
+
+void KeptNormals::touch(std::uint32_t leaf_key, std::uint64_t tick) noexcept {
+  if (Page* p = page(leaf_key)) p->touched = tick;
+}
+
+void KeptNormals::clear(Page& page, int word, std::uint64_t bits) noexcept {
+  const auto w = static_cast<std::size_t>(word);
+  page.kept[w] &= ~bits;
+  for (std::uint64_t gone = page.refined[w] & bits; gone != 0; gone &= gone - 1) {
+    const int bit = std::countr_zero(gone);
+    hash_ ^= mixed(page.first_key + voxel_key(bit & 7, bit >> 3, word));
+  }
+  page.refined[w] &= ~bits;
+}
+
+void KeptNormals::drop_box(const Cell& lower, const Cell& upper) noexcept {
+  const auto within = [&](int axis, int across, bool wide) {
+    Cell reach = Cell::Constant(across);
+    reach[axis] = kAlong;
+    const Cell from = (lower - reach).cwiseMax(0),
+               to = (upper + reach).cwiseMin(grid_.cells - Cell::Ones());
+    for (int z = from.z() & ~7; z <= to.z(); z += 8) {
+      for (int y = from.y() & ~7; y <= to.y(); y += 8) {
+        for (int x = from.x() & ~7; x <= to.x(); x += 8) {
+          Page* const p = page(voxel_key(x, y, z));
+          if (!p) continue;
+          const Cell origin(x, y, z);
+          const Cell first = (from - origin).cwiseMax(0), last = (to - origin).cwiseMin(7);
+          const std::uint64_t box = slice(first.x(), last.x(), first.y(), last.y());
+          for (int k = first.z(); k <= last.z(); ++k) {
+            const auto w = static_cast<std::size_t>(k);
+            std::uint64_t seen = box & p->along[static_cast<std::size_t>(axis)][w];
+            if (wide) seen &= p->wide[w];
+            clear(*p, k, seen);
+          }
+        }
+      }
+    }
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    within(axis, across_, false);
+    within(axis, wide_, true);
+  }
+}
+
+void KeptNormals::drop(std::span<const Edit> edits) noexcept {
+  // Edits of a leaf, which come together, as one box.
+  for (std::size_t first = 0; first < edits.size();) {
+    Cell lower = grid_.cell_of_linear(edits[first].voxel), upper = lower;
+    const std::uint32_t leaf = leaf_key(voxel_key(lower));
+    std::size_t next = first + 1;
+    for (; next < edits.size(); ++next) {
+      const Cell c = grid_.cell_of_linear(edits[next].voxel);
+      if (leaf_key(voxel_key(c)) != leaf) break;
+      lower = lower.cwiseMin(c);
+      upper = upper.cwiseMax(c);
+    }
+    drop_box(lower, upper);
+    first = next;
+  }
+}
+
+std::size_t KeptNormals::memory_bytes() const {
+  return used_ * sizeof(Page) + table_.capacity() * sizeof(std::uint32_t);
+}
+
+}  // namespace sulcus

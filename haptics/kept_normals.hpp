@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "engine/normals/surface_estimate.hpp"
+#include "engine/scene/scene.hpp"
+#include "engine/volume/edit.hpp"
+#include "engine/volume/voxel_model.hpp"
+
+namespace sulcus {
+
+/// Normals that stand from one tick to the next, leaf by leaf, without what the tool has to say:
+/// they depend on the workpiece alone, so keeping them changes no result. Under `ldm` they come in
+/// two tiers: what is touched for the first time is ldm_fast's until it has been refined, and which
+/// are is part of the state.
+///
+/// Changed by the tick alone, after the contact has been evaluated; read in between. Memory is
+/// taken when the scene loads, and used as leaves are touched; where it runs out, the leaves that
+/// were touched longest ago give way. Windows are as those of ldm and ldm_fast; an edit drops
+/// what it can have been seen from, and no more than that.
+class KeptNormals {
+ public:
+  KeptNormals(const VoxelGrid& grid, const HapticsSettings& settings);
+
+  struct Value {
+    float normal[3], offset;  // voxels
+  };
+  /// Voxels of a leaf, as in LeafBits.
+  using Mask = std::array<std::uint64_t, 8>;
+  /// What is kept of a leaf. Nothing is set before a page is used, so that those which are not cost
+  /// no memory.
+  struct Page {
+    std::uint32_t first_key;  // voxel_key of the leaf's first voxel
+    std::uint64_t touched;    // tick
+    Mask kept, refined;
+    std::array<Mask, 3> along;      // seen by maps along each axis
+    Mask wide;                      // and with every other column, twice as far
+    std::array<Value, 512> values;  // by leaf_place
+  };
+  static bool is(const Mask& mask, int place) {
+    return (mask[static_cast<std::size_t>(place >> 6)] >> (place & 63) & 1u) != 0;
+  }
+
+  /// The leaf of a voxel, by the key of its first voxel, and the voxel's place in it.
+  static std::uint32_t leaf_key(std::uint32_t key) { return key & ~voxel_key(7, 7, 7); }
+  static int leaf_place(std::uint32_t key) {
+    return static_cast<int>((key & 7u) | (key >> 10 & 7u) << 3 | (key >> 20 & 7u) << 6);
+  }
+
+  /// Null where nothing of the leaf is kept.
+  const Page* find(std::uint32_t leaf_key) const noexcept;
+
+  /// Keeps estimates that were made without the tool. Those that are not defined are passed over.
+  void keep(std::uint32_t key, const SurfaceEstimate& estimate, bool refined,
+            std::uint64_t tick) noexcept;
+  void touch(std::uint32_t leaf_key, std::uint64_t tick) noexcept;
+  /// Drops what has been seen through windows that the edits lie in.
+  void drop(std::span<const Edit> edits) noexcept;
+
+  /// Of the refined voxels, whatever the order they came in.
+  std::uint64_t hash() const { return hash_; }
+  std::uint32_t pages() const { return used_; }
+  std::size_t memory_bytes() const;
+
+ private:
+  std::size_t home(std::uint32_t leaf_key) const noexcept;
+  std::size_t slot_of(std::uint32_t leaf_key) const noexcept;
+  Page* page(std::uint32_t leaf_key) noexcept;
+  Page* make_page(std::uint32_t leaf_key, std::uint64_t tick) noexcept;
+  void forget(std::uint32_t page) noexcept;
+  void drop_box(const Cell& lower, const Cell& upper) noexcept;
+  void clear(Page& page, int word, std::uint64_t bits) noexcept;
+
+  VoxelGrid grid_;
+  int across_, wide_;  // reach of a map across its axis, and of a wide one
+  std::uint32_t capacity_, used_ = 0;
+  std::unique_ptr<Page[]> pages_;     // untouched until used
+  std::vector<std::uint32_t> table_;  // page + 1 by leaf_key, open addressing; 0: free
+  std::uint64_t hash_ = 0;
+};
+
+}  // namespace sulcus

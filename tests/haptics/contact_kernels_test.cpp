@@ -1,0 +1,156 @@
+#include "haptics/contact_kernels.hpp"
+
+#include <cstring>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/shapes.hpp"
+#include "tests/support/tools.hpp"
+
+namespace sulcus {
+namespace {
+
+constexpr double kVoxel = 50e-6;
+
+class ContactKernelsTest : public ::testing::Test {
+ protected:
+  ContactKernelsTest() : burr_(make_burr(test::small_burr(), kVoxel)), grid_{{64, 64, 64}, kVoxel} {
+    pose_ =
+        test::pose_along({0.2e-3, -0.1e-3, 0.15e-3}, Eigen::Vector3d(0.3, -0.5, 1).normalized());
+  }
+  void SetUp() override {
+    fast_ = avx2_contact_kernels();
+    if (!fast_) GTEST_SKIP() << "this processor has no AVX2";
+  }
+
+  /// Voxels all over the grid: inside the burr, beside it, and beyond its field's box.
+  std::vector<std::uint32_t> keys(std::size_t count) {
+    std::vector<std::uint32_t> all(count);
+    for (std::uint32_t& key : all) {
+      key = voxel_key(static_cast<int>(random_() % 64), static_cast<int>(random_() % 64),
+                      static_cast<int>(random_() % 64));
+    }
+    return all;
+  }
+
+  /// Contacts with and without normals, facing the burr and away from it.
+  Contacts contacts(std::size_t count) {
+    Contacts all(count);
+    std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
+    for (const std::uint32_t key : keys(count)) {
+      Contact contact;
+      contact.cell = cell_of_key(key);
+      contact.tissue = static_cast<std::uint8_t>(key % 3);
+      contact.distance_m = 60e-6f * unit(random_);
+      if (key % 7 != 0) {
+        contact.normal = Eigen::Vector3f(unit(random_), unit(random_), unit(random_)).normalized();
+        contact.offset_m = 30e-6f * unit(random_);
+      }
+      all.push_back(contact);
+    }
+    return all;
+  }
+  static ContactArrays arrays(Contacts& contacts) {
+    ContactArrays a;
+    a.size = contacts.size();
+    a.keys = contacts.keys();
+    a.tissues = contacts.tissues();
+    for (std::size_t q = 0; q < Contacts::kQuantities; ++q) {
+      a.of[q] = contacts(Contacts::Quantity(q));
+    }
+    return a;
+  }
+  static void expect_equal(const Contacts& a, const Contacts& b) {
+    for (std::size_t q = 0; q < Contacts::kQuantities; ++q) {
+      ASSERT_EQ(
+          std::memcmp(a(Contacts::Quantity(q)), b(Contacts::Quantity(q)), a.size() * sizeof(float)),
+          0)
+          << "quantity " << q;
+    }
+  }
+
+  Burr burr_;
+  VoxelGrid grid_;
+  Pose pose_;
+  std::mt19937 random_{11};
+  const ContactKernels* fast_ = nullptr;
+};
+
+TEST_F(ContactKernelsTest, DistancesAreTheFieldsInEverySet) {
+  const ContactFrame frame(grid_, burr_.field, pose_, 0.0);
+  const std::vector<std::uint32_t> all = keys(4000);
+  std::vector<float> distance[2], outward[2][3], leaf[2];
+  const ContactKernels* const sets[2] = {&plain_contact_kernels(), fast_};
+  for (int s = 0; s < 2; ++s) {
+    distance[s].resize(all.size()), leaf[s].resize(all.size());
+    for (auto& axis : outward[s]) axis.resize(all.size());
+    float* const to[3] = {outward[s][0].data(), outward[s][1].data(), outward[s][2].data()};
+    sets[s]->distances(frame, all.data(), all.size(), distance[s].data(), to);
+    sets[s]->leaf_distances(frame, all.data(), all.size(), leaf[s].data());
+  }
+  EXPECT_EQ(distance[0], distance[1]);
+  EXPECT_EQ(leaf[0], leaf[1]);
+  int inside = 0, outside = 0;
+  for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(outward[0][axis], outward[1][axis]);
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const Eigen::Vector3d centre = grid_.centre_world(cell_of_key(all[k]));
+    const Eigen::Vector3f p =
+        burr_.field.field_from_tool(pose_.inverse_point(centre)).cast<float>();
+    Eigen::Vector3f gradient;
+    const float expected_m = burr_.field.sample_with_gradient(p, gradient);
+    ASSERT_NEAR(distance[0][k], expected_m, 3e-9);
+    (expected_m < 0 ? inside : outside) += 1;
+    const Eigen::Vector3d away = pose_.direction(gradient.cast<double>());
+    const Eigen::Vector3d found(outward[0][0][k], outward[0][1][k], outward[0][2][k]);
+    // On a cell's face the gradient jumps.
+    ASSERT_LT((found + away).norm(), 0.2) << k;
+    // What a leaf is passed over by is a bound from below.
+    const Eigen::Vector3d middle = centre + Eigen::Vector3d::Constant(3.5 * kVoxel);
+    const float at_middle_m =
+        burr_.field.sample(burr_.field.field_from_tool(pose_.inverse_point(middle)).cast<float>());
+    ASSERT_LT(leaf[0][k], at_middle_m + 3e-9);
+  }
+  EXPECT_GT(inside, 40);
+  EXPECT_GT(outside, 400);
+}
+
+TEST_F(ContactKernelsTest, ForcesAreTheSameBitForBit) {
+  const ContactFrame frame(grid_, burr_.field, pose_, burr_.reference_m);
+  const float stiffness[3] = {30e3f, 5e3f, 800.0f};
+  for (const std::size_t count : {1u, 7u, 8u, 1000u}) {
+    const auto seed = static_cast<std::uint32_t>(random_());
+    for (const bool at_surface : {false, true}) {
+      for (const bool cutting : {false, true}) {
+        random_.seed(seed);
+        Contacts a = contacts(count);
+        random_.seed(seed);
+        Contacts b = contacts(count);
+        std::uint32_t counted_a = 0, counted_b = 0;
+        const ForceSettings settings{at_surface, 0.2f};
+        const double weights_a =
+            plain_contact_kernels().measure(frame, settings, arrays(a), counted_a);
+        const double weights_b = fast_->measure(frame, settings, arrays(b), counted_b);
+        ASSERT_EQ(weights_a, weights_b);
+        ASSERT_EQ(counted_a, counted_b);
+        expect_equal(a, b);
+        ForceTerms terms;
+        terms.stiffness_N_per_m = stiffness;
+        terms.cutting = cutting;
+        terms.axis_m[2] = 0.04f;
+        terms.linear[0] = 0.01f;
+        terms.turning[2] = 700.0f;
+        terms.tangential_ratio = 0.3f;
+        terms.slow_edge_m_per_s = 0.01f;
+        ForceSums sums_a, sums_b;
+        plain_contact_kernels().forces(terms, arrays(a), sums_a);
+        fast_->forces(terms, arrays(b), sums_b);
+        ASSERT_EQ(std::memcmp(&sums_a, &sums_b, sizeof sums_a), 0);
+        expect_equal(a, b);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sulcus

@@ -1,0 +1,195 @@
+#include "haptics/kept_normals.hpp"
+
+#include <algorithm>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "engine/normals/normal_method.hpp"
+#include "haptics/normals.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace sulcus {
+namespace {
+
+HapticsSettings with(NormalMethod method, int refine = 0) {
+  HapticsSettings settings;
+  settings.normals = method;
+  settings.refine_per_tick = refine;
+  return settings;
+}
+
+bool same(const SurfaceEstimate& a, const SurfaceEstimate& b) {
+  return a.defined == b.defined && a.normal == b.normal && a.offset == b.offset;
+}
+
+SurfaceEstimate kept_at(const KeptNormals& kept, const Cell& c) {
+  const std::uint32_t key = voxel_key(c);
+  const KeptNormals::Page* page = kept.find(KeptNormals::leaf_key(key));
+  const int place = KeptNormals::leaf_place(key);
+  if (!page || !KeptNormals::is(page->kept, place)) return {};
+  const KeptNormals::Value& value = page->values[static_cast<std::size_t>(place)];
+  return {{value.normal[0], value.normal[1], value.normal[2]}, value.offset, true};
+}
+
+std::vector<Workpiece> shapes() {
+  std::vector<Workpiece> all;
+  all.emplace_back(test::random_blobs({48, 48, 48}, 5));
+  all.emplace_back(test::make_model({48, 48, 48}, 1e-4, [](const Cell& c) {
+    return std::abs(0.5 * c.x() + 0.2 * c.y() + 0.84 * c.z() - 36.0) < 1.1;
+  }));
+  all.emplace_back(test::ball({48, 48, 48}, 1e-4, {23, 24, 22}, 18));
+  return all;
+}
+
+TEST(KeptNormals, WhatTheToolDoesNotVetoIsTheSameWithoutIt) {
+  // What keeping rests on: a normal found without the tool is the one found with it, unless it
+  // points away from what the tool says.
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
+  for (const Workpiece& workpiece : shapes()) {
+    for (const NormalMethod method : {NormalMethod::kLdm, NormalMethod::kLdmFast}) {
+      int stood = 0, vetoed = 0;
+      for (const Cell& c : test::surface_cells(workpiece)) {
+        const Eigen::Vector3f tool(unit(random), unit(random), unit(random));
+        const SurfaceEstimate alone = estimate_surface(workpiece, c, with(method));
+        if (!alone.defined || alone.normal.dot(tool) < 0.0f) {
+          ++vetoed;
+          continue;
+        }
+        ++stood;
+        ASSERT_TRUE(same(alone, estimate_surface(workpiece, c, with(method), tool)))
+            << c.transpose();
+      }
+      EXPECT_GT(stood, 500);
+      EXPECT_GT(vetoed, 500);
+    }
+  }
+}
+
+TEST(KeptNormals, WhatAnEditLeavesStandingIsWhatAFreshOneWouldBe) {
+  for (const NormalMethod method : {NormalMethod::kLdm, NormalMethod::kLdmFast}) {
+    const HapticsSettings settings = with(method);
+    for (Workpiece& workpiece : std::vector<Workpiece>(shapes())) {
+      KeptNormals kept(workpiece.grid(), settings);
+      std::vector<Cell> cells = test::surface_cells(workpiece);
+      for (const Cell& c : cells) {
+        kept.keep(voxel_key(c), estimate_surface(workpiece, c, settings), false, 0);
+      }
+      std::mt19937 random(9);
+      std::vector<Edit> edits;
+      for (int n = 0; n < 4; ++n) {
+        const Cell c = cells[random() % cells.size()];
+        if (!workpiece.solid(c)) continue;
+        workpiece.remove(c);
+        edits.push_back({0, workpiece.grid().linear(c), 0, EditCause::kCut});
+      }
+      kept.drop(edits);
+      int stood = 0, dropped = 0;
+      for (const Cell& c : cells) {
+        if (!workpiece.is_surface(c)) continue;
+        const SurfaceEstimate fresh = estimate_surface(workpiece, c, settings);
+        const SurfaceEstimate now = kept_at(kept, c);
+        if (fresh.defined && now.defined) {
+          ++stood;
+          ASSERT_TRUE(same(now, fresh)) << c.transpose() << ": " << now.normal.transpose()
+                                        << " instead of " << fresh.normal.transpose();
+        } else if (fresh.defined) {
+          ++dropped;
+        }
+      }
+      EXPECT_GT(stood, 300) << "more than the edits' neighbourhoods is gone";
+      EXPECT_GT(dropped, 50);
+    }
+  }
+}
+
+TEST(KeptNormals, WhereRoomRunsOutTheLeavesTouchedLongestAgoGiveWay) {
+  HapticsSettings settings = with(NormalMethod::kLdmFast);
+  settings.max_contacts = 1;  // the fewest leaves: 64
+  const VoxelGrid grid{{1024, 16, 8}, 1e-4};
+  KeptNormals kept(grid, settings);
+  const SurfaceEstimate up{{0, 0, 1}, 0.5f, true, 4};
+  const auto leaf = [](int n) { return Cell(8 * (n % 128), 8 * (n / 128), 0); };
+  for (int n = 0; n < 64; ++n) kept.keep(voxel_key(leaf(n)), up, false, 1);
+  EXPECT_EQ(kept.pages(), 64u);
+  kept.keep(voxel_key(leaf(64)), up, false, 1);
+  EXPECT_FALSE(kept_at(kept, leaf(64)).defined) << "all leaves are of this tick";
+  for (int n = 0; n < 32; ++n) kept.touch(voxel_key(leaf(n)), 2);
+  for (int n = 64; n < 96; ++n) kept.keep(voxel_key(leaf(n)), up, true, 3);
+  for (int n = 0; n < 96; ++n) {
+    EXPECT_EQ(kept_at(kept, leaf(n)).defined, n < 32 || n >= 64) << n;
+  }
+  EXPECT_NE(kept.hash(), 0u);
+  for (int n = 0; n < 64; ++n) kept.keep(voxel_key(leaf(128 + n)), up, false, 4);
+  EXPECT_EQ(kept.hash(), 0u) << "no refined voxel is left";
+}
+
+class KeptContacts : public ::testing::Test {
+ protected:
+  KeptContacts() : workpiece_(test::ball({48, 48, 48}, 50e-6, {23, 24, 22}, 18)) {}
+
+  void touch(ContactScratch& scratch) const {
+    scratch.contacts.clear();
+    for (const Cell& c : test::surface_cells(workpiece_)) {
+      if (c.z() < 34) continue;
+      Contact contact;
+      contact.cell = c;
+      contact.outward = Eigen::Vector3f(0, 0, 1);
+      scratch.contacts.push_back(contact);
+    }
+  }
+  int of_method(const ContactScratch& scratch, NormalMethod method) const {
+    int count = 0;
+    for (const Contact contact : scratch.contacts) {
+      count += contact.normal ==
+               estimate_surface(workpiece_, contact.cell, with(method), contact.outward).normal;
+    }
+    return count;
+  }
+  Workpiece workpiece_;
+};
+
+TEST_F(KeptContacts, AreRefinedSoManyATick) {
+  const HapticsSettings settings = with(NormalMethod::kLdm, 100);
+  ContactScratch scratch(settings);
+  KeptNormals kept(workpiece_.grid(), settings);
+  std::uint64_t hash = 0;
+  for (std::uint64_t tick = 0; tick < 5; ++tick) {
+    touch(scratch);
+    normals(workpiece_, settings, &kept, scratch);
+    const int all = static_cast<int>(scratch.contacts.size()),
+              refined = static_cast<int>(tick) * 100;
+    ASSERT_GT(all, 500);
+    EXPECT_EQ(scratch.queries.size(), tick == 0 ? scratch.contacts.size() : 0u);
+    EXPECT_GE(of_method(scratch, NormalMethod::kLdm), refined);
+    EXPECT_GE(of_method(scratch, NormalMethod::kLdmFast), all - refined);
+    // Few of a ball's normals are the same by both.
+    EXPECT_LT(of_method(scratch, NormalMethod::kLdm), refined + all / 2);
+    keep_normals(workpiece_, settings, tick, scratch, kept);
+    EXPECT_NE(kept.hash(), hash) << "the state tells which are refined";
+    hash = kept.hash();
+  }
+}
+
+TEST_F(KeptContacts, KeepingChangesNoNormal) {
+  for (const NormalMethod method : {NormalMethod::kLdm, NormalMethod::kLdmFast}) {
+    const HapticsSettings settings = with(method);
+    ContactScratch scratch(settings), fresh(settings);
+    KeptNormals kept(workpiece_.grid(), settings);
+    for (std::uint64_t tick = 0; tick < 2; ++tick) {
+      touch(scratch), touch(fresh);
+      normals(workpiece_, settings, &kept, scratch);
+      keep_normals(workpiece_, settings, tick, scratch, kept);
+      normals(workpiece_, settings, nullptr, fresh);
+      for (std::size_t i = 0; i < fresh.contacts.size(); ++i) {
+        ASSERT_EQ(scratch.contacts[i].normal, fresh.contacts[i].normal);
+        ASSERT_EQ(scratch.contacts[i].offset_m, fresh.contacts[i].offset_m);
+      }
+    }
+    EXPECT_TRUE(scratch.queries.empty());
+  }
+}
+
+}  // namespace
+}  // namespace sulcus
