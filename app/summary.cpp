@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 #include <stdexcept>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -107,13 +108,15 @@ Json make_summary(const Simulation& simulation, const SessionResult& result, Pac
   j["pace"] = pace == Pace::kReal ? "real" : "fast";
   j["ticks"] = s.tick_us.size();
   j["interrupted"] = result.interrupted;
+  j["load_s"] = result.load_seconds;
   j["wall_s"] = result.wall_seconds;
   j["frames"] = result.frames;
   j["parts"] = Json::array();
   Json memory = Json::object();
   for (const PartUse& part : parts) {
-    j["parts"].push_back(
-        {{"name", part.name}, {"time_s", part.seconds}, {"memory_MiB", mebibytes(part.bytes)}});
+    Json use{{"name", part.name}, {"time_s", part.seconds}, {"memory_MiB", mebibytes(part.bytes)}};
+    if (part.cached) use["cached"] = *part.cached;
+    j["parts"].push_back(std::move(use));
     memory[part.name] = mebibytes(part.bytes);
   }
   memory["peak_rss"] = mebibytes(peak_resident_bytes());
