@@ -8,6 +8,7 @@
 #include "app/commands.hpp"
 #include "app/results.hpp"
 #include "app/simulation.hpp"
+#include "engine/cache/load_cache.hpp"
 #include "engine/core/realtime.hpp"
 #include "engine/core/units.hpp"
 #include "engine/import/build_workpiece.hpp"
@@ -23,7 +24,7 @@ struct RunOptions {
   std::string scene, folder, pace = "fast";
   double duration_s = 0.0;  // 0: the whole trajectory
   std::vector<std::string> overrides;
-  bool no_render = false;
+  bool no_render = false, no_cache = false;
   int threads = 0;  // 0: all cores
 };
 
@@ -40,16 +41,20 @@ void run(const RunOptions& options) {
   // All input is read before anything is written.
   const Scene scene = load_scene(options.scene, options.overrides);
   const Trajectory trajectory = make_trajectory(scene.trajectory);
+  LoadCache cache = options.no_cache ? LoadCache() : LoadCache::of_user();
   std::vector<PartUse> loading;
   std::uint64_t begin = steady_ns();
-  Burr burr = load_burr(scene);
-  loading.push_back({"burr", seconds_since(begin), burr.field.memory_bytes()});
+  Burr burr = load_burr(scene, &cache);
+  const bool burr_cached = cache.hits() > 0;
+  loading.push_back({"burr", seconds_since(begin), burr.field.memory_bytes(), burr_cached});
   begin = steady_ns();
-  VoxelModel model = build_workpiece(scene);
+  VoxelModel model = build_workpiece(scene, &cache);
+  const bool workpiece_cached = cache.hits() > (burr_cached ? 1 : 0);
   check_start(scene, model, burr, trajectory.pose_at(0.0));
   const bool clipped = model.clipped;
   Simulation simulation(scene, std::move(model), std::move(burr), StageClock(steady_ns));
-  loading.push_back({"workpiece", seconds_since(begin), simulation.workpiece().memory_bytes()});
+  loading.push_back(
+      {"workpiece", seconds_since(begin), simulation.workpiece().memory_bytes(), workpiece_cached});
 
   SessionOptions session;
   session.folder = options.folder.empty()
@@ -62,6 +67,7 @@ void run(const RunOptions& options) {
       std::max(1.0, std::ceil(duration_s * scene.haptics.rate_hz - 1e-6)));
 
   open_log(session.folder);
+  if (!cache.note().empty()) spdlog::info("{}", cache.note());
   if (clipped) {
     spdlog::warn(
         "the solid reaches beyond the grid of {} x {} x {} voxels of {} mm and is cut "
@@ -95,6 +101,7 @@ void add_run_command(CLI::App& program) {
       ->expected(1)
       ->take_all();
   command->add_flag("--no-render", options->no_render, "Draw nothing, whatever the scene says");
+  command->add_flag("--no-cache", options->no_cache, "Make all anew, and keep nothing of it");
   command->add_option("--threads", options->threads, "Threads for loading and meshing (all cores)")
       ->check(CLI::Range(1, 1024));
   command->callback([options] { run(*options); });

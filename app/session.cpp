@@ -169,6 +169,7 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
   }
 
   HapticLoop loop(simulation, device, options, feeds);
+  result.load_seconds = process_age_s();
   const std::uint64_t begin = steady_ns();
   std::thread haptic([&] { loop.run(); });
   haptic.join();

@@ -25,6 +25,7 @@ struct PartUse {
   std::string name;
   double seconds = 0.0;  // to set it up, or of its own work
   std::size_t bytes = 0;
+  std::optional<bool> cached = {};  // of what may come from the load cache: whether it did
 };
 
 struct SessionResult {
@@ -36,6 +37,7 @@ struct SessionResult {
   std::vector<std::string> files;    // written, in the order to be named
   std::uint64_t frames = 0;
   double wall_seconds = 0.0;
+  double load_seconds = 0.0;  // from the start of the process to the first tick
 };
 
 /// Set by SIGINT and SIGTERM: the run ends after the tick in hand, with all on disk.

@@ -1,8 +1,11 @@
 #include "app/summary.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <fstream>
 #include <stdexcept>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -25,23 +28,28 @@ float largest(const std::vector<float>& values) {
 
 double mebibytes(std::size_t bytes) { return static_cast<double>(bytes) / kMebibyte; }
 
+/// Solid voxels of each tissue.
+std::vector<std::uint64_t> tissue_voxels(const VoxelModel& model, std::size_t tissues) {
+  std::vector<std::uint64_t> voxels(tissues);
+  for (std::uint32_t leaf = 0; leaf < model.leaves.size(); ++leaf) {
+    const LabelBlock* block = model.tissues ? model.tissues->block(leaf) : nullptr;
+    for (int k = 0; k < kLeafEdge; ++k) {
+      std::uint64_t rest = model.leaves[leaf].words[k];
+      if (block) {
+        for (; rest != 0; rest &= rest - 1) ++voxels[(*block)[std::countr_zero(rest) | k << 6]];
+      } else if (rest != 0) {
+        voxels[model.tissues ? model.tissues->uniform_label(leaf) : 0] += std::popcount(rest);
+      }
+    }
+  }
+  return voxels;
+}
+
 Json workpiece_json(const Simulation& simulation) {
   const Workpiece& w = simulation.workpiece();
   const VoxelGrid& grid = w.grid();
   const auto& tissues = simulation.scene().tissues;
-  std::vector<std::uint64_t> voxels(tissues.size());
-  if (tissues.size() == 1) {
-    voxels[0] = w.solid_voxels();
-  } else {
-    for (std::uint32_t leaf = 0; leaf < grid.leaf_count(); ++leaf) {
-      if (w.model().leaves[leaf] == LeafBits{}) continue;
-      const Cell origin = grid.leaf_origin(leaf);
-      for (int v = 0; v < 512; ++v) {
-        const Cell c = origin + Cell(v & 7, v >> 3 & 7, v >> 6);
-        if (w.solid(c)) ++voxels[w.tissue(c)];
-      }
-    }
-  }
+  const std::vector<std::uint64_t> voxels = tissue_voxels(w.model(), tissues.size());
   Json by_tissue = Json::object();
   for (std::size_t t = 0; t < tissues.size(); ++t) {
     by_tissue[tissues[t].name] =
@@ -107,13 +115,15 @@ Json make_summary(const Simulation& simulation, const SessionResult& result, Pac
   j["pace"] = pace == Pace::kReal ? "real" : "fast";
   j["ticks"] = s.tick_us.size();
   j["interrupted"] = result.interrupted;
+  j["load_s"] = result.load_seconds;
   j["wall_s"] = result.wall_seconds;
   j["frames"] = result.frames;
   j["parts"] = Json::array();
   Json memory = Json::object();
   for (const PartUse& part : parts) {
-    j["parts"].push_back(
-        {{"name", part.name}, {"time_s", part.seconds}, {"memory_MiB", mebibytes(part.bytes)}});
+    Json use{{"name", part.name}, {"time_s", part.seconds}, {"memory_MiB", mebibytes(part.bytes)}};
+    if (part.cached) use["cached"] = *part.cached;
+    j["parts"].push_back(std::move(use));
     memory[part.name] = mebibytes(part.bytes);
   }
   memory["peak_rss"] = mebibytes(peak_resident_bytes());

@@ -1,7 +1,11 @@
 #include "engine/core/realtime.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
+#include <sstream>
+#include <string>
 
 #include <pthread.h>
 #include <sched.h>
@@ -67,6 +71,22 @@ void sleep_until_ns(std::uint64_t time_ns) noexcept {
   t.tv_nsec = static_cast<long>(time_ns % 1'000'000'000u);
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) == EINTR) {
   }
+}
+
+double process_age_s() {
+  // Field 22 of the line, counted from behind the name, which may hold anything [proc(5)].
+  std::ifstream stat("/proc/self/stat");
+  std::string line;
+  std::getline(stat, line);
+  const std::size_t name_end = line.rfind(')');
+  if (name_end == std::string::npos) return 0.0;
+  std::istringstream fields(line.substr(name_end + 1));
+  std::string skipped;
+  for (int field = 3; field < 22; ++field) fields >> skipped;
+  double started = 0.0;  // ticks since the system came up
+  if (!(fields >> started)) return 0.0;
+  const double now_s = 1e-9 * static_cast<double>(read_clock(CLOCK_BOOTTIME));
+  return std::max(0.0, now_s - started / static_cast<double>(sysconf(_SC_CLK_TCK)));
 }
 
 std::uint64_t peak_resident_bytes() {

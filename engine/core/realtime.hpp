@@ -21,6 +21,8 @@ std::uint64_t thread_cpu_ns() noexcept;
 /// Sleeps until a time of the steady clock, in nanoseconds.
 void sleep_until_ns(std::uint64_t time_ns) noexcept;
 
+/// Seconds since the process was started, to the system's hundredth; 0 where it does not say.
+double process_age_s();
 /// Largest resident memory of the process so far, bytes.
 std::uint64_t peak_resident_bytes();
 

@@ -1,6 +1,12 @@
 #include "engine/import/build_workpiece.hpp"
 
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "engine/cache/cached_model.hpp"
 #include "engine/core/error.hpp"
+#include "engine/import/input_files.hpp"
 #include "engine/import/medical_volume.hpp"
 #include "engine/import/mesh_file.hpp"
 #include "engine/import/voxelise_mesh.hpp"
@@ -8,17 +14,63 @@
 #include "engine/shapes/build_shape.hpp"
 
 namespace sulcus {
+namespace {
 
-VoxelModel build_workpiece(const Scene& scene) {
+VoxelModel make_model(const Scene& scene, const VoxelGrid& grid) {
   const WorkpieceSettings& w = scene.workpiece;
-  const VoxelGrid grid{w.cells, w.voxel_m};
   VoxelModel model = w.shape ? build_shape(scene)
                      : is_mesh_file(w.file)
                          ? voxelise_mesh(read_mesh(w.file), grid, w)
                          : voxelise_volume(read_medical_volume(w.file), grid, w, scene.tissues);
-  if (model.solid_count() == 0) {
+  const bool any =
+      std::ranges::any_of(model.leaves, [](const LeafBits& leaf) { return leaf != LeafBits{}; });
+  if (!any) {
     throw InputError(scene.file, "[workpiece]", "no solid voxel in the grid",
                      "a solid that reaches into it");
+  }
+  return model;
+}
+
+/// All that the model follows from; empty where the input cannot be told by its contents.
+std::optional<Hash128> key_of(const Scene& scene) {
+  // A setting that is added does not compile until it has a place here.
+  const auto& [shape, file, sphere_radius_m, box_size_m, plate_thickness_m, plate_tilt,
+               torus_major_m, torus_minor_m, groove_angle, groove_depth_m, molar_caries_radius_m,
+               solid_above, spacing_m, voxel_m, cells, position_m, rotation] = scene.workpiece;
+  Hash128Stream key = LoadCache::key_of(CacheKind::kModel);
+  key.add(shape);
+  if (shape) {
+    key.add(sphere_radius_m).add(box_size_m).add(plate_thickness_m).add(plate_tilt);
+    key.add(torus_major_m).add(torus_minor_m).add(groove_angle).add(groove_depth_m);
+    key.add(molar_caries_radius_m);
+  } else {
+    const std::optional<Hash128> contents = hash_input(file);
+    if (!contents) return std::nullopt;
+    key.add(*contents).add(solid_above).add(spacing_m);
+  }
+  key.add(voxel_m).add(cells).add(position_m).add(rotation);
+  for (const TissueSettings& tissue : scene.tissues) {
+    const auto& [name, above, stiffness, specific_energy, colour] = tissue;
+    key.add(name).add(above);
+  }
+  return key.result();
+}
+
+}  // namespace
+
+VoxelModel build_workpiece(const Scene& scene, LoadCache* cache) {
+  const VoxelGrid grid{scene.workpiece.cells, scene.workpiece.voxel_m};
+  const std::optional<Hash128> key =
+      cache && cache->keeps() ? key_of(scene) : std::optional<Hash128>();
+  if (key) {
+    if (auto model = read_cached_model(*cache, *key, grid, scene.tissues.size())) {
+      return std::move(*model);
+    }
+  }
+  VoxelModel model = make_model(scene, grid);
+  // The file may have been written to since its contents were hashed.
+  if (key && (scene.workpiece.shape || key_of(scene) == key)) {
+    write_cached_model(*cache, *key, model);
   }
   return model;
 }

@@ -1,13 +1,15 @@
 #pragma once
 
+#include "engine/cache/load_cache.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/volume/voxel_model.hpp"
 
 namespace sulcus {
 
 /// The voxels of a scene's workpiece: a built-in shape (build_shape), a medical volume or a mesh,
-/// told apart by the file's name. InputError as the importers; also where the grid holds no solid
+/// told apart by the file's name; with a cache it may come from there, the same voxels
+/// and the same tissues of them. InputError as the importers; also where the grid holds no solid
 /// voxel. Runs on oneTBB.
-VoxelModel build_workpiece(const Scene& scene);
+VoxelModel build_workpiece(const Scene& scene, LoadCache* cache = nullptr);
 
 }  // namespace sulcus

@@ -1,11 +1,13 @@
 #pragma once
 
+#include "engine/cache/load_cache.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/tool/burr.hpp"
 
 namespace sulcus {
 
-/// Reads or generates a scene's burr. InputError as make_burr and read_mesh.
-Burr load_burr(const Scene& scene);
+/// Reads or generates a scene's burr; with a cache its field may come from there, the same bits.
+/// InputError as make_burr and read_mesh.
+Burr load_burr(const Scene& scene, LoadCache* cache = nullptr);
 
 }  // namespace sulcus

@@ -1,12 +1,13 @@
 #include "engine/recording/recording_workpiece.hpp"
 
-#include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
 
 #include "engine/core/hash.hpp"
 #include "engine/recording/hdf5_fixed.hpp"
+#include "engine/volume/packed_model.hpp"
 
 namespace sulcus {
 namespace {
@@ -14,61 +15,32 @@ namespace {
 static_assert(sizeof(LeafBits) == 64 && sizeof(LabelBlock) == 512);
 static_assert(sizeof(Eigen::Vector3f) == 12 && sizeof(std::array<std::uint32_t, 3>) == 12);
 
-/// The fixed part as the file holds it.
-struct StoredWorkpiece {
-  std::uint32_t cells[3]{};
-  double voxel_m = 0.0;
-  std::uint8_t clipped = 0;
-  bool labelled = false;
-  std::vector<std::uint32_t> leaves;
-  std::vector<LeafBits> words;
-  std::vector<std::uint8_t> leaf_labels;
-  std::vector<std::uint32_t> mixed;
-  std::vector<LabelBlock> mixed_labels;
-};
-
 template <class T>
 std::uint64_t hash_of(const std::vector<T>& values, std::uint64_t seed) {
   return hash_bytes(values.data(), values.size() * sizeof(T), seed);
 }
 
-std::uint64_t check_of(const StoredWorkpiece& stored) {
-  std::uint64_t hash = hash_bytes(stored.cells, sizeof stored.cells);
-  hash = hash_bytes(&stored.voxel_m, sizeof stored.voxel_m, hash);
-  hash = hash_bytes(&stored.clipped, 1, hash);
-  hash = hash_of(stored.leaves, hash);
-  hash = hash_of(stored.words, hash);
-  hash = hash_of(stored.leaf_labels, hash);
-  hash = hash_of(stored.mixed, hash);
-  return hash_of(stored.mixed_labels, hash);
+std::array<std::uint32_t, 3> stored_cells(const VoxelGrid& grid) {
+  std::array<std::uint32_t, 3> cells{};
+  for (int axis = 0; axis < 3; ++axis) cells[axis] = static_cast<std::uint32_t>(grid.cells[axis]);
+  return cells;
+}
+
+std::uint64_t check_of(const PackedModel& packed) {
+  const auto cells = stored_cells(packed.grid);
+  const std::uint8_t clipped = packed.clipped ? 1 : 0;
+  std::uint64_t hash = hash_bytes(cells.data(), sizeof cells);
+  hash = hash_bytes(&packed.grid.voxel_m, sizeof packed.grid.voxel_m, hash);
+  hash = hash_bytes(&clipped, 1, hash);
+  hash = hash_of(packed.leaves, hash);
+  hash = hash_of(packed.words, hash);
+  hash = hash_of(packed.leaf_labels, hash);
+  hash = hash_of(packed.mixed, hash);
+  return hash_of(packed.mixed_labels, hash);
 }
 
 std::uint64_t check_of(const TriangleMesh& mesh) {
   return hash_of(mesh.triangles, hash_of(mesh.positions, 0));
-}
-
-StoredWorkpiece stored(const VoxelModel& model) {
-  StoredWorkpiece out;
-  for (int axis = 0; axis < 3; ++axis) {
-    out.cells[axis] = static_cast<std::uint32_t>(model.grid.cells[axis]);
-  }
-  out.voxel_m = model.grid.voxel_m;
-  out.clipped = model.clipped ? 1 : 0;
-  out.labelled = model.tissues != nullptr;
-  for (std::uint32_t leaf = 0; leaf < model.leaves.size(); ++leaf) {
-    if (model.leaves[leaf] == LeafBits{}) continue;
-    const auto row = static_cast<std::uint32_t>(out.leaves.size());
-    out.leaves.push_back(leaf);
-    out.words.push_back(model.leaves[leaf]);
-    if (!out.labelled) continue;
-    const LabelBlock* block = model.tissues->block(leaf);
-    out.leaf_labels.push_back(block ? std::uint8_t{0} : model.tissues->uniform_label(leaf));
-    if (block) {
-      out.mixed.push_back(row);
-      out.mixed_labels.push_back(*block);
-    }
-  }
-  return out;
 }
 
 template <class T>
@@ -82,9 +54,7 @@ std::vector<T> read_rows(const Hdf5Handle& group, const char* name, hid_t type, 
 
 /// Rising and below `end`.
 void check_indices(const std::vector<std::uint32_t>& indices, std::uint64_t end, const char* name) {
-  const bool rising =
-      std::adjacent_find(indices.begin(), indices.end(), std::greater_equal<>()) == indices.end();
-  if (!rising || (!indices.empty() && indices.back() >= end)) {
+  if (!is_rising_below(indices, end)) {
     throw Hdf5Error(std::string(name) + ": indices out of order or range");
   }
 }
@@ -118,7 +88,7 @@ VoxelGrid read_grid_of(const Hdf5Handle& group) {
   return grid;
 }
 
-void read_labels(const Hdf5Handle& group, std::uint64_t file_bytes, StoredWorkpiece& in) {
+void read_labels(const Hdf5Handle& group, std::uint64_t file_bytes, PackedModel& in) {
   const std::size_t n = in.leaves.size();
   in.leaf_labels = read_rows<std::uint8_t>(group, "leaf_labels", H5T_STD_U8LE, 1, n, file_bytes);
   if (in.leaf_labels.size() != n) throw Hdf5Error("leaf_labels: not as many as leaves");
@@ -134,11 +104,13 @@ void read_labels(const Hdf5Handle& group, std::uint64_t file_bytes, StoredWorkpi
 }  // namespace
 
 void write_workpiece(const Hdf5Handle& file, const VoxelModel& model) {
-  const StoredWorkpiece out = stored(model);
+  const PackedModel out = pack(model);
+  const auto cells = stored_cells(out.grid);
+  const std::uint8_t clipped = out.clipped ? 1 : 0;
   const auto group = create_group(file, "workpiece");
-  write_attribute(group, "cells", H5T_STD_U32LE, out.cells, 3);
-  write_attribute(group, "voxel_m", H5T_IEEE_F64LE, &out.voxel_m);
-  write_attribute(group, "clipped", H5T_STD_U8LE, &out.clipped);
+  write_attribute(group, "cells", H5T_STD_U32LE, cells.data(), 3);
+  write_attribute(group, "voxel_m", H5T_IEEE_F64LE, &out.grid.voxel_m);
+  write_attribute(group, "clipped", H5T_STD_U8LE, &clipped);
   const std::uint64_t check = check_of(out);
   write_attribute(group, "check", H5T_STD_U64LE, &check);
   write_fixed_rows(group, "leaves", H5T_STD_U32LE, out.leaves.data(), out.leaves.size());
@@ -155,16 +127,12 @@ VoxelGrid read_grid(const Hdf5Handle& file) { return read_grid_of(open_group(fil
 
 VoxelModel read_workpiece(const Hdf5Handle& file, std::uint64_t file_bytes) {
   const auto group = open_group(file, "workpiece");
-  VoxelModel model;
-  model.grid = read_grid_of(group);
-  const std::uint32_t leaf_count = model.grid.leaf_count();
-
-  StoredWorkpiece in;
-  for (int axis = 0; axis < 3; ++axis) {
-    in.cells[axis] = static_cast<std::uint32_t>(model.grid.cells[axis]);
-  }
-  in.voxel_m = model.grid.voxel_m;
-  read_attribute(group, "clipped", H5T_NATIVE_UINT8, &in.clipped);
+  PackedModel in;
+  in.grid = read_grid_of(group);
+  const std::uint32_t leaf_count = in.grid.leaf_count();
+  std::uint8_t clipped = 0;
+  read_attribute(group, "clipped", H5T_NATIVE_UINT8, &clipped);
+  in.clipped = clipped != 0;
   in.leaves = read_rows<std::uint32_t>(group, "leaves", H5T_STD_U32LE, 1, leaf_count, file_bytes);
   check_indices(in.leaves, leaf_count, "leaves");
   in.words = read_rows<LeafBits>(group, "words", H5T_STD_U64LE, 8, leaf_count, file_bytes);
@@ -175,22 +143,7 @@ VoxelModel read_workpiece(const Hdf5Handle& file, std::uint64_t file_bytes) {
   read_attribute(group, "check", H5T_NATIVE_UINT64, &check);
   if (check != check_of(in)) throw Hdf5Error("workpiece: its check does not fit, it is damaged");
 
-  model.clipped = in.clipped != 0;
-  model.leaves.resize(leaf_count);
-  for (std::size_t row = 0; row < in.leaves.size(); ++row) {
-    model.leaves[in.leaves[row]] = in.words[row];
-  }
-  if (!in.labelled) return model;
-  auto tissues = std::make_shared<TissueMap>(leaf_count);
-  for (std::size_t row = 0; row < in.leaves.size(); ++row) {
-    tissues->set_uniform(in.leaves[row], in.leaf_labels[row]);
-  }
-  for (std::size_t m = 0; m < in.mixed.size(); ++m) {
-    const std::uint32_t row = in.mixed[m];
-    tissues->set_block(in.leaves[row], in.mixed_labels[m], in.words[row].words);
-  }
-  model.tissues = std::move(tissues);
-  return model;
+  return unpack(in);
 }
 
 void write_burr(const Hdf5Handle& file, const TriangleMesh& mesh_tool) {

@@ -66,19 +66,21 @@ Capsule axial_capsule(const TriangleMesh& mesh_tool) {
   return {Eigen::Vector3d(0.0, a, 0.0), Eigen::Vector3d(0.0, b, 0.0), std::sqrt(radius2)};
 }
 
-Burr make_burr(const BurrSettings& settings, double voxel_m, std::string_view scene_file) {
+Burr make_burr(const BurrSettings& settings, double voxel_m, std::string_view scene_file,
+               const FieldSource& field_source) {
   const BurrProfile profile = make_burr_profile(settings, scene_file);
   const double radius = profile.max_radius_m();
   const Eigen::AlignedBox3d bounds(Eigen::Vector3d(-radius, 0.0, -radius),
                                    Eigen::Vector3d(radius, profile.length_m(), radius));
   const FieldGrid grid =
       plan_field(settings, bounds, profile.head_diameter_m(), voxel_m, scene_file);
-  return assemble(settings, revolve(profile), field_from_profile(profile, grid),
-                  profile.head_length_m());
+  DistanceField field =
+      field_source(grid, nullptr, [&] { return field_from_profile(profile, grid); });
+  return assemble(settings, revolve(profile), std::move(field), profile.head_length_m());
 }
 
 Burr make_burr(const BurrSettings& settings, double voxel_m, TriangleMesh mesh_tool,
-               std::string_view scene_file) {
+               std::string_view scene_file, const FieldSource& field_source) {
   check_burr_mesh(mesh_tool, settings.file);
   Eigen::AlignedBox3d bounds;
   for (const Eigen::Vector3f& p : mesh_tool.positions) bounds.extend(p.cast<double>());
@@ -96,7 +98,8 @@ Burr make_burr(const BurrSettings& settings, double voxel_m, TriangleMesh mesh_t
   }
   const double width = std::min(size.x(), size.z());
   const FieldGrid grid = plan_field(settings, bounds, width, voxel_m, scene_file);
-  DistanceField field = field_from_mesh(mesh_tool, grid, settings.file);
+  DistanceField field = field_source(
+      grid, &mesh_tool, [&] { return field_from_mesh(mesh_tool, grid, settings.file); });
   const double head_length = std::min(settings.length_m.value_or(size.y()), size.y());
   return assemble(settings, std::move(mesh_tool), std::move(field), head_length);
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string_view>
 
 #include <Eigen/Core>
@@ -28,16 +29,28 @@ struct Burr {
   double tangential_ratio = 0.0;  // beta of [Kim and Park 2019, eq. 7]
 };
 
+/// How a burr comes by its field: by `make`, or by what an earlier call of it made for the same
+/// burr and grid. `mesh_tool` is null for a generated burr.
+using FieldSource =
+    std::function<DistanceField(const FieldGrid& grid, const TriangleMesh* mesh_tool,
+                                const std::function<DistanceField()>& make)>;
+/// Always makes it.
+inline DistanceField make_field(const FieldGrid&, const TriangleMesh*,
+                                const std::function<DistanceField()>& make) {
+  return make();
+}
+
 /// A generated burr. `voxel_m` is the workpiece's, for `field = "auto"`; `scene_file` is named in
 /// errors. InputError as make_burr_profile and plan_field.
-Burr make_burr(const BurrSettings& settings, double voxel_m, std::string_view scene_file = {});
+Burr make_burr(const BurrSettings& settings, double voxel_m, std::string_view scene_file = {},
+               const FieldSource& field_source = make_field);
 
 /// A burr from a closed mesh in tool space, m (tool_from_file makes one of a file's). One whose
 /// triangles face inwards is turned. All of it cuts, unless `length_m` says how much; the diameter
 /// of the settings plays no part. InputError as field_from_mesh and plan_field, and (of
 /// `settings.file`) where its size is not that of a burr.
 Burr make_burr(const BurrSettings& settings, double voxel_m, TriangleMesh mesh_tool,
-               std::string_view scene_file = {});
+               std::string_view scene_file = {}, const FieldSource& field_source = make_field);
 
 /// The thinnest capsule along the tool's axis that holds all vertices; of those the shortest.
 Capsule axial_capsule(const TriangleMesh& mesh_tool);

@@ -106,29 +106,21 @@ class NearestGrid {
     });
   }
 
-  /// Hands nearest triangles on, along x, y and z, forwards and backwards.
+  /// Hands nearest triangles on, along x, y and z, forwards and backwards. What has not changed
+  /// since it was handed on last is left out: it would change nothing.
   void sweep() {
-    const int nx = samples_.x(), ny = samples_.y(), nz = samples_.z();
+    const int ny = samples_.y(), nz = samples_.z();
+    changed_.assign(static_cast<std::size_t>(ny) * nz, 0);
     for (int pass = 0; pass < kSweeps; ++pass) {
+      const int along_x = 1 + pass * kPhases;
       tbb::parallel_for(0, nz, [=, this](int k) {
-        for (int j = 0; j < ny; ++j) {
-          for (int i = 1; i < nx; ++i) relax({i, j, k}, {i - 1, j, k});
-          for (int i = nx - 2; i >= 0; --i) relax({i, j, k}, {i + 1, j, k});
-        }
-        for (int j = 1; j < ny; ++j) {
-          for (int i = 0; i < nx; ++i) relax({i, j, k}, {i, j - 1, k});
-        }
-        for (int j = ny - 2; j >= 0; --j) {
-          for (int i = 0; i < nx; ++i) relax({i, j, k}, {i, j + 1, k});
-        }
+        for (int j = 0; j < ny; ++j) sweep_row(j, k, along_x);
+        for (int j = 1; j < ny; ++j) relax_row(j, k, j - 1, k, along_x + 1);
+        for (int j = ny - 2; j >= 0; --j) relax_row(j, k, j + 1, k, along_x + 2);
       });
       tbb::parallel_for(0, ny, [=, this](int j) {
-        for (int k = 1; k < nz; ++k) {
-          for (int i = 0; i < nx; ++i) relax({i, j, k}, {i, j, k - 1});
-        }
-        for (int k = nz - 2; k >= 0; --k) {
-          for (int i = 0; i < nx; ++i) relax({i, j, k}, {i, j, k + 1});
-        }
+        for (int k = 1; k < nz; ++k) relax_row(j, k, j, k - 1, along_x + 3);
+        for (int k = nz - 2; k >= 0; --k) relax_row(j, k, j, k + 1, along_x + 4);
       });
     }
   }
@@ -168,20 +160,48 @@ class NearestGrid {
     }
   }
 
-  void relax(const Vector3i& to, const Vector3i& from) {
-    const Nearest& source = nearest_[index(from.x(), from.y(), from.z())];
-    const std::size_t s = index(to.x(), to.y(), to.z());
-    if (source.triangle < 0 || source.triangle == nearest_[s].triangle) return;
+  /// Whether the sample `to` = (i, j, k) takes the triangle of its neighbour `from`.
+  bool relax(std::size_t to, std::size_t from, int i, int j, int k) {
+    const Nearest& source = nearest_[from];
+    if (source.triangle < 0 || source.triangle == nearest_[to].triangle) return false;
+    const Vector3i at(i, j, k);
     // The neighbour's nearest point bounds the distance to its triangle: cheap, and tight enough.
-    if ((to.cast<float>() - source.point).squaredNorm() < squared_[s]) {
-      offer(s, to.cast<double>(), source.triangle);
-    }
+    if (!((at.cast<float>() - source.point).squaredNorm() < squared_[to])) return false;
+    offer(to, at.cast<double>(), source.triangle);
+    return true;
   }
+
+  // A phase is one direction of one pass. Rows know the last one that changed them. In all but the
+  // first, rows are handed on before they change again.
+  static constexpr int kPhases = 5;  // x both ways, y, y back, z, z back
+
+  void sweep_row(int j, int k, int phase) {
+    int& changed = changed_of(j, k);
+    if (phase > kPhases && changed < phase - kPhases) return;
+    const std::size_t row = index(0, j, k);
+    bool any = false;
+    for (int i = 1; i < samples_.x(); ++i) any |= relax(row + i, row + i - 1, i, j, k);
+    for (int i = samples_.x() - 2; i >= 0; --i) any |= relax(row + i, row + i + 1, i, j, k);
+    if (any) changed = phase;
+  }
+
+  void relax_row(int j, int k, int from_j, int from_k, int phase) {
+    int& changed = changed_of(j, k);
+    const int last = phase - kPhases;
+    if (last > 0 && changed <= last && changed_of(from_j, from_k) <= last) return;
+    const std::size_t row = index(0, j, k), from = index(0, from_j, from_k);
+    bool any = false;
+    for (int i = 0; i < samples_.x(); ++i) any |= relax(row + i, from + i, i, j, k);
+    if (any) changed = phase;
+  }
+
+  int& changed_of(int j, int k) { return changed_[static_cast<std::size_t>(j + samples_.y() * k)]; }
 
   const std::vector<Triangle>& triangles_;
   Vector3i samples_;
   std::vector<Nearest> nearest_;
   std::vector<float> squared_;
+  std::vector<int> changed_;  // phase, of the row (j, k)
 };
 
 /// A ray's passage through a triangle.

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <cassert>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -9,15 +11,18 @@
 namespace sulcus {
 
 /// The occupancy a second time, packed along x, along y and along z, so that the voxels above and
-/// below a surface voxel are one shifted word. A border of zeros (64 voxels along a column, 16
-/// across) stands around the grid, so that a window of any map needs no test against its faces.
+/// below a surface voxel are one shifted word. It covers the box of the leaves that hold a solid
+/// voxel, and a border of zeros around it, so that a window of any map around such a voxel needs no
+/// test against faces; what is far from the solid takes no memory. Removal only ever shrinks the
+/// solid, so the box stays right.
 ///
 /// Columns along axis a are addressed by the other two coordinates in cyclic order:
 /// (y, z) for x, (z, x) for y, (x, y) for z. The words of one height lie together, one after
 /// another in the first of the two, so that the columns of a map's row are read in one go.
 class ColumnBits {
  public:
-  static constexpr int kBorder = 16;  // columns; a map may reach this far across the grid's face
+  static constexpr int kBorder = 16;  // columns; a map may reach this far across the box's face
+  static constexpr int kBelow = 16;   // voxels; a window may begin this far below the box
 
   /// Voxels of each column around one, from a height on: `window(i, j)` is the column i further in
   /// the first coordinate and j in the second, bit 0 lowest; voxels outside the grid are empty.
@@ -37,22 +42,36 @@ class ColumnBits {
   };
 
   ColumnBits() = default;
+  /// Runs on oneTBB.
   explicit ColumnBits(const VoxelModel& model);
 
-  /// Needs -64 <= start <= cells along the axis; columns up to kBorder beyond the grid may be
-  /// asked.
+  /// First cell of the box of leaves with a solid voxel, as they were at the start, and the one
+  /// behind the last; equal where there was none.
+  const Cell& lower() const { return lower_; }
+  const Cell& upper() const { return upper_; }
+
+  /// Needs a column in the box (others up to kBorder beyond it may then be asked by their offset)
+  /// and lower() - kBelow <= start <= upper() along the axis.
   Windows around(int axis, int u, int v, int start) const noexcept {
     const Axis& a = axes_[axis];
-    const unsigned from = static_cast<unsigned>(start + kBelow);
-    return {a.words.data() + a.offset(u, v, from >> 5), static_cast<std::ptrdiff_t>(a.row),
-            static_cast<std::ptrdiff_t>(a.plane), from & 31u};
+    const int from = start + a.below;
+    assert(from >= 0 && start <= upper_[axis]);
+    return {a.words.data() + a.offset(u, v, from >> 5), a.row, a.plane,
+            static_cast<unsigned>(from) & 31u};
   }
   std::uint64_t window(int axis, int u, int v, int start) const noexcept {
     return around(axis, u, v, start).window(0, 0);
   }
 
+  /// Needs a voxel in the box.
   void clear(const Cell& c) noexcept {
-    for (int axis = 0; axis < 3; ++axis) *word_of(axis, c) &= ~bit_of(axis, c);
+    for (int axis = 0; axis < 3; ++axis) {
+      Axis& a = axes_[axis];
+      const int height = c[axis] + a.below;
+      a.words[static_cast<std::size_t>(
+          a.offset(c[(axis + 1) % 3], c[(axis + 2) % 3], height >> 5))] &=
+          ~(1u << (static_cast<unsigned>(height) & 31u));
+    }
   }
 
   std::size_t memory_bytes() const {
@@ -62,26 +81,20 @@ class ColumnBits {
   }
 
  private:
-  static constexpr int kBelow = 64;  // zeros below the first voxel of a column
-
   struct Axis {
-    std::vector<std::uint32_t> words;  // [height][v][u], with the borders
-    std::size_t row = 0;               // words from one v to the next
-    std::size_t plane = 0;             // words from one height to the next
+    std::vector<std::uint32_t> words;  // [height][v][u] of the box with its borders
+    std::ptrdiff_t row = 0;            // words from one v to the next
+    std::ptrdiff_t plane = 0;          // words from one height to the next
+    std::ptrdiff_t origin = 0;         // of the column (0, 0) at the first height; may be negative
+    int below = 0;                     // bits below voxel 0 of a column; may be negative
 
-    std::size_t offset(int u, int v, std::size_t word) const noexcept {
-      return word * plane + static_cast<std::size_t>(v + kBorder) * row +
-             static_cast<std::size_t>(u + kBorder);
+    std::ptrdiff_t offset(int u, int v, int word) const noexcept {
+      return origin + word * plane + v * row + u;
     }
   };
-  std::uint32_t* word_of(int axis, const Cell& c) noexcept {
-    Axis& a = axes_[axis];
-    const auto height = static_cast<std::size_t>(c[axis] + kBelow) >> 5;
-    return a.words.data() + a.offset(c[(axis + 1) % 3], c[(axis + 2) % 3], height);
-  }
-  static std::uint32_t bit_of(int axis, const Cell& c) noexcept {
-    return 1u << (static_cast<unsigned>(c[axis] + kBelow) & 31u);
-  }
+  void fill(const LeafBits& bits, const Cell& first) noexcept;
+
+  Cell lower_ = Cell::Zero(), upper_ = Cell::Zero();
   std::array<Axis, 3> axes_;
 };
 

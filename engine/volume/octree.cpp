@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <bit>
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 namespace sulcus {
 
 namespace {
@@ -51,33 +54,39 @@ Octree::Octree(const VoxelModel& model) {
   }
   nodes_.resize(total);
 
-  for (std::uint32_t leaf = 0; leaf < model.grid.leaf_count(); ++leaf) {
-    nodes_[begin_.back() + leaf] = leaf_node(model.leaves[leaf], model.grid.leaf_origin(leaf));
-  }
+  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, model.grid.leaf_count(), 4096),
+                    [&](const auto& range) {
+                      for (std::uint32_t leaf = range.begin(); leaf != range.end(); ++leaf) {
+                        nodes_[begin_.back() + leaf] =
+                            leaf_node(model.leaves[leaf], model.grid.leaf_origin(leaf));
+                      }
+                    });
   for (int level = levels() - 2; level >= 0; --level) {
-    const Eigen::Vector3i n = dims_[level];
-    const Eigen::Vector3i n_child = dims_[level + 1];
-    for (int z = 0; z < n.z(); ++z) {
-      for (int y = 0; y < n.y(); ++y) {
-        for (int x = 0; x < n.x(); ++x) {
-          OctreeNode& node = nodes_[index({level, {x, y, z}})];
-          int present = 0;
-          for (int c = 0; c < 8; ++c) {
-            const Eigen::Vector3i at(2 * x + (c & 1), 2 * y + (c >> 1 & 1), 2 * z + (c >> 2));
-            if ((at.array() >= n_child.array()).any()) continue;
-            const OctreeNode& child = nodes_[index({level + 1, at})];
-            if (child.status == ChildStatus::kNone) continue;
-            for (int a = 0; a < 3; ++a) {
-              node.lower[a] = present ? std::min(node.lower[a], child.lower[a]) : child.lower[a];
-              node.upper[a] = present ? std::max(node.upper[a], child.upper[a]) : child.upper[a];
-            }
-            ++present;
-          }
-          node.status = present == 0   ? ChildStatus::kNone
-                        : present == 8 ? ChildStatus::kFull
-                                       : ChildStatus::kSome;
+    tbb::parallel_for(0, dims_[level].z(), [&](int z) { join_children(level, z); });
+  }
+}
+
+void Octree::join_children(int level, int z) {
+  const Eigen::Vector3i n = dims_[level];
+  const Eigen::Vector3i n_child = dims_[level + 1];
+  for (int y = 0; y < n.y(); ++y) {
+    for (int x = 0; x < n.x(); ++x) {
+      OctreeNode& node = nodes_[index({level, {x, y, z}})];
+      int present = 0;
+      for (int c = 0; c < 8; ++c) {
+        const Eigen::Vector3i at(2 * x + (c & 1), 2 * y + (c >> 1 & 1), 2 * z + (c >> 2));
+        if ((at.array() >= n_child.array()).any()) continue;
+        const OctreeNode& child = nodes_[index({level + 1, at})];
+        if (child.status == ChildStatus::kNone) continue;
+        for (int a = 0; a < 3; ++a) {
+          node.lower[a] = present ? std::min(node.lower[a], child.lower[a]) : child.lower[a];
+          node.upper[a] = present ? std::max(node.upper[a], child.upper[a]) : child.upper[a];
         }
+        ++present;
       }
+      node.status = present == 0   ? ChildStatus::kNone
+                    : present == 8 ? ChildStatus::kFull
+                                   : ChildStatus::kSome;
     }
   }
 }

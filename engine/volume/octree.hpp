@@ -32,6 +32,7 @@ class Octree {
   };
 
   Octree() = default;
+  /// Runs on oneTBB.
   explicit Octree(const VoxelModel& model);
 
   int levels() const { return static_cast<int>(dims_.size()); }
@@ -59,6 +60,9 @@ class Octree {
   std::size_t memory_bytes() const { return nodes_.capacity() * sizeof(OctreeNode); }
 
  private:
+  /// Makes the nodes of a slice of a level from those of the next.
+  void join_children(int level, int z);
+
   std::vector<OctreeNode> nodes_;
   std::vector<std::uint32_t> begin_;   // first node of each level
   std::vector<Eigen::Vector3i> dims_;  // nodes along each axis, by level

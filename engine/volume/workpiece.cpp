@@ -3,7 +3,7 @@
 #include <bit>
 
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include "engine/core/hash.hpp"
 
@@ -47,22 +47,31 @@ LeafBits surface_of_leaf(const VoxelModel& model, std::uint32_t leaf) {
 
 Workpiece::Workpiece(VoxelModel model)
     : model_(std::move(model)), surface_(model_.leaves.size()), octree_(model_), columns_(model_) {
-  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, grid().leaf_count(), 4096),
-                    [&](const auto& range) {
-                      for (std::uint32_t leaf = range.begin(); leaf != range.end(); ++leaf) {
-                        if (model_.leaves[leaf] != kEmptyLeaf) {
-                          surface_[leaf] = surface_of_leaf(model_, leaf);
-                        }
-                      }
-                    });
-  for (std::uint32_t leaf = 0; leaf < grid().leaf_count(); ++leaf) {
-    if (model_.leaves[leaf] == kEmptyLeaf) continue;
-    for (int k = 0; k < 8; ++k) {
-      solid_voxels_ += std::popcount(model_.leaves[leaf].words[k]);
-      surface_voxels_ += std::popcount(surface_[leaf].words[k]);
-    }
-    hash_ ^= leaf_hash(leaf);
-  }
+  struct Sums {
+    std::uint64_t solid = 0, surface = 0, hash = 0;
+  };
+  using Range = tbb::blocked_range<std::uint32_t>;
+  const Sums sums = tbb::parallel_reduce(
+      Range(0, grid().leaf_count(), 4096), Sums{},
+      [&](const Range& range, Sums sum) {
+        for (std::uint32_t leaf = range.begin(); leaf != range.end(); ++leaf) {
+          if (model_.leaves[leaf] == kEmptyLeaf) continue;
+          surface_[leaf] = surface_of_leaf(model_, leaf);
+          for (int k = 0; k < 8; ++k) {
+            sum.solid += std::popcount(model_.leaves[leaf].words[k]);
+            sum.surface += std::popcount(surface_[leaf].words[k]);
+          }
+          sum.hash ^= leaf_hash(leaf);
+        }
+        return sum;
+      },
+      // Whole numbers, so that the order of adding does not matter.
+      [](const Sums& a, const Sums& b) {
+        return Sums{a.solid + b.solid, a.surface + b.surface, a.hash ^ b.hash};
+      });
+  solid_voxels_ = sums.solid;
+  surface_voxels_ = sums.surface;
+  hash_ = sums.hash;
 }
 
 bool Workpiece::is_surface(const Cell& c) const {

@@ -44,5 +44,14 @@ TEST(Realtime, PeakMemoryHoldsWhatWasTouched) {
   EXPECT_GE(peak_resident_bytes(), touched.size());
 }
 
+TEST(Realtime, TheAgeOfTheProcessPassesAsTimeDoes) {
+  const double before_s = process_age_s();
+  EXPECT_GE(before_s, 0.0);
+  sleep_until_ns(steady_ns() + 50'000'000);
+  const double after_s = process_age_s();
+  EXPECT_GE(after_s - before_s, 0.0499);
+  EXPECT_LT(after_s, 3600.0) << "not since the system came up";
+}
+
 }  // namespace
 }  // namespace sulcus

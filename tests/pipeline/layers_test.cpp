@@ -115,6 +115,13 @@ TEST(Layers, CoreStandsOnNothing) {
   });
 }
 
+TEST(Layers, OnlyImportAndAppKnowTheLoadCache) {
+  expect_none("what makes a thing does not know that it is kept", [](const Include& i) {
+    return is_in(i.header, "engine/cache/") && !is_in(i.file, "engine/cache/") &&
+           !is_in(i.file, "engine/import/") && !is_in(i.file, "app/");
+  });
+}
+
 TEST(Layers, NothingIncludesTests) {
   expect_none("the program does not know its tests", [](const Include& i) {
     return is_in(i.header, "tests/") || is_of(i.header, {"gtest/", "gmock/"});

@@ -79,13 +79,58 @@ TEST(Run, PaceAndThreadsDoNotChangeTheResult) {
   EXPECT_EQ(forces.size(), 1u);
 }
 
+TEST(Run, LoadsTheSameFromTheCache) {
+  const ScratchFolder scratch;
+  const std::string scene = scratch.write("s.toml", test::kCutScene);
+  const std::string cache = scratch.path("cache"), own = "SULCUS_CACHE=" + cache;
+  std::set<std::string> volumes, forces;
+  const auto cached = [&](const std::string& options, const std::string& environment) {
+    const auto result =
+        sulcus_command("run " + scene + " --duration 0.3 -o " + scratch.path("out") + options,
+                       scratch.path("err"), environment);
+    EXPECT_EQ(result.status, 0) << result.err;
+    const auto summary = summary_of(scratch.path("out"));
+    volumes.insert(summary["volume_hash"].get<std::string>());
+    forces.insert(summary["force_hash"].get<std::string>());
+    EXPECT_GT(summary["load_s"], 0.0);
+    EXPECT_LT(summary["load_s"], 60.0);
+    std::vector<bool> parts;
+    for (const auto& part : summary["parts"]) {
+      const bool kept = part["name"] == "burr" || part["name"] == "workpiece";
+      EXPECT_EQ(part.contains("cached"), kept) << part;
+      if (kept) parts.push_back(part["cached"]);
+    }
+    return parts;
+  };
+  const std::vector<bool> neither{false, false}, both{true, true};
+  EXPECT_EQ(cached(" --no-cache", own), neither);
+  EXPECT_FALSE(std::filesystem::exists(cache));
+  EXPECT_EQ(cached("", own), neither);
+  EXPECT_EQ(cached("", own), both);
+  EXPECT_EQ(cached(" --no-cache", own), neither);
+  // Damaged: made again, and a line in the log.
+  for (const auto& entry : std::filesystem::directory_iterator(cache)) {
+    std::filesystem::resize_file(entry.path(), std::filesystem::file_size(entry.path()) - 1);
+  }
+  EXPECT_EQ(cached("", own), neither);
+  EXPECT_NE(test::read_file(scratch.path("out/log.txt")).find("load cache: " + cache),
+            std::string::npos);
+  EXPECT_EQ(cached("", own), both);
+  // No folder to be had.
+  EXPECT_EQ(cached("", "SULCUS_CACHE=" + scratch.path("s.toml") + "/no"), neither);
+  EXPECT_EQ(cached("", "-u SULCUS_CACHE -u XDG_CACHE_HOME -u HOME"), neither);
+  EXPECT_EQ(volumes.size(), 1u);
+  EXPECT_EQ(forces.size(), 1u);
+}
+
 TEST(Run, StopsCleanlyOnRequest) {
   const ScratchFolder scratch;
   const std::string scene = scratch.write("s.toml", test::kCutScene);
   const std::string out = scratch.path("out");
   // Real pace, so that the run lasts; stopped some time after it has begun to record.
   const std::string command =
-      std::string(SULCUS_PROGRAM) + " run " + scene + " --pace real --duration 60 -o " + out +
+      "env SULCUS_CACHE=off " + std::string(SULCUS_PROGRAM) + " run " + scene +
+      " --pace real --duration 60 -o " + out +
       " >/dev/null 2>&1 & for i in $(seq 600); do test -s " + out +
       "/recording.h5 && break; sleep 0.05; done; sleep 0.5; kill -INT $!; wait $!";
   ASSERT_EQ(std::system(command.c_str()), 0);

@@ -31,10 +31,11 @@ inline std::string read_file(const std::string& path) {
 }
 
 /// Runs the built program with arguments for a shell; `scratch` is a path for what it says on its
-/// error stream.
-inline CommandResult sulcus_command(const std::string& arguments, const std::string& scratch) {
-  const std::string command =
-      std::string(SULCUS_PROGRAM) + " " + arguments + " 2>'" + scratch + "' </dev/null";
+/// error stream. The user's load cache is left alone, unless the environment names another one.
+inline CommandResult sulcus_command(const std::string& arguments, const std::string& scratch,
+                                    const std::string& environment = "SULCUS_CACHE=off") {
+  const std::string command = "env " + environment + " " + std::string(SULCUS_PROGRAM) + " " +
+                              arguments + " 2>'" + scratch + "' </dev/null";
   CommandResult result;
   std::FILE* pipe = popen(command.c_str(), "r");
   if (!pipe) throw std::runtime_error("no shell");

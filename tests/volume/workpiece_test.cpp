@@ -52,11 +52,13 @@ void expect_as_rebuilt(const Workpiece& edited) {
     const std::uint32_t node = tree.index({tree.levels() - 1, at});
     ASSERT_EQ(tree.node(node).status, fresh.node(node).status) << leaf << " of " << leaves;
   }
+  // The box of the edited one is that of the solid as it was.
+  const Cell &lower = rebuilt.columns().lower(), &upper = rebuilt.columns().upper();
   for (int axis = 0; axis < 3; ++axis) {
-    const Vector3i& n = edited.grid().cells;
-    for (int v = 0; v < n[(axis + 2) % 3]; ++v) {
-      for (int u = 0; u < n[(axis + 1) % 3]; ++u) {
-        for (int start = 0; start < n[axis]; start += 64) {
+    const int a_u = (axis + 1) % 3, a_v = (axis + 2) % 3;
+    for (int v = lower[a_v]; v < upper[a_v]; ++v) {
+      for (int u = lower[a_u]; u < upper[a_u]; ++u) {
+        for (int start = lower[axis]; start < upper[axis]; start += 64) {
           ASSERT_EQ(edited.columns().window(axis, u, v, start),
                     rebuilt.columns().window(axis, u, v, start));
         }

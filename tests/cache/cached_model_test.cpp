@@ -1,0 +1,133 @@
+#include "engine/cache/cached_model.hpp"
+
+#include <cstring>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "engine/volume/packed_model.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/scratch_folder.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace sulcus {
+namespace {
+
+constexpr std::size_t kTissues = 4;
+
+/// Full, part-full, empty and speckled leaves, of one tissue and of several.
+VoxelModel sample(bool labelled) {
+  VoxelModel model = test::random_blobs({64, 48, 40}, 11);
+  model.clipped = true;
+  if (!labelled) return model;
+  auto tissues = std::make_shared<TissueMap>(model.grid.leaf_count());
+  for (std::uint32_t leaf = 0; leaf < model.grid.leaf_count(); ++leaf) {
+    LabelBlock labels{};
+    for (int v = 0; v < 512; ++v) {
+      const Cell c = model.grid.leaf_origin(leaf) + Cell(v & 7, v >> 3 & 7, v >> 6);
+      labels[v] = c.x() < 20 ? 3 : c.y() < 30 ? 1 : 2;
+    }
+    tissues->set_block(leaf, labels, model.leaves[leaf].words);
+  }
+  model.tissues = tissues;
+  return model;
+}
+
+void expect_equal(const VoxelModel& a, const VoxelModel& b) {
+  EXPECT_EQ(a.grid.cells, b.grid.cells);
+  EXPECT_EQ(a.grid.voxel_m, b.grid.voxel_m);
+  EXPECT_EQ(a.clipped, b.clipped);
+  ASSERT_EQ(a.leaves, b.leaves);
+  ASSERT_EQ(a.tissues == nullptr, b.tissues == nullptr);
+  if (!a.tissues) return;
+  for (std::uint32_t leaf = 0; leaf < a.grid.leaf_count(); ++leaf) {
+    const LabelBlock *of_a = a.tissues->block(leaf), *of_b = b.tissues->block(leaf);
+    ASSERT_EQ(of_a == nullptr, of_b == nullptr) << leaf;
+    if (of_a) {
+      ASSERT_EQ(*of_a, *of_b) << leaf;
+    } else {
+      ASSERT_EQ(a.tissues->uniform_label(leaf), b.tissues->uniform_label(leaf)) << leaf;
+    }
+  }
+}
+
+TEST(CachedModel, ComesBackBitForBit) {
+  const ScratchFolder scratch;
+  LoadCache cache(scratch.path(""));
+  for (const bool labelled : {false, true}) {
+    const VoxelModel model = sample(labelled);
+    const Hash128 key = LoadCache::key_of(CacheKind::kModel).add(labelled).result();
+    EXPECT_FALSE(read_cached_model(cache, key, model.grid, kTissues));
+    write_cached_model(cache, key, model);
+    const auto again = read_cached_model(cache, key, model.grid, kTissues);
+    ASSERT_TRUE(again);
+    expect_equal(model, *again);
+  }
+  EXPECT_EQ(cache.hits(), 2);
+  EXPECT_EQ(cache.note(), "");
+}
+
+TEST(CachedModel, KeepsNoBitsOfFullLeavesNorAnythingOfEmptyOnes) {
+  const ScratchFolder scratch;
+  LoadCache cache(scratch.path(""));
+  // 14^3 full leaves, and a shell of part-full ones that is 2 * 6 * 14^2 + ... large.
+  const VoxelModel model = test::block({256, 256, 256}, 1e-4, {60, 60, 60}, {180, 180, 180});
+  write_cached_model(cache, {1, 2}, model);
+  const std::uint64_t shell = 16 * 16 * 16 - 14 * 14 * 14;
+  EXPECT_EQ(std::filesystem::file_size(cache.entry({1, 2})), 64 + 48 + 4096 * 4 + shell * 64);
+}
+
+TEST(CachedModel, RefusesWhatNoWriterOfItsOwnWrote) {
+  const ScratchFolder scratch;
+  const VoxelModel model = sample(true);
+  const PackedModel packed = pack(model);
+  const std::size_t n = packed.leaves.size(), m = packed.mixed.size();
+  ASSERT_GT(m, 1u);
+  std::string good;
+  {
+    LoadCache cache(scratch.path(""));
+    write_cached_model(cache, {1, 1}, model);
+    good = test::read_file(cache.entry({1, 1}).string()).substr(64);
+  }
+  const std::size_t leaves = 48, mixed = leaves + 4 * n, labels = mixed + 4 * m, words = labels + n;
+  const auto put = [](std::string& bytes, std::size_t at, auto value) {
+    std::memcpy(bytes.data() + at, &value, sizeof value);
+  };
+  // All with a check that fits: only what the content says can tell.
+  const std::vector<std::pair<const char*, std::function<void(std::string&)>>> changes = {
+      {"nothing", [](std::string& b) { b.clear(); }},
+      {"cells", [&](std::string& b) { put(b, 0, 72u); }},
+      {"voxel_m", [&](std::string& b) { put(b, 16, 1.0); }},
+      {"more leaves", [&](std::string& b) { put(b, 24, std::uint64_t{n + 1}); }},
+      {"leaves without end", [&](std::string& b) { put(b, 24, ~std::uint64_t{0}); }},
+      {"no part-full leaves", [&](std::string& b) { put(b, 32, std::uint64_t{0}); }},
+      {"more mixed leaves", [&](std::string& b) { put(b, 40, std::uint64_t{m + 1}); }},
+      {"mixed leaves without labels", [&](std::string& b) { put(b, 12, 1u); }},
+      {"leaf beyond the grid",
+       [&](std::string& b) { put(b, leaves + 4 * (n - 1), model.grid.leaf_count()); }},
+      {"leaves out of order", [&](std::string& b) { put(b, leaves + 4, packed.leaves[0]); }},
+      {"mixed beyond", [&](std::string& b) { put(b, mixed + 4 * (m - 1), std::uint32_t(n)); }},
+      {"mixed out of order", [&](std::string& b) { put(b, mixed + 4, packed.mixed[0]); }},
+      {"tissue of a leaf", [&](std::string& b) { b[labels] = char(kTissues); }},
+      {"empty part-full leaf", [&](std::string& b) { b.replace(words, 64, 64, '\0'); }},
+      {"tissue of a voxel", [&](std::string& b) { b.back() = char(kTissues); }},
+      {"one byte more", [](std::string& b) { b += 'x'; }},
+  };
+  LoadCache cache(scratch.path(""));
+  for (const auto& [what, change] : changes) {
+    std::string bytes = good;
+    change(bytes);
+    cache.write(CacheKind::kModel, {1, 1}, {std::as_bytes(std::span(bytes))});
+    EXPECT_FALSE(read_cached_model(cache, {1, 1}, model.grid, kTissues)) << what;
+    EXPECT_EQ(cache.hits(), 0) << what;
+    EXPECT_NE(cache.note(), "") << what;
+  }
+  cache.write(CacheKind::kModel, {1, 1}, {std::as_bytes(std::span(good))});
+  EXPECT_TRUE(read_cached_model(cache, {1, 1}, model.grid, kTissues));
+}
+
+}  // namespace
+}  // namespace sulcus
