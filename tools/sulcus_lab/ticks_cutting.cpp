@@ -1,0 +1,121 @@
+#include "tools/sulcus_lab/ticks_cutting.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "engine/bodies/body_tree.hpp"
+#include "haptics/tick.hpp"
+#include "tools/sulcus_lab/ticks_run.hpp"
+
+namespace sulcus::lab {
+
+namespace {
+
+constexpr double kUncut = 1e30;  // J/m^3: more than all ticks bring
+constexpr double kSharePerTick = 1.0 / 250.0, kLeastPerTick = 3.0;
+constexpr int kTrialTicks = 800;
+constexpr double kLargestSink = 2e-6;  // m, in a tick, at least
+
+double voxels_per_tick(int wanted) { return std::max(kLeastPerTick, kSharePerTick * wanted); }
+
+/// The path in a circle, lower or higher by what it is told between ticks.
+class SinkingDevice final : public Device {
+ public:
+  explicit SinkingDevice(const std::vector<Pose>& path) : path_(path) {}
+  Pose pose(std::uint64_t tick) noexcept override {
+    Pose pose = path_[tick % path_.size()];
+    pose.position.z() += lift_m_;
+    return pose;
+  }
+  void apply(const Wrench&) noexcept override {}
+  void lift(double by_m) { lift_m_ += by_m; }
+
+ private:
+  const std::vector<Pose>& path_;
+  double lift_m_ = 0.0;
+};
+
+/// One run of cutting on a copy of the workpiece.
+class CuttingRun {
+ public:
+  CuttingRun(const Workpiece& start, const TickPath& path, int wanted, double specific_energy)
+      : workpiece_(start),
+        device_(path.poses),
+        scene_(scene_with(wanted, specific_energy)),
+        bodies_(std::array{
+            Eigen::AlignedBox3d(Eigen::Vector3d::Constant(-1.0), Eigen::Vector3d::Constant(1.0))}),
+        context_{scene_, path.burr, bodies_.query()},
+        scratch_(scene_) {
+    state_.removal.emplace(*scene_.cutting);
+  }
+  TickRecord step() { return tick(context_, device_, workpiece_, state_, scratch_); }
+  SinkingDevice& device() { return device_; }
+  double work_J() const { return state_.removal->work_J; }
+
+ private:
+  static Scene scene_with(int wanted, double specific_energy) {
+    Scene scene;
+    scene.haptics = counting_settings(wanted);
+    scene.tissues = tick_tissues(specific_energy);
+    scene.cutting.emplace();
+    return scene;
+  }
+
+  Workpiece workpiece_;
+  SinkingDevice device_;
+  Scene scene_;
+  BodyTree bodies_;
+  SimulationState state_;
+  TickContext context_;
+  TickScratch scratch_;
+};
+
+/// One run; the poses that it went through, and the voxels that went in a tick, of the later half.
+struct Sunk {
+  std::vector<Pose> poses;
+  double removed = 0.0;
+};
+Sunk sink(const Workpiece& workpiece, const TickPath& path, int wanted, double specific_energy,
+          int ticks) {
+  Sunk sunk;
+  // Coarse voxels go faster than that: then twice their pace.
+  const double largest_m =
+      std::max(kLargestSink, 2.0 * voxels_per_tick(wanted) / wanted * workpiece.grid().voxel_m);
+  CuttingRun run(workpiece, path, wanted, specific_energy);
+  for (int t = 0; t < ticks; ++t) {
+    const TickRecord record = run.step();
+    sunk.poses.push_back({Eigen::Map<const Eigen::Vector3d>(record.tool_position_m),
+                          path.poses[static_cast<std::size_t>(t) % path.poses.size()].orientation});
+    if (t >= ticks / 2) sunk.removed += record.removed / (0.5 * ticks);
+    // In a cap of height h the contacts grow by 1 / h per way.
+    const double excess = record.contacts / static_cast<double>(wanted) - 1.0;
+    run.device().lift(std::clamp(0.2 * path.depth_m * excess, -largest_m, largest_m));
+  }
+  return sunk;
+}
+
+/// As many joules as bring `voxels` a tick where nothing goes.
+double energy_uncut(const Workpiece& workpiece, const TickPath& path, int wanted, double voxels) {
+  CuttingRun run(workpiece, path, wanted, kUncut);
+  for (std::size_t t = 0; t < path.poses.size(); ++t) run.step();
+  const double work_J = run.work_J() / static_cast<double>(path.poses.size());
+  return work_J / (voxels * workpiece.grid().voxel_volume_m3());
+}
+
+}  // namespace
+
+CuttingPlan plan_cutting(const Workpiece& workpiece, const TickPath& path, int wanted, int ticks) {
+  const double voxels = voxels_per_tick(wanted);
+  CuttingPlan plan;
+  plan.specific_energy_J_per_m3 = energy_uncut(workpiece, path, wanted, voxels);
+  // Ground that the burr has shaped lies less deep in it: less force, less work. Two rounds.
+  for (int round = 0; round < 2; ++round) {
+    const Sunk trial =
+        sink(workpiece, path, wanted, plan.specific_energy_J_per_m3, std::min(ticks, kTrialTicks));
+    plan.specific_energy_J_per_m3 *= std::clamp(trial.removed / voxels, 0.1, 2.0);
+  }
+  plan.poses = sink(workpiece, path, wanted, plan.specific_energy_J_per_m3, ticks).poses;
+  return plan;
+}
+
+}  // namespace sulcus::lab

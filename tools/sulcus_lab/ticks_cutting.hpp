@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/core/pose.hpp"
+#include "engine/volume/workpiece.hpp"
+#include "tools/sulcus_lab/ticks_path.hpp"
+
+namespace sulcus::lab {
+
+/// How a burr cuts with an even number of voxels in contact.
+struct CuttingPlan {
+  double specific_energy_J_per_m3 = 0.0;
+  std::vector<Pose> poses;  // one for each tick
+};
+
+/// Finds poses for that many ticks along a path while cutting at 7,000 rpm: the tool sinks with the
+/// ground that it takes away, by at most 2 um a tick (it moves 10 along the path), so that about
+/// `wanted` voxels stay in contact. That follows a first run with ldm_fast; the poses are then the
+/// same for every method. The specific energy is chosen so that about one voxel in 250 in contact
+/// goes in a tick, and 3 at least: voxels go in nearly every tick.
+CuttingPlan plan_cutting(const Workpiece& workpiece, const TickPath& path, int wanted, int ticks);
+
+}  // namespace sulcus::lab
