@@ -30,11 +30,11 @@ inline std::string read_file(const std::string& path) {
   return text.str();
 }
 
-/// Runs the built program with arguments for a shell; `scratch` is a path for what it says on its
-/// error stream.
-inline CommandResult sulcus_command(const std::string& arguments, const std::string& scratch) {
-  const std::string command =
-      std::string(SULCUS_PROGRAM) + " " + arguments + " 2>'" + scratch + "' </dev/null";
+/// Runs a program with arguments for a shell; `scratch` is a path for what it says on its error
+/// stream.
+inline CommandResult program_command(const std::string& program, const std::string& arguments,
+                                     const std::string& scratch) {
+  const std::string command = program + " " + arguments + " 2>'" + scratch + "' </dev/null";
   CommandResult result;
   std::FILE* pipe = popen(command.c_str(), "r");
   if (!pipe) throw std::runtime_error("no shell");
@@ -46,6 +46,10 @@ inline CommandResult sulcus_command(const std::string& arguments, const std::str
   result.status = WIFEXITED(ended) ? WEXITSTATUS(ended) : 128 + WTERMSIG(ended);
   result.err = read_file(scratch);
   return result;
+}
+/// The same of the built `sulcus`.
+inline CommandResult sulcus_command(const std::string& arguments, const std::string& scratch) {
+  return program_command(SULCUS_PROGRAM, arguments, scratch);
 }
 
 }  // namespace sulcus::test
