@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 
 #include "engine/bodies/body_tree.hpp"
 #include "haptics/tick.hpp"
@@ -12,27 +13,38 @@ namespace sulcus::lab {
 namespace {
 
 constexpr double kUncut = 1e30;  // J/m^3: more than all ticks bring
-constexpr double kSharePerTick = 1.0 / 250.0, kLeastPerTick = 3.0;
-constexpr int kTrialTicks = 800;
+constexpr double kSharePerTick = 1.0 / 250.0, kLeastPerTick = 4.0;
+constexpr int kTrialTicks = 1500;
 constexpr double kLargestSink = 2e-6;  // m, in a tick, at least
 
 double voxels_per_tick(int wanted) { return std::max(kLeastPerTick, kSharePerTick * wanted); }
 
-/// The path in a circle, lower or higher by what it is told between ticks.
+/// The path in a circle, each place of it lower or higher by what was learnt there.
 class SinkingDevice final : public Device {
  public:
-  explicit SinkingDevice(const std::vector<Pose>& path) : path_(path) {}
+  explicit SinkingDevice(const std::vector<Pose>& path) : path_(path), lift_m_(path.size(), 0.0) {}
   Pose pose(std::uint64_t tick) noexcept override {
     Pose pose = path_[tick % path_.size()];
-    pose.position.z() += lift_m_;
+    pose.position.z() += lift_m_[tick % path_.size()];
     return pose;
   }
   void apply(const Wrench&) noexcept override {}
-  void lift(double by_m) { lift_m_ += by_m; }
+
+  /// All places by one way, and those around a tick's by another that fades to both sides.
+  void lift(std::uint64_t tick, double all_m, double here_m) {
+    const auto count = static_cast<int>(path_.size());
+    for (double& lift : lift_m_) lift += all_m;
+    const int at = static_cast<int>(tick % path_.size());
+    for (int to = -kReach; to <= kReach; ++to) {
+      const double share = 1.0 - std::abs(to) / (kReach + 1.0);
+      lift_m_[static_cast<std::size_t>((at + to + count) % count)] += share * here_m;
+    }
+  }
 
  private:
+  static constexpr int kReach = 6;
   const std::vector<Pose>& path_;
-  double lift_m_ = 0.0;
+  std::vector<double> lift_m_;
 };
 
 /// One run of cutting on a copy of the workpiece.
@@ -87,9 +99,11 @@ Sunk sink(const Workpiece& workpiece, const TickPath& path, int wanted, double s
     sunk.poses.push_back({Eigen::Map<const Eigen::Vector3d>(record.tool_position_m),
                           path.poses[static_cast<std::size_t>(t) % path.poses.size()].orientation});
     if (t >= ticks / 2) sunk.removed += record.removed / (0.5 * ticks);
-    // In a cap of height h the contacts grow by 1 / h per way.
-    const double excess = record.contacts / static_cast<double>(wanted) - 1.0;
-    run.device().lift(std::clamp(0.2 * path.depth_m * excess, -largest_m, largest_m));
+    // In a cap of height h the contacts grow by 1 / h per way. The whole path follows at once; a
+    // place, which comes again after a period, is told through the seven visits around it.
+    const double excess_m = path.depth_m * (record.contacts / static_cast<double>(wanted) - 1.0);
+    run.device().lift(record.tick, std::clamp(0.1 * excess_m, -largest_m, largest_m),
+                      std::clamp(0.1 * excess_m, -largest_m, largest_m));
   }
   return sunk;
 }

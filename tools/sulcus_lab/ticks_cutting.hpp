@@ -15,10 +15,10 @@ struct CuttingPlan {
 };
 
 /// Finds poses for that many ticks along a path while cutting at 7,000 rpm: the tool sinks with the
-/// ground that it takes away, by at most 2 um a tick (it moves 10 along the path), so that about
-/// `wanted` voxels stay in contact. That follows a first run with ldm_fast; the poses are then the
-/// same for every method. The specific energy is chosen so that about one voxel in 250 in contact
-/// goes in a tick, and 3 at least: voxels go in nearly every tick.
+/// ground that it takes away, a few um a tick (it moves 10 along the path), each place of the path
+/// as much as keeps `wanted` voxels in contact there. That follows a run with ldm_fast; the poses
+/// are then the same for every method. The specific energy is chosen so that about one voxel in 250
+/// in contact goes in a tick, and 4 at least: voxels go in nearly every tick.
 CuttingPlan plan_cutting(const Workpiece& workpiece, const TickPath& path, int wanted, int ticks);
 
 }  // namespace sulcus::lab

@@ -14,8 +14,6 @@ namespace sulcus::lab {
 namespace {
 
 constexpr int kRepetitions = 3;
-constexpr double kContactsPerRun = 2e7;
-constexpr int kLeastTicks = 200;
 constexpr std::size_t kPcaVoxels = 2000, kStretch = 50;
 constexpr int kNeighbourhood = 6;
 
@@ -96,9 +94,10 @@ void repeat_runs(std::span<TickRun> runs, const std::function<void()>& between,
   }
 }
 
-int ticks_of(const TicksPlan& plan, int contacts) {
-  const int affordable = static_cast<int>(kContactsPerRun / contacts);
-  return std::min(plan.ticks, std::max(kLeastTicks, affordable));
+int ticks_of(const TicksPlan& plan, TickCache cache, int contacts) {
+  const bool cutting = cache == TickCache::kCutting;
+  const double enough = (cutting ? 1e7 : 4e6) / contacts;
+  return std::min(plan.ticks, std::max(cutting ? 100 : 80, static_cast<int>(enough)));
 }
 
 std::unique_ptr<TicksGroup> measure_ticks(Workpiece& workpiece, const NormalMethods* pca,
@@ -109,15 +108,15 @@ std::unique_ptr<TicksGroup> measure_ticks(Workpiece& workpiece, const NormalMeth
   group->wanted = wanted;
   progress(std::to_string(wanted) + " contacts: poses");
   group->path = find_tick_path(workpiece, ground, wanted);
-  const int ticks = ticks_of(plan, wanted);
-  group->cutting = plan_cutting(workpiece, group->path, wanted, plan.lead + ticks);
+  group->cutting = plan_cutting(workpiece, group->path, wanted,
+                                plan.lead + ticks_of(plan, TickCache::kCutting, wanted));
 
   for (const NormalMethod method : plan.methods) {
     for (std::size_t c = 0; c < kTickCacheNames.size(); ++c) {
       const TickSetting setting{method, static_cast<TickCache>(c)};
       TickTask task{workpiece, group->path.burr, group->path.poses, wanted};
       task.lead = static_cast<int>(group->path.poses.size());
-      task.ticks = ticks;
+      task.ticks = ticks_of(plan, setting.cache, wanted);
       if (setting.cache == TickCache::kCutting) {
         task.poses = group->cutting.poses;
         task.lead = plan.lead;

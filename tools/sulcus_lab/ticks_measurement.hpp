@@ -55,8 +55,10 @@ struct TicksPlan {
   int ticks = 2000;  // that count, at most; fewer with many contacts
   int lead = 300;    // before them while cutting
 };
-/// Ticks of a row: as many as 2e7 contacts take, at least 200, at most what the plan says.
-int ticks_of(const TicksPlan& plan, int contacts);
+/// Ticks of a row: at most what the plan says, fewer with many contacts. Fresh and kept ticks come
+/// again after a period of the path and need no more of them than 4e6 contacts and one period;
+/// cutting, whose rarest ticks count, 1e7 contacts and 100 ticks.
+int ticks_of(const TicksPlan& plan, TickCache cache, int contacts);
 
 /// The rows of one number of contacts.
 struct TicksGroup {

@@ -29,7 +29,7 @@ void add_runs(Workpiece& workpiece, const TickPath& path, int wanted, int bodies
     for (const TickCache cache : {TickCache::kFresh, TickCache::kKept}) {
       TickTask task{workpiece, path.burr, path.poses, wanted};
       task.lead = static_cast<int>(path.poses.size());
-      task.ticks = ticks_of(plan, wanted);
+      task.ticks = ticks_of(plan, cache, wanted);
       task.bodies = bodies;
       runs.push_back({task, {method, cache}, {}});
     }
