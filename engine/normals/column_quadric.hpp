@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 
 namespace sulcus {
 
@@ -10,6 +11,22 @@ inline constexpr int kQuadric = 6;
 template <class Number>
 using QuadricOf = std::array<Number, kQuadric>;
 using Quadric = QuadricOf<float>;
+
+/// Weighted sums over the heights of a map, by the powers of a quadric: weight times 1, i, j, i^2,
+/// i j, j^2 times height. Whole numbers.
+using QuadricSums = std::array<std::int32_t, kQuadric>;
+
+/// From the sums to the coefficients: the inverse of the normal equations, most of which is zero by
+/// parity. The sums are taken about the height at the centre first, so that a level map gives
+/// exactly its level and nothing else.
+template <class Integer, class Number>
+struct FilterSolutionOf {
+  Integer weights, weights_ii;  // sums of the weights, and of weight times i^2 (or j^2)
+  Number value, value_bend;     // c0 to the sums of 1, and of i^2 or j^2
+  Number bend, bend_across;     // c3 to the sums of i^2, j^2
+  Number slope, twist;          // c1 to the sum of i, c4 to that of i j
+};
+using FilterSolution = FilterSolutionOf<std::int32_t, float>;
 
 /// What the least-squares filters of a map's quadric make of powers that it does not have; the
 /// others follow by exchanging x and y, and by parity the rest is zero.
@@ -51,6 +68,26 @@ using Foot = FootOf<float>;
 // Always inline: two files instantiate them for vectors, in two instruction sets, and the linker
 // would keep one for both.
 #define SULCUS_EVERY_SET [[gnu::always_inline]] inline
+
+/// Coefficients in columns, z outward and half a voxel beyond the centre of the outermost solid
+/// voxel. `sums` of heights whose centre's is `centre`; `level` is what that is over the voxel.
+/// `number` makes numbers of integers.
+template <class Integer, class Number, class ToNumber>
+SULCUS_EVERY_SET QuadricOf<Number> quadric_of(const std::array<Integer, kQuadric>& sums,
+                                              const Integer& centre, const Integer& level,
+                                              const Number& sign,
+                                              const FilterSolutionOf<Integer, Number>& s,
+                                              const ToNumber& number) noexcept {
+  const Number one = sign * number(sums[0] - centre * s.weights);
+  const Number ii = sign * number(sums[3] - centre * s.weights_ii);
+  const Number jj = sign * number(sums[5] - centre * s.weights_ii);
+  return {sign * number(level) + 0.5f + (s.value * one + s.value_bend * (ii + jj)),
+          s.slope * (sign * number(sums[1])),
+          s.slope * (sign * number(sums[2])),
+          s.value_bend * one + (s.bend * ii + s.bend_across * jj),
+          s.twist * (sign * number(sums[4])),
+          s.value_bend * one + (s.bend_across * ii + s.bend * jj)};
+}
 
 template <class Number>
 SULCUS_EVERY_SET void complete(ColumnQuadricOf<Number>& q) noexcept {
@@ -116,6 +153,11 @@ SULCUS_EVERY_SET FootOf<Number> foot_of(const ColumnQuadricOf<Number>& q,
 
 #undef SULCUS_EVERY_SET
 
+inline Quadric quadric_of(const QuadricSums& sums, int centre, int level, int sign,
+                          const FilterSolution& solution) noexcept {
+  return quadric_of<std::int32_t, float>(sums, centre, level, static_cast<float>(sign), solution,
+                                         [](std::int32_t v) { return static_cast<float>(v); });
+}
 inline Foot foot_of(const ColumnQuadric& q) noexcept {
   return foot_of(q, [](float v) { return std::sqrt(v); });
 }

@@ -41,10 +41,12 @@ std::optional<Foot> fit_wide(const Workpiece& workpiece, const Cell& voxel, cons
   trace_along(workpiece, voxel, axes, trace, map);
   if (map.whole_rings < map.ns) return {};
   const QuadricFilter& filter = quadric_filter(map.ns, map.lanes);
-  Quadric fitted;
-  map_kernels().fit(map, filter, fitted);
+  QuadricSums sums;
+  map_kernels().fit(map, filter, sums);
+  const int level = map.at(0, 0);
   const ColumnQuadric surface =
-      column_quadric(fitted, filter.answers, static_cast<float>(map.stride));
+      column_quadric(quadric_of(sums, level, level, map.sign, filter.solution), filter.answers,
+                     static_cast<float>(map.stride));
   const Foot foot = foot_of(surface);
   if (!explains(map, surface, foot)) return {};
   return foot;
@@ -104,32 +106,33 @@ SurfaceEstimate estimate_in_parts(const Workpiece& workpiece, const Cell& voxel,
 void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
                   int neighbourhood, int trace, std::span<SurfaceEstimate> estimates) noexcept {
   MapGroup group;
+  LeafTiles tiles(workpiece, queries, neighbourhood);
   for (std::size_t first = 0; first < queries.size(); first += MapGroup::kSize) {
-    const auto some = queries.subspan(first, std::min(queries.size() - first, MapGroup::kSize));
-    group.trace(workpiece, some, neighbourhood, trace);
+    const std::size_t count = group.trace(workpiece, queries, first, neighbourhood, trace, tiles);
     group.fit([](const HeightMap& map) { return map.whole_rings == map.ns ? map.ns : 0; });
-    for (std::size_t k = 0; k < some.size(); ++k) {
+    for (std::size_t k = 0; k < count; ++k) {
       const HeightMap& map = group.maps[k];
       const MapAxes& axes = group.axes[k];
       const Vector3f& coarse = group.coarse[k];
       SurfaceEstimate& estimate = estimates[first + k];
       estimate = {};
       if (coarse == Vector3f::Zero()) continue;
-      const Vector3f tool = heard(some[k].outward, coarse);
+      const Vector3f tool = heard(queries[first + k].outward, coarse);
       const int place = static_cast<int>(k);
       const Foot foot = group.surfaces.foot(place);
       if (explains(map, group.surfaces.surface(place), foot)) {
         const bool level = foot.normal_z > kLevelCosine && map.lanes == 16;
         const std::optional<Foot> wide =
-            level ? fit_wide(workpiece, some[k].voxel, axes, neighbourhood, trace)
+            level ? fit_wide(workpiece, queries[first + k].voxel, axes, neighbourhood, trace)
                   : std::optional<Foot>();
         estimate = to_index_space(wide ? *wide : foot, axes);
       } else {
-        estimate = estimate_in_parts(workpiece, some[k].voxel, map, axes, trace, coarse, tool);
+        estimate =
+            estimate_in_parts(workpiece, queries[first + k].voxel, map, axes, trace, coarse, tool);
       }
       if (stands(estimate.normal, coarse, tool)) continue;
       const std::optional<SurfaceEstimate> face =
-          nearest_face(workpiece, some[k].voxel, map, axes, trace, coarse, tool);
+          nearest_face(workpiece, queries[first + k].voxel, map, axes, trace, coarse, tool);
       estimate = face ? *face : SurfaceEstimate{coarse.normalized(), 0.5f, true};
     }
   }

@@ -1,7 +1,5 @@
 #include "engine/normals/ldm_fast.hpp"
 
-#include <algorithm>
-
 #include "engine/normals/map_group.hpp"
 
 namespace sulcus {
@@ -10,18 +8,18 @@ void estimate_ldm_fast(const Workpiece& workpiece, std::span<const VoxelQuery> q
                        int neighbourhood, int trace,
                        std::span<SurfaceEstimate> estimates) noexcept {
   MapGroup group;
+  LeafTiles tiles(workpiece, queries, neighbourhood);
   for (std::size_t first = 0; first < queries.size(); first += MapGroup::kSize) {
-    const auto some = queries.subspan(first, std::min(queries.size() - first, MapGroup::kSize));
-    group.trace(workpiece, some, neighbourhood, trace);
+    const std::size_t count = group.trace(workpiece, queries, first, neighbourhood, trace, tiles);
     group.fit([](const HeightMap& map) { return map.even_rings; });
-    for (std::size_t k = 0; k < some.size(); ++k) {
+    for (std::size_t k = 0; k < count; ++k) {
       SurfaceEstimate& estimate = estimates[first + k];
       const Eigen::Vector3f& coarse = group.coarse[k];
       estimate = {};
       if (coarse == Eigen::Vector3f::Zero()) continue;
       if (group.maps[k].even_rings >= 1) {
         estimate = to_index_space(group.surfaces.foot(static_cast<int>(k)), group.axes[k]);
-        if (stands(estimate.normal, coarse, heard(some[k].outward, coarse))) continue;
+        if (stands(estimate.normal, coarse, heard(queries[first + k].outward, coarse))) continue;
       }
       // No map: an edge sharper than the steps allow. The face of the voxel is the best surface.
       estimate = {coarse.normalized(), 0.5f, true};

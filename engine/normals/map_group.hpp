@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "engine/normals/leaf_tiles.hpp"
 #include "engine/normals/map_kernels.hpp"
 #include "engine/normals/map_space.hpp"
 #include "engine/normals/voxel_query.hpp"
@@ -24,26 +25,29 @@ struct MapGroup {
   std::array<HeightMap, kSize> maps;
   SurfaceGroup surfaces;
 
-  /// Coarse normals, of the tool where the solid has none, and the maps along them; up to kSize
-  /// queries.
-  void trace(const Workpiece& workpiece, std::span<const VoxelQuery> queries, int neighbourhood,
-             int trace) noexcept;
+  /// Coarse normals, of the tool where the solid has none, and the maps along them, of `queries`
+  /// from `first` on, up to kSize. `tiles` are of the same queries. Returns how many.
+  std::size_t trace(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
+                    std::size_t first, int neighbourhood, int trace, LeafTiles& tiles) noexcept;
 
   /// Fits the innermost `rings_of(map)` rings of each map that has them, and takes the surfaces.
   template <class RingsOf>
   void fit(const RingsOf& rings_of) noexcept {
-    for (std::size_t k = 0; k < kSize; ++k) {
-      Quadric fitted{};
-      const int rings = k < count_ ? rings_of(maps[k]) : 0;
-      const QuadricFilter& filter = quadric_filter(std::max(rings, 1), lanes_of(maps[0].ns));
-      if (rings >= 1) map_kernels().fit(maps[k], filter, fitted);
-      surfaces.put(static_cast<int>(k), fitted, filter.answers);
+    for (std::size_t k = 0; k < count_; ++k) {
+      const HeightMap& map = maps[k];
+      const int rings = rings_of(map);
+      if (rings < 1 || (rings == map.ns && summed_[k])) continue;
+      const QuadricFilter& filter = quadric_filter(rings, map.lanes);
+      QuadricSums sums;
+      map_kernels().fit(map, filter, sums);
+      surfaces.put(static_cast<int>(k), sums, map.at(0, 0), map.at(0, 0), map.sign, filter);
     }
     map_kernels().surfaces(surfaces, maps[0].stride);
   }
 
  private:
   std::size_t count_ = 0;
+  std::array<bool, kSize> summed_{};  // whole: the sums are there, from a tile
 };
 
 /// What the tool has to say: nothing on the far side of a wall, which the coarse normal tells.
@@ -59,11 +63,10 @@ inline bool stands(const Eigen::Vector3f& normal, const Eigen::Vector3f& coarse,
 /// Traces the map of a voxel along an axis; `map.ns` and `map.stride` are set.
 inline void trace_along(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes,
                         int trace, HeightMap& map) noexcept {
-  const int a = axes.axis;
   map.sign = axes.sign;
-  map_kernels().trace(
-      workpiece.columns().around(a, voxel[(a + 1) % 3], voxel[(a + 2) % 3], voxel[a] - kLevel),
-      trace, map);
+  map_kernels().trace(workpiece.columns().around(axes.axis, voxel[axes.first()],
+                                                 voxel[axes.second()], voxel[axes.axis] - kLevel),
+                      trace, map);
 }
 
 }  // namespace sulcus

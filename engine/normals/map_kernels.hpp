@@ -2,6 +2,7 @@
 
 #include "engine/normals/column_quadric.hpp"
 #include "engine/normals/height_map.hpp"
+#include "engine/normals/height_tile.hpp"
 #include "engine/normals/quadric_filter.hpp"
 
 namespace sulcus {
@@ -13,17 +14,38 @@ inline constexpr int kMaxUneven = 3;
 /// Where a voxel stands in the windows of its columns: bit kLevel of column (0, 0) is its own.
 inline constexpr int kLevel = 16;
 
-/// Eight quadrics that were fitted to maps, and the surfaces they tell, side by side.
+/// 1 / distance by its square, times kCoarseUnit, in whole numbers that a byte holds twice over.
+inline constexpr int kCoarseUnit = 120;
+inline constexpr std::array<int, 7> kCoarseWeight{0, 120, 85, 69, 60, 54, 49};
+
+/// Eight fits of maps, and the surfaces that they tell, side by side.
 struct alignas(32) SurfaceGroup {
   static constexpr int kSize = 8;
-  float fitted[kQuadric][kSize];  // in columns
-  float answers[8][kSize];        // of their filters, as FilterAnswers lists them
+  std::int32_t sums[kQuadric][kSize]{};
+  std::int32_t centre[kSize]{};  // height at the centre, as in the sums
+  std::int32_t level[kSize]{};   // and above the voxel
+  float sign[kSize]{};
+  // Of their filters, as FilterSolution and FilterAnswers list them.
+  std::int32_t weights[2][kSize]{};
+  float solution[6][kSize]{};
+  float answers[8][kSize]{};
   // Filled in:
   float c[kQuadric][kSize], t_x[kSize], t_y[kSize], quartic[kSize];
   float normal_x[kSize], normal_y[kSize], normal_z[kSize], offset[kSize];
 
-  void put(int k, const Quadric& quadric, const FilterAnswers& a) {
-    for (std::size_t f = 0; f < kQuadric; ++f) fitted[f][k] = quadric[f];
+  void put(int k, const QuadricSums& of, int at_centre, int above_voxel, int outward,
+           const QuadricFilter& filter) {
+    for (std::size_t f = 0; f < kQuadric; ++f) sums[f][k] = of[f];
+    centre[k] = at_centre;
+    level[k] = above_voxel;
+    sign[k] = static_cast<float>(outward);
+    if (filters_[k] == &filter) return;
+    filters_[k] = &filter;
+    const FilterSolution& s = filter.solution;
+    weights[0][k] = s.weights, weights[1][k] = s.weights_ii;
+    solution[0][k] = s.value, solution[1][k] = s.value_bend, solution[2][k] = s.bend;
+    solution[3][k] = s.bend_across, solution[4][k] = s.slope, solution[5][k] = s.twist;
+    const FilterAnswers& a = filter.answers;
     answers[0][k] = a.slope_x3, answers[1][k] = a.slope_xy2;
     answers[2][k] = a.value_x4, answers[3][k] = a.value_x2y2;
     answers[4][k] = a.bend_x4, answers[5][k] = a.bend_x2y2, answers[6][k] = a.bend_y4;
@@ -33,6 +55,9 @@ struct alignas(32) SurfaceGroup {
     return {{c[0][k], c[1][k], c[2][k], c[3][k], c[4][k], c[5][k]}, t_x[k], t_y[k], quartic[k]};
   }
   Foot foot(int k) const { return {normal_x[k], normal_y[k], normal_z[k], offset[k]}; }
+
+ private:
+  std::array<const QuadricFilter*, kSize> filters_{};  // whose numbers are there already
 };
 
 /// A frame aslant over a map, axes in map space (i, j, outward), and a ball about the voxel.
@@ -86,6 +111,10 @@ inline constexpr int kDiscReach = 6, kHalves = 8;
 struct MapKernels {
   const char* name;
 
+  /// Sums of offset over distance of the solid voxels within 2.5 of a voxel, times kCoarseUnit, by
+  /// axis; `rows` are the windows along x about it, bit 0 two voxels below.
+  void (*coarse)(const ColumnBits::Windows& rows, std::array<std::int32_t, 3>& sums) noexcept;
+
   /// Traces a map from the columns around a voxel (ColumnBits::around, the voxel at kLevel). The
   /// middle row is traced outward from the voxel's own column, the others outward from it row by
   /// row: a column starts at its inner neighbour's height and takes the surface nearest to it, the
@@ -93,9 +122,15 @@ struct MapKernels {
   /// does not jump to the far side of a thin wall.
   void (*trace)(const ColumnBits::Windows& columns, int trace, HeightMap& map) noexcept;
 
-  /// Coefficients of the filter's quadric, in columns, z outward and half a voxel beyond the centre
-  /// of the outermost solid voxel. `filter.lanes` is the map's.
-  void (*fit)(const HeightMap& map, const QuadricFilter& filter, Quadric& quadric) noexcept;
+  /// Reads a tile from the columns about a leaf (its lowest layer at kBelow), `tile.ns` and `.sign`
+  /// set.
+  void (*tile)(const ColumnBits::Windows& columns, HeightTile& tile) noexcept;
+  /// Cuts the map of the voxel at (u, v, w) in the leaf out of a tile: what `trace` would give,
+  /// down to the last bit. False where the tile cannot tell; then the map is not filled in.
+  bool (*cut)(const HeightTile& tile, int u, int v, int w, int trace, HeightMap& map) noexcept;
+
+  /// The filter's sums over a map. `filter.lanes` is the map's.
+  void (*fit)(const HeightMap& map, const QuadricFilter& filter, QuadricSums& sums) noexcept;
 
   /// Surfaces and feet of eight fits, `stride` voxels between their columns.
   void (*surfaces)(SurfaceGroup& group, int stride) noexcept;

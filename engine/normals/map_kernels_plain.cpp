@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <bit>
 #include <cstdlib>
+#include <iterator>
 
 #include "engine/normals/map_kernels.hpp"
 #include "engine/normals/tilted_points.inl"
@@ -7,6 +9,23 @@
 namespace sulcus {
 
 namespace {
+
+void coarse_sums(const ColumnBits::Windows& rows, std::array<std::int32_t, 3>& sums) noexcept {
+  sums = {};
+  for (int k = -2; k <= 2; ++k) {
+    for (int j = -2; j <= 2; ++j) {
+      const std::uint64_t window = rows.window(j, k);
+      for (int i = -2; i <= 2; ++i) {
+        const int d2 = i * i + j * j + k * k;
+        if (d2 > 6 || (window >> (i + 2) & 1) == 0) continue;  // 6 < 2.5^2 < 7
+        const int weight = kCoarseWeight[static_cast<std::size_t>(d2)];
+        sums[0] += i * weight;
+        sums[1] += j * weight;
+        sums[2] += k * weight;
+      }
+    }
+  }
+}
 
 constexpr int kNowhere = 127;  // beyond every window: a column that starts there finds nothing
 
@@ -30,6 +49,15 @@ int rings_without(const HeightMap& map, const Bad& bad) {
     }
   }
   return rings;
+}
+
+int even_rings(const HeightMap& map) {
+  const int centre = map.at(0, 0);
+  return rings_without(map, [&](int i, int j) {
+    const int a = map.at(i, j), b = map.at(-i, -j);
+    return a == HeightMap::kNone || b == HeightMap::kNone ||
+           std::abs(a + b - 2 * centre) > kMaxUneven;
+  });
 }
 
 void trace_map(const ColumnBits::Windows& columns, int trace, HeightMap& map) noexcept {
@@ -64,30 +92,93 @@ void trace_map(const ColumnBits::Windows& columns, int trace, HeightMap& map) no
   }
   map.whole_rings =
       rings_without(map, [&](int i, int j) { return map.at(i, j) == HeightMap::kNone; });
-  const int centre = map.at(0, 0);
-  map.even_rings = rings_without(map, [&](int i, int j) {
-    const int a = map.at(i, j), b = map.at(-i, -j);
-    return a == HeightMap::kNone || b == HeightMap::kNone ||
-           std::abs(a + b - 2 * centre) > kMaxUneven;
-  });
+  map.even_rings = even_rings(map);
 }
 
-void fit_map(const HeightMap& map, const QuadricFilter& filter, Quadric& quadric) noexcept {
+void fit_map(const HeightMap& map, const QuadricFilter& filter, QuadricSums& sums) noexcept {
   const signed char* height = map.height.data() + (map.ns - filter.rings) * map.lanes;
   const int count = (2 * filter.rings + 1) * map.lanes;
   for (std::size_t f = 0; f < kQuadric; ++f) {
-    std::int32_t sum = 0;
+    sums[f] = 0;
     for (int k = 0; k < count; ++k) {
-      sum += height[k] * filter.coefficient[f][static_cast<std::size_t>(k)];
+      sums[f] += height[k] * filter.coefficient[f][static_cast<std::size_t>(k)];
     }
-    quadric[f] = static_cast<float>(map.sign) * (filter.scale[f] * static_cast<float>(sum));
   }
-  quadric[0] += 0.5f;
 }
 
-constexpr MapKernels kPlain{"plain",          trace_map,      fit_map,         surfaces_of,
-                            largest_residual, half_sums,      sums_on_plane,   residuals_on_plane,
-                            gather_points,    tilted_moments, tilted_residuals};
+/// Height of the one surface in a column's window, as a tile keeps it.
+signed char tile_height(std::uint32_t window, int sign) {
+  const std::uint32_t surface = (sign > 0 ? window & ~(window >> 1) : window & ~(window << 1)) &
+                                0x7ffffffeu;  // at the ends the next voxel is not known
+  if (std::popcount(surface) != 1) return HeightMap::kNone;
+  const int height = std::countr_zero(surface) - HeightTile::kBelow;
+  const bool kept = height >= HeightTile::kLowest && height <= HeightTile::kHighest;
+  return kept ? static_cast<signed char>(height) : HeightMap::kNone;
+}
+
+void read_tile(const ColumnBits::Windows& columns, HeightTile& tile) noexcept {
+  const int ns = tile.ns;
+  for (auto& row : tile.height) std::fill(std::begin(row), std::end(row), HeightMap::kNone);
+  for (int v = -ns; v < HeightTile::kEdge + ns; ++v) {
+    for (int u = -HeightTile::kMargin; u < HeightTile::kEdge + HeightTile::kMargin; ++u) {
+      const auto window = static_cast<std::uint32_t>(columns.window(u, v));
+      tile.height[ns + v][HeightTile::kMargin + u] = tile_height(window, tile.sign);
+    }
+  }
+  const auto follows = [&](int u, int v, int from_u, int from_v) {
+    return std::abs(tile.at(u, v) - tile.at(from_u, from_v)) <= kMaxStep;
+  };
+  const auto sound = [&](int u, int v) {
+    for (int j = -ns; j <= ns; ++j) {
+      for (int i = -ns; i <= ns; ++i) {
+        if (tile.at(u + i, v + j) == HeightMap::kNone) return false;
+        if (j > -ns && !follows(u + i, v + j, u + i, v + j - 1)) return false;
+        if (j == 0 && i > -ns && !follows(u + i, v, u + i - 1, v)) return false;
+      }
+    }
+    return true;
+  };
+  const QuadricFilter& filter = quadric_filter(ns, lanes_of(ns));
+  for (int v = 0; v < HeightTile::kEdge; ++v) {
+    tile.sound[v] = 0;
+    for (int u = 0; u < HeightTile::kEdge; ++u) {
+      for (auto& sums : tile.sums[v]) sums[u] = 0;
+      if (!sound(u, v)) continue;
+      tile.sound[v] = static_cast<std::uint8_t>(tile.sound[v] | 1 << u);
+      for (std::size_t f = 0; f < kQuadric; ++f) {
+        for (int j = -ns; j <= ns; ++j) {
+          for (int i = -ns; i <= ns; ++i) {
+            const auto place =
+                static_cast<std::size_t>((ns + j) * filter.lanes + filter.lanes / 2 + i);
+            tile.sums[v][f][u] += filter.coefficient[f][place] * tile.at(u + i, v + j);
+          }
+        }
+      }
+    }
+  }
+}
+
+bool cut_map(const HeightTile& tile, int u, int v, int w, int trace, HeightMap& map) noexcept {
+  if (!tile.is_sound(u, v) || std::abs(tile.at(u, v) - w) > kMaxStep) return false;
+  const int ns = tile.ns, reach = std::min(trace, HeightTile::kReach);
+  map.lanes = lanes_of(ns);
+  map.height.fill(HeightMap::kNone);
+  for (int j = -ns; j <= ns; ++j) {
+    for (int i = -ns; i <= ns; ++i) {
+      const int height = tile.at(u + i, v + j) - w;
+      if (std::abs(height) > reach) return false;
+      map.height[static_cast<std::size_t>(map.place(i, j))] = static_cast<signed char>(height);
+    }
+  }
+  map.whole_rings = ns;
+  map.even_rings = even_rings(map);
+  return true;
+}
+
+constexpr MapKernels kPlain{"plain",        coarse_sums,     trace_map,          read_tile,
+                            cut_map,        fit_map,         surfaces_of,        largest_residual,
+                            half_sums,      sums_on_plane,   residuals_on_plane, gather_points,
+                            tilted_moments, tilted_residuals};
 
 }  // namespace
 

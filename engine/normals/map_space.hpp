@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 #include <Eigen/Core>
 
 #include "engine/normals/column_quadric.hpp"
@@ -12,25 +14,26 @@ namespace sulcus {
 struct MapAxes {
   int axis = 0;  // that the columns run along
   int sign = 1;  // of outward along it
+
+  int first() const { return axis == 2 ? 0 : axis + 1; }
+  int second() const { return axis == 0 ? 2 : axis - 1; }
 };
 
-/// The axis of the largest component of a direction out of the solid.
+/// The axis of the largest component of a direction out of the solid, the first of two.
 inline MapAxes dominant_axes(const Eigen::Vector3f& outward) noexcept {
-  MapAxes axes;
-  outward.cwiseAbs().maxCoeff(&axes.axis);
-  axes.sign = outward[axes.axis] > 0.0f ? 1 : -1;
-  return axes;
+  const float x = std::abs(outward.x()), y = std::abs(outward.y()), z = std::abs(outward.z());
+  const int axis = z > x && z > y ? 2 : y > x ? 1 : 0;
+  return {axis, outward[axis] > 0.0f ? 1 : -1};
 }
 
 /// A direction of index space, told in map space, and back.
 inline Eigen::Vector3f to_map_space(const Eigen::Vector3f& v, const MapAxes& axes) noexcept {
-  return {v[(axes.axis + 1) % 3], v[(axes.axis + 2) % 3],
-          static_cast<float>(axes.sign) * v[axes.axis]};
+  return {v[axes.first()], v[axes.second()], static_cast<float>(axes.sign) * v[axes.axis]};
 }
 inline SurfaceEstimate to_index_space(const Foot& foot, const MapAxes& axes) noexcept {
   SurfaceEstimate estimate;
-  estimate.normal[(axes.axis + 1) % 3] = foot.normal_x;
-  estimate.normal[(axes.axis + 2) % 3] = foot.normal_y;
+  estimate.normal[axes.first()] = foot.normal_x;
+  estimate.normal[axes.second()] = foot.normal_y;
   estimate.normal[axes.axis] = static_cast<float>(axes.sign) * foot.normal_z;
   estimate.offset = foot.offset;
   estimate.defined = true;

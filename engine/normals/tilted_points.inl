@@ -69,9 +69,21 @@ inline Lanes square_root(const Lanes& v) {
 #endif
 }
 
+inline IntLanes load(const std::int32_t (&p)[8]) {
+  IntLanes v;
+  __builtin_memcpy(&v, p, sizeof v);
+  return v;
+}
+
 inline void surfaces_of(SurfaceGroup& g, int stride) noexcept {
-  QuadricOf<Lanes> fitted;
-  for (unsigned f = 0; f < kQuadric; ++f) fitted[f] = load(g.fitted[f]);
+  std::array<IntLanes, kQuadric> sums;
+  for (unsigned f = 0; f < kQuadric; ++f) sums[f] = load(g.sums[f]);
+  const FilterSolutionOf<IntLanes, Lanes> solution{
+      load(g.weights[0]),  load(g.weights[1]),  load(g.solution[0]), load(g.solution[1]),
+      load(g.solution[2]), load(g.solution[3]), load(g.solution[4]), load(g.solution[5])};
+  const QuadricOf<Lanes> fitted =
+      quadric_of(sums, load(g.centre), load(g.level), load(g.sign), solution,
+                 [](const IntLanes& v) { return __builtin_convertvector(v, Lanes); });
   const FilterAnswersOf<Lanes> answers{load(g.answers[0]), load(g.answers[1]), load(g.answers[2]),
                                        load(g.answers[3]), load(g.answers[4]), load(g.answers[5]),
                                        load(g.answers[6]), load(g.answers[7])};
@@ -136,11 +148,6 @@ constexpr DiscMasks make_disc_masks() {
 }
 constexpr DiscMasks kDiscMasks = make_disc_masks();
 
-inline IntLanes load(const int (&p)[8]) {
-  IntLanes v;
-  __builtin_memcpy(&v, p, sizeof v);
-  return v;
-}
 inline Lanes where(const IntLanes& mask, const Lanes& v) {
   return reinterpret_cast<Lanes>(reinterpret_cast<IntLanes>(v) & mask);
 }

@@ -259,6 +259,8 @@ HapticsSettings read_haptics(TomlTable& root) {
   h.trace = table->integer("trace", {1, kMaxTrace}, h.normals == NormalMethod::kLdmPaper ? 5 : 12);
   read_normal_error(*table, h);
   if (const auto scaling = table->choice("scaling", kScalings)) h.scaling = Scaling(*scaling);
+  h.keep_normals = table->boolean("keep_normals", h.keep_normals);
+  h.refine_per_tick = table->integer("refine_per_tick", {0, 1 << 20}, h.refine_per_tick);
   h.max_contacts = table->integer("max_contacts", {1, 1 << 20}, h.max_contacts);
   table->finish();
   return h;

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/normals/leaf_tiles.hpp"
 #include "engine/normals/tilted_fit.hpp"
 #include "tests/support/shapes.hpp"
 
@@ -113,13 +114,15 @@ TEST_F(MapKernelsTest, FitsAndResidualsAreTheSameBitForBit) {
       HeightMap map = ask(ns, 1, sign);
       plain_map_kernels().trace(columns, 12, map);
       if (map.whole_rings < 1) continue;
-      Quadric a, b;
+      QuadricSums a, b;
       const QuadricFilter& filter = quadric_filter(map.whole_rings, map.lanes);
       plain_map_kernels().fit(map, filter, a);
       fast_->fit(map, filter, b);
       ASSERT_EQ(a, b);
       if (map.whole_rings < ns) continue;
-      const ColumnQuadric surface = column_quadric(a, filter.answers, 1.0f);
+      const int level = map.at(0, 0);
+      const ColumnQuadric surface = column_quadric(
+          quadric_of(a, level, level, map.sign, filter.solution), filter.answers, 1.0f);
       ASSERT_EQ(plain_map_kernels().largest_residual(map, surface),
                 fast_->largest_residual(map, surface));
     }
@@ -129,20 +132,25 @@ TEST_F(MapKernelsTest, FitsAndResidualsAreTheSameBitForBit) {
 TEST_F(MapKernelsTest, SurfacesOfAGroupAreThoseOfEachOfIts) {
   // Whatever the numbers, sane or not.
   SurfaceGroup a;
-  std::vector<Quadric> fitted(SurfaceGroup::kSize);
+  std::vector<QuadricSums> sums(SurfaceGroup::kSize);
+  const auto filter_of = [](int k) -> const QuadricFilter& {
+    return quadric_filter(1 + k % 6, 16);
+  };
   for (int k = 0; k < SurfaceGroup::kSize; ++k) {
     for (std::size_t f = 0; f < kQuadric; ++f) {
-      fitted[k][f] = std::sin(static_cast<float>(11 * k + 3 * f)) * (f < 3 ? 0.9f : 0.03f);
+      sums[k][f] = static_cast<int>(20000.0 * std::sin(static_cast<double>(11 * k + 3 * f)));
     }
-    a.put(k, fitted[k], quadric_filter(2 + k % 5, 16).answers);
+    a.put(k, sums[k], k - 3, 2 * k - 5, k % 2 == 0 ? 1 : -1, filter_of(k));
   }
   for (const int stride : {1, 2}) {
     SurfaceGroup b = a;
     plain_map_kernels().surfaces(a, stride);
     fast_->surfaces(b, stride);
     for (int k = 0; k < SurfaceGroup::kSize; ++k) {
-      const ColumnQuadric one = column_quadric(fitted[k], quadric_filter(2 + k % 5, 16).answers,
-                                               static_cast<float>(stride));
+      const QuadricFilter& filter = filter_of(k);
+      const ColumnQuadric one = column_quadric(
+          quadric_of(sums[k], k - 3, 2 * k - 5, k % 2 == 0 ? 1 : -1, filter.solution),
+          filter.answers, static_cast<float>(stride));
       const Foot foot = foot_of(one);
       for (const SurfaceGroup* group : {&a, &b}) {
         EXPECT_EQ(group->surface(k).c, one.c);
@@ -156,6 +164,85 @@ TEST_F(MapKernelsTest, SurfacesOfAGroupAreThoseOfEachOfIts) {
       }
     }
   }
+}
+
+TEST_F(MapKernelsTest, CoarseSumsAreThoseOfTheSolidVoxelsAround) {
+  for (const Workpiece& workpiece : shapes()) {
+    const std::vector<Cell> cells = test::surface_cells(workpiece);
+    for (std::size_t k = 0; k < cells.size(); k += 3) {
+      const Cell& c = cells[k];
+      const ColumnBits::Windows rows = workpiece.columns().around(0, c.y(), c.z(), c.x() - 2);
+      std::array<std::int32_t, 3> expected{}, plain, fast;
+      for (int n = 0; n < 125; ++n) {
+        const Cell d(n % 5 - 2, n / 5 % 5 - 2, n / 25 - 2);
+        if (d.squaredNorm() > 6 || !workpiece.solid(c + d)) continue;
+        for (int a = 0; a < 3; ++a) {
+          expected[a] +=
+              d[a] *
+              (d.isZero() ? 0 : static_cast<int>(std::lround(120.0 / d.cast<double>().norm())));
+        }
+      }
+      plain_map_kernels().coarse(rows, plain);
+      fast_->coarse(rows, fast);
+      ASSERT_EQ(plain, expected);
+      ASSERT_EQ(fast, expected);
+    }
+  }
+}
+
+TEST_F(MapKernelsTest, MapsCutOutOfATileAreTheTracedOnesBitForBit) {
+  int cut = 0, all = 0;
+  for (const Workpiece& workpiece : shapes()) {
+    for (const Cell& c : test::surface_cells(workpiece)) {
+      const Cell origin = c.array() / kLeafEdge * kLeafEdge;
+      for (int n = 0; n < 6; ++n) {
+        const MapAxes axes{n / 2, n % 2 == 0 ? 1 : -1};
+        const Eigen::Vector3i at = in_tile(c, axes);
+        // Each ns at a third of the voxels.
+        const int ns = 6 - static_cast<int>(c.sum() % 3) * 2, trace = n % 3 == 0 ? 5 : kMaxTrace;
+        const ColumnBits::Windows about_leaf =
+            workpiece.columns().around(axes.axis, origin[axes.first()], origin[axes.second()],
+                                       origin[axes.axis] - HeightTile::kBelow);
+        HeightTile plain, fast;
+        plain.ns = fast.ns = ns;
+        plain.sign = fast.sign = axes.sign;
+        plain_map_kernels().tile(about_leaf, plain);
+        fast_->tile(about_leaf, fast);
+        for (int v = 0; v < HeightTile::kEdge; ++v) {
+          ASSERT_EQ(plain.sound[v], fast.sound[v]);
+          for (int u = 0; u < HeightTile::kEdge; ++u) {
+            for (std::size_t f = 0; plain.is_sound(u, v) && f < kQuadric; ++f) {
+              ASSERT_EQ(plain.sums[v][f][u], fast.sums[v][f][u]) << ns << " " << f;
+            }
+          }
+        }
+        HeightMap traced = ask(ns, 1, axes.sign);
+        plain_map_kernels().trace(windows(workpiece, c, axes.axis), trace, traced);
+        for (const MapKernels* kernels : {&plain_map_kernels(), fast_}) {
+          ++all;
+          HeightMap map = ask(ns, 1, axes.sign);
+          if (!kernels->cut(plain, at.x(), at.y(), at.z(), trace, map)) continue;
+          ++cut;
+          ASSERT_EQ(map.whole_rings, traced.whole_rings) << kernels->name;
+          ASSERT_EQ(map.even_rings, traced.even_rings) << kernels->name;
+          ASSERT_EQ(map.lanes, traced.lanes);
+          for (int k = 0; k < (2 * ns + 1) * map.lanes; ++k) {
+            ASSERT_EQ(map.height[k], traced.height[k]) << kernels->name << " place " << k;
+          }
+          // And the sums, about the centre's height.
+          const QuadricFilter& filter = quadric_filter(ns, map.lanes);
+          QuadricSums sums, tile_sums;
+          plain_map_kernels().fit(traced, filter, sums);
+          for (std::size_t f = 0; f < kQuadric; ++f) tile_sums[f] = plain.sums[at.y()][f][at.x()];
+          const int level = traced.at(0, 0), height = plain.at(at.x(), at.y());
+          ASSERT_EQ(quadric_of(sums, level, level, axes.sign, filter.solution),
+                    quadric_of(tile_sums, height, level, axes.sign, filter.solution));
+        }
+      }
+    }
+  }
+  EXPECT_GT(cut, all / 10);
+  EXPECT_LT(cut, all * 9 / 10);
 }
 
 TEST_F(MapKernelsTest, HalfDiscsAreThePixelsOnOneSideAndTheSameBitForBit) {
@@ -243,18 +330,22 @@ TEST(ColumnQuadric, AQuadricAslantIsRecoveredFromItsHeights) {
   // not.
   const double radius = 30.0, tilt = 0.6;
   const QuadricFilter& filter = quadric_filter(6, 16);
-  Quadric fitted{};
+  // Heights in 1/256 voxel, so that their sums are whole numbers.
+  constexpr double kFine = 256.0;
+  QuadricSums sums{};
   for (std::size_t f = 0; f < kQuadric; ++f) {
-    double sum = 0.0;
     for (int j = -6; j <= 6; ++j) {
       for (int i = -6; i <= 6; ++i) {
         const double x = i + radius * std::sin(tilt);
         const double z = std::sqrt(radius * radius - x * x - j * j) - radius * std::cos(tilt);
-        sum += z * filter.coefficient[f][(6 + j) * 16 + 8 + i];
+        sums[f] +=
+            static_cast<int>(std::lround(kFine * z)) * filter.coefficient[f][(6 + j) * 16 + 8 + i];
       }
     }
-    fitted[f] = static_cast<float>(sum) * filter.scale[f];
   }
+  Quadric fitted = quadric_of(sums, 0, 0, 1, filter.solution);
+  fitted[0] -= 0.5f;  // which a whole voxel's height has and these do not
+  for (float& c : fitted) c /= static_cast<float>(kFine);
   const Eigen::Vector3d truth(std::sin(tilt), 0.0, std::cos(tilt));
   ColumnQuadric plain;
   plain.c = fitted;
@@ -270,18 +361,22 @@ TEST(ColumnQuadric, AQuadricAslantIsRecoveredFromItsHeights) {
 TEST(QuadricFilter, GivesTheCoefficientsOfEveryQuadric) {
   for (const int rings : {2, 3, 6, 7, 12}) {
     const QuadricFilter& filter = quadric_filter(rings, lanes_of(rings));
-    for (std::size_t f = 0; f < kQuadric; ++f) {
-      for (std::size_t term = 0; term < kQuadric; ++term) {
-        double sum = 0.0;
-        for (int j = -rings; j <= rings; ++j) {
-          for (int i = -rings; i <= rings; ++i) {
-            const double power[kQuadric] = {1.0,           1.0 * i,       1.0 * j,
-                                            1.0 * (i * i), 1.0 * (i * j), 1.0 * (j * j)};
-            sum += power[term] *
-                   filter.coefficient[f][(rings + j) * filter.lanes + filter.lanes / 2 + i];
+    for (std::size_t term = 0; term < kQuadric; ++term) {
+      QuadricSums sums{};
+      for (int j = -rings; j <= rings; ++j) {
+        for (int i = -rings; i <= rings; ++i) {
+          const int power[kQuadric] = {1, i, j, i * i, i * j, j * j};
+          for (std::size_t f = 0; f < kQuadric; ++f) {
+            sums[f] += power[term] *
+                       filter.coefficient[f][(rings + j) * filter.lanes + filter.lanes / 2 + i];
           }
         }
-        EXPECT_NEAR(sum * filter.scale[f], f == term, 2e-3) << rings << " " << f << " " << term;
+      }
+      const int centre = term == 0;
+      const Quadric c = quadric_of(sums, centre, centre, 1, filter.solution);
+      for (std::size_t f = 0; f < kQuadric; ++f) {
+        EXPECT_NEAR(c[f], (f == term) + (f == 0 ? 0.5f : 0.0f), 2e-5f)
+            << rings << " " << f << " " << term;
       }
     }
   }

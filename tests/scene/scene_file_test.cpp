@@ -155,6 +155,8 @@ rate_hz = 500
 normals = "ldm_paper"
 neighbourhood = 8
 scaling = "count"
+keep_normals = false
+refine_per_tick = 7
 max_contacts = 100
 [cutting]
 max_cut_voxels = 5000
@@ -186,6 +188,8 @@ hud = false
   EXPECT_EQ(s.haptics.neighbourhood, 8);
   EXPECT_EQ(s.haptics.trace, 5) << "the paper's alpha";
   EXPECT_EQ(s.haptics.scaling, Scaling::kCount);
+  EXPECT_FALSE(s.haptics.keep_normals);
+  EXPECT_EQ(s.haptics.refine_per_tick, 7);
   EXPECT_EQ(s.haptics.max_contacts, 100);
   EXPECT_EQ(s.cutting->max_cut_voxels, 5000);
   EXPECT_EQ(s.render->width, 640);
