@@ -60,7 +60,8 @@ TEST(TickPath, ABallBeyondASceneLargestBurrIsOne) {
 TEST(CuttingPlan, SinksWithTheGroundItTakes) {
   const Workpiece block = plate_block();
   const TickPath path = find_tick_path(block, kBlockGround, 150);
-  const CuttingPlan plan = plan_cutting(block, path, 150, 200);
+  const CuttingPlan plan = plan_cutting(
+      block, path, 150, 200, find_specific_energy(block, path, 150, 200), counting_settings(150));
   ASSERT_EQ(plan.poses.size(), 200u);
   EXPECT_GT(plan.specific_energy_J_per_m3, 0.0);
   const std::size_t period = path.poses.size();

@@ -50,10 +50,11 @@ class SinkingDevice final : public Device {
 /// One run of cutting on a copy of the workpiece.
 class CuttingRun {
  public:
-  CuttingRun(const Workpiece& start, const TickPath& path, int wanted, double specific_energy)
+  CuttingRun(const Workpiece& start, const TickPath& path, const HapticsSettings& haptics,
+             double specific_energy)
       : workpiece_(start),
         device_(path.poses),
-        scene_(scene_with(wanted, specific_energy)),
+        scene_(scene_with(haptics, specific_energy)),
         bodies_(std::array{
             Eigen::AlignedBox3d(Eigen::Vector3d::Constant(-1.0), Eigen::Vector3d::Constant(1.0))}),
         context_{scene_, path.burr, bodies_.query()},
@@ -65,9 +66,9 @@ class CuttingRun {
   double work_J() const { return state_.removal->work_J; }
 
  private:
-  static Scene scene_with(int wanted, double specific_energy) {
+  static Scene scene_with(const HapticsSettings& haptics, double specific_energy) {
     Scene scene;
-    scene.haptics = counting_settings(wanted);
+    scene.haptics = haptics;
     scene.tissues = tick_tissues(specific_energy);
     scene.cutting.emplace();
     return scene;
@@ -88,12 +89,12 @@ struct Sunk {
   double removed = 0.0;
 };
 Sunk sink(const Workpiece& workpiece, const TickPath& path, int wanted, double specific_energy,
-          int ticks) {
+          int ticks, const HapticsSettings& haptics) {
   Sunk sunk;
   // Coarse voxels go faster than that: then twice their pace.
   const double largest_m =
       std::max(kLargestSink, 2.0 * voxels_per_tick(wanted) / wanted * workpiece.grid().voxel_m);
-  CuttingRun run(workpiece, path, wanted, specific_energy);
+  CuttingRun run(workpiece, path, haptics, specific_energy);
   for (int t = 0; t < ticks; ++t) {
     const TickRecord record = run.step();
     sunk.poses.push_back({Eigen::Map<const Eigen::Vector3d>(record.tool_position_m),
@@ -110,7 +111,7 @@ Sunk sink(const Workpiece& workpiece, const TickPath& path, int wanted, double s
 
 /// As many joules as bring `voxels` a tick where nothing goes.
 double energy_uncut(const Workpiece& workpiece, const TickPath& path, int wanted, double voxels) {
-  CuttingRun run(workpiece, path, wanted, kUncut);
+  CuttingRun run(workpiece, path, counting_settings(wanted), kUncut);
   for (std::size_t t = 0; t < path.poses.size(); ++t) run.step();
   const double work_J = run.work_J() / static_cast<double>(path.poses.size());
   return work_J / (voxels * workpiece.grid().voxel_volume_m3());
@@ -118,18 +119,23 @@ double energy_uncut(const Workpiece& workpiece, const TickPath& path, int wanted
 
 }  // namespace
 
-CuttingPlan plan_cutting(const Workpiece& workpiece, const TickPath& path, int wanted, int ticks) {
+double find_specific_energy(const Workpiece& workpiece, const TickPath& path, int wanted,
+                            int ticks) {
   const double voxels = voxels_per_tick(wanted);
-  CuttingPlan plan;
-  plan.specific_energy_J_per_m3 = energy_uncut(workpiece, path, wanted, voxels);
+  double energy = energy_uncut(workpiece, path, wanted, voxels);
   // Ground that the burr has shaped lies less deep in it: less force, less work. Two rounds.
   for (int round = 0; round < 2; ++round) {
-    const Sunk trial =
-        sink(workpiece, path, wanted, plan.specific_energy_J_per_m3, std::min(ticks, kTrialTicks));
-    plan.specific_energy_J_per_m3 *= std::clamp(trial.removed / voxels, 0.1, 2.0);
+    const Sunk trial = sink(workpiece, path, wanted, energy, std::min(ticks, kTrialTicks),
+                            counting_settings(wanted));
+    energy *= std::clamp(trial.removed / voxels, 0.1, 2.0);
   }
-  plan.poses = sink(workpiece, path, wanted, plan.specific_energy_J_per_m3, ticks).poses;
-  return plan;
+  return energy;
+}
+
+CuttingPlan plan_cutting(const Workpiece& workpiece, const TickPath& path, int wanted, int ticks,
+                         double specific_energy_J_per_m3, const HapticsSettings& haptics) {
+  return {specific_energy_J_per_m3,
+          sink(workpiece, path, wanted, specific_energy_J_per_m3, ticks, haptics).poses};
 }
 
 }  // namespace sulcus::lab

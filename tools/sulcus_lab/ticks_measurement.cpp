@@ -108,19 +108,23 @@ std::unique_ptr<TicksGroup> measure_ticks(Workpiece& workpiece, const NormalMeth
   group->wanted = wanted;
   progress(std::to_string(wanted) + " contacts: poses");
   group->path = find_tick_path(workpiece, ground, wanted);
-  group->cutting = plan_cutting(workpiece, group->path, wanted,
-                                plan.lead + ticks_of(plan, TickCache::kCutting, wanted));
-
+  const int cutting_ticks = plan.lead + ticks_of(plan, TickCache::kCutting, wanted);
+  const double energy = find_specific_energy(workpiece, group->path, wanted, cutting_ticks);
   for (const NormalMethod method : plan.methods) {
+    group->cutting.push_back(plan_cutting(workpiece, group->path, wanted, cutting_ticks, energy,
+                                          haptics_of({method, TickCache::kCutting}, wanted)));
+  }
+
+  for (std::size_t m = 0; m < plan.methods.size(); ++m) {
     for (std::size_t c = 0; c < kTickCacheNames.size(); ++c) {
-      const TickSetting setting{method, static_cast<TickCache>(c)};
+      const TickSetting setting{plan.methods[m], static_cast<TickCache>(c)};
       TickTask task{workpiece, group->path.burr, group->path.poses, wanted};
       task.lead = static_cast<int>(group->path.poses.size());
       task.ticks = ticks_of(plan, setting.cache, wanted);
       if (setting.cache == TickCache::kCutting) {
-        task.poses = group->cutting.poses;
+        task.poses = group->cutting[m].poses;
         task.lead = plan.lead;
-        task.specific_energy_J_per_m3 = group->cutting.specific_energy_J_per_m3;
+        task.specific_energy_J_per_m3 = energy;
       }
       group->runs.push_back({task, setting, {}});
     }

@@ -64,9 +64,9 @@ int ticks_of(const TicksPlan& plan, TickCache cache, int contacts);
 struct TicksGroup {
   int wanted = 0;
   TickPath path;
-  CuttingPlan cutting;
-  std::vector<TickRun> runs;     // method by method: fresh, kept, cutting; tasks refer in here
-  std::optional<double> pca_ns;  // per normal on contact voxels; none without PCL
+  std::vector<CuttingPlan> cutting;  // one for each method
+  std::vector<TickRun> runs;         // method by method: fresh, kept, cutting; tasks refer in here
+  std::optional<double> pca_ns;      // per normal on contact voxels; none without PCL
   std::size_t pca_voxels = 0;
 };
 

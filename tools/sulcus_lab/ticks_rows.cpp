@@ -171,10 +171,10 @@ std::vector<std::string> floor_lines(const TickPlace& place) {
   std::vector<std::string> lines;
   for (const bool fresh : {true, false}) {
     const TickFloor& f = fresh ? place.fresh : place.kept;
-    lines.push_back(text("%s,%d,%.3f,%.4f,%.0f,%.0f,%.0f,%.0f,%.0f,%.2f,%.3f",
-                         fresh ? "fresh" : "kept", place.wanted, place.diameter_m / kMillimetre,
-                         place.depth_m / kMillimetre, f.surface, f.field, f.columns, f.kept,
-                         f.records, f.gb_per_s, f.us));
+    lines.push_back(text("%s,%d,%d,%.3f,%.4f,%.0f,%.0f,%.0f,%.0f,%.0f,%.2f,%.3f",
+                         fresh ? "fresh" : "kept", place.wanted, place.cells,
+                         place.diameter_m / kMillimetre, place.depth_m / kMillimetre, f.surface,
+                         f.field, f.columns, f.kept, f.records, f.gb_per_s, f.us));
   }
   return lines;
 }
@@ -197,9 +197,9 @@ void print_rows(std::span<const TickRow> rows) {
 }
 
 void print_place(const TickPlace& place) {
-  std::printf("\n%d contacts: a round burr of %.2f mm, %.3f mm deep: %.1f, %d to %d.", place.wanted,
-              place.diameter_m / kMillimetre, place.depth_m / kMillimetre, place.contacts,
-              place.least, place.most);
+  std::printf("\n%d contacts, %d^3: a round burr of %.2f mm, %.3f mm deep: %.1f, %d to %d.",
+              place.wanted, place.cells, place.diameter_m / kMillimetre,
+              place.depth_m / kMillimetre, place.contacts, place.least, place.most);
   if (std::isfinite(place.pca_ns)) std::printf(" PCA: %.0f ns a normal.", place.pca_ns);
   std::printf(
       "\nCutting: %.3g J/mm3. At least %.0f bytes a contact fresh, %.0f kept: %.2f, %.2f us\n",

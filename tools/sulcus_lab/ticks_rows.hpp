@@ -23,6 +23,7 @@ std::vector<TickRow> rows_of(const TicksGroup& group);
 /// Where and what was measured at one number of contacts.
 struct TickPlace {
   int wanted = 0;
+  int cells = 0;  // of the molar, along an axis
   double diameter_m = 0.0, depth_m = 0.0, specific_energy_J_per_m3 = 0.0;
   double contacts = 0.0;  // mean of the poses
   int least = 0, most = 0;
@@ -58,7 +59,8 @@ inline constexpr const char* kFoundHeader =
     "us_p999,instructions_per_tick,pca_us,pca_to_mean,pca_to_p99";
 std::string found_line(const TickRow& row);
 inline constexpr const char* kFloorHeader =
-    "cache,contacts,burr_mm,depth_mm,surface_bytes,field_bytes,column_bytes,kept_bytes,record_"
+    "cache,contacts,cells,burr_mm,depth_mm,surface_bytes,field_bytes,column_bytes,kept_bytes,"
+    "record_"
     "bytes,"
     "gb_per_s,floor_us";
 std::vector<std::string> floor_lines(const TickPlace& place);
