@@ -30,12 +30,13 @@ inline std::string read_file(const std::string& path) {
   return text.str();
 }
 
-/// Runs the built program with arguments for a shell; `scratch` is a path for what it says on its
-/// error stream. The user's load cache is left alone, unless the environment names another one.
-inline CommandResult sulcus_command(const std::string& arguments, const std::string& scratch,
-                                    const std::string& environment = "SULCUS_CACHE=off") {
-  const std::string command = "env " + environment + " " + std::string(SULCUS_PROGRAM) + " " +
-                              arguments + " 2>'" + scratch + "' </dev/null";
+/// Runs a program with arguments for a shell; `scratch` is a path for what it says on its error
+/// stream. The user's load cache is left alone, unless the environment names another one.
+inline CommandResult program_command(const std::string& program, const std::string& arguments,
+                                     const std::string& scratch,
+                                     const std::string& environment = "SULCUS_CACHE=off") {
+  const std::string command =
+      "env " + environment + " " + program + " " + arguments + " 2>'" + scratch + "' </dev/null";
   CommandResult result;
   std::FILE* pipe = popen(command.c_str(), "r");
   if (!pipe) throw std::runtime_error("no shell");
@@ -47,6 +48,11 @@ inline CommandResult sulcus_command(const std::string& arguments, const std::str
   result.status = WIFEXITED(ended) ? WEXITSTATUS(ended) : 128 + WTERMSIG(ended);
   result.err = read_file(scratch);
   return result;
+}
+/// The same of the built `sulcus`.
+inline CommandResult sulcus_command(const std::string& arguments, const std::string& scratch,
+                                    const std::string& environment = "SULCUS_CACHE=off") {
+  return program_command(SULCUS_PROGRAM, arguments, scratch, environment);
 }
 
 }  // namespace sulcus::test

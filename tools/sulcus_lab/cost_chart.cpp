@@ -2,27 +2,12 @@
 
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <utility>
 
 #include "tools/sulcus_lab/chart.hpp"
+#include "tools/sulcus_lab/log_slope.hpp"
 
 namespace sulcus::lab {
-
-namespace {
-
-/// Of the straight line through the logarithms, by least squares.
-double slope(const std::vector<std::pair<double, double>>& points) {
-  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
-  for (const auto& [a, b] : points) {
-    if (!std::isfinite(b) || b <= 0.0) continue;
-    const double u = std::log(a), v = std::log(b);
-    n += 1, x += u, y += v, xx += u * u, xy += u * v;
-  }
-  return n < 2 ? std::numeric_limits<double>::quiet_NaN() : (n * xy - x * y) / (n * xx - x * x);
-}
-
-}  // namespace
 
 std::vector<CostRow> costs_of(const ShapeResult& result) {
   std::vector<CostRow> costs;
@@ -42,7 +27,7 @@ CostGrowth growth_of(Method method, const std::vector<CostRow>& costs) {
     times.emplace_back(edge, cost.ns_per_normal);
     reads.emplace_back(edge, cost.readouts);
   }
-  return {slope(times), slope(reads)};
+  return {log_slope(times), log_slope(reads)};
 }
 
 bool draw_cost(const std::vector<CostRow>& costs, const std::string& shape,

@@ -10,6 +10,7 @@
 #include "tools/sulcus_lab/normals_command.hpp"
 #include "tools/sulcus_lab/pareto_command.hpp"
 #include "tools/sulcus_lab/table1_command.hpp"
+#include "tools/sulcus_lab/ticks_command.hpp"
 
 int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);  // gnuplot that goes away is an error, not an end
@@ -21,6 +22,7 @@ int main(int argc, char** argv) {
   sulcus::lab::add_normals_command(program);
   sulcus::lab::add_pareto_command(program);
   sulcus::lab::add_table1_command(program);
+  sulcus::lab::add_ticks_command(program);
   try {
     program.parse(argc, argv);
   } catch (const CLI::Success& success) {  // --help, --version

@@ -1,0 +1,31 @@
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/command.hpp"
+#include "tests/support/scratch_folder.hpp"
+
+namespace sulcus {
+namespace {
+
+TEST(TicksCommand, BadOptionsAreOneLineAndStatus2) {
+  struct Bad {
+    const char *arguments, *named;
+  };
+  for (const Bad& bad : {Bad{"--contacts 0", "--contacts"}, Bad{"--contacts many", "many"},
+                         Bad{"--method ldm,laplace", "'laplace'"}, Bad{"--method pca", "'pca'"},
+                         Bad{"--quick --cells 7", "--cells"}}) {
+    SCOPED_TRACE(bad.arguments);
+    const ScratchFolder scratch;
+    const auto result = test::program_command(
+        SULCUS_LAB_PROGRAM, "ticks -o " + scratch.path("out") + " " + bad.arguments,
+        scratch.path("err"));
+    EXPECT_EQ(result.status, 2);
+    EXPECT_EQ(result.err_lines(), 1) << result.err;
+    EXPECT_NE(result.err.find(bad.named), std::string::npos) << result.err;
+    EXPECT_FALSE(std::filesystem::exists(scratch.path("out")));
+  }
+}
+
+}  // namespace
+}  // namespace sulcus
