@@ -5,7 +5,6 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
-#include "engine/normals/normal_method.hpp"
 
 namespace sulcus {
 
@@ -24,13 +23,9 @@ Simulation::Simulation(const Scene& scene, VoxelModel start, Burr burr, StageClo
       workpiece_(std::move(start)),
       burr_(std::move(burr)),
       bodies_(body_boxes(workpiece_.grid())),
+      state_(initial_state(scene_, workpiece_.grid())),
       scratch_(scene_, clock),
-      context_{scene_, burr_, bodies_.query()} {
-  if (scene_.cutting) state_.removal.emplace(*scene_.cutting);
-  if (scene_.haptics.keep_normals && use_tool(scene_.haptics.normals)) {
-    state_.kept.emplace(workpiece_.grid(), scene_.haptics);
-  }
-}
+      context_{scene_, burr_, bodies_.query()} {}
 
 std::size_t Simulation::cutting_bytes() const {
   if (!state_.removal) return 0;

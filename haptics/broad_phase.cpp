@@ -1,5 +1,6 @@
 #include "haptics/broad_phase.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace sulcus {
@@ -10,11 +11,20 @@ namespace {
 struct IndexCapsule {
   Eigen::Vector3d a, ab;  // segment from a to a + ab, voxels
   double radius = 0.0;
+  double per_length2 = 0.0;  // 1 / |ab|^2; 0 of a ball
 };
 
 /// Whether a box (centre, half edges) comes within the capsule's radius of its segment.
 bool reaches(const IndexCapsule& capsule, const Eigen::Vector3d& centre,
              const Eigen::Vector3d& half) {
+  // Mostly the balls in and about the box settle it.
+  const Eigen::Vector3d to_centre = centre - capsule.a;
+  const double along = std::clamp(to_centre.dot(capsule.ab) * capsule.per_length2, 0.0, 1.0);
+  const double away2 = (to_centre - along * capsule.ab).squaredNorm();
+  const double in = capsule.radius + half.minCoeff();
+  if (away2 <= in * in) return true;
+  const double about = capsule.radius + half.norm();
+  if (away2 > about * about) return false;
   // The squared distance of the segment's point t to the box is convex in t and its derivative
   // piecewise linear: bisect on the sign of the derivative. 12 halvings place t to 1/4096 of the
   // segment, and as the function is flat at its minimum the distance far better than that.
@@ -54,7 +64,9 @@ bool broad_phase(const Workpiece& workpiece, const Capsule& capsule_tool,
   const Octree& octree = workpiece.octree();
   const Eigen::Vector3d a = grid.index_from_world(world_from_tool.point(capsule_tool.a_tool));
   const Eigen::Vector3d b = grid.index_from_world(world_from_tool.point(capsule_tool.b_tool));
-  const IndexCapsule capsule{a, b - a, (capsule_tool.radius_m + margin_m) / grid.voxel_m};
+  const double length2 = (b - a).squaredNorm();
+  const IndexCapsule capsule{a, b - a, (capsule_tool.radius_m + margin_m) / grid.voxel_m,
+                             length2 > 0.0 ? 1.0 / length2 : 0.0};
 
   // Pre-order with a stack of our own: at most 7 siblings wait on each of at most 8 levels.
   std::array<Octree::Place, 64> stack;

@@ -32,7 +32,8 @@ void put(const Eigen::Vector3d& v, float (&to)[3]) {
 
 void contact_force(const Workpiece& workpiece, std::span<const TissueSettings> tissues,
                    const Burr& burr, const Pose& world_from_tool, const Twist* twist,
-                   Scaling scaling, ContactScratch& scratch, ContactResult& result) noexcept {
+                   Scaling scaling, ContactScratch& scratch, ContactResult& result,
+                   bool with_stiffness) noexcept {
   if (scratch.contacts.empty()) return;
   const ContactKernels& kernels = contact_kernels();
   const ContactArrays contacts = arrays_of(scratch.contacts);
@@ -58,6 +59,7 @@ void contact_force(const Workpiece& workpiece, std::span<const TissueSettings> t
     terms.tangential_ratio = static_cast<float>(burr.tangential_ratio);
     terms.slow_edge_m_per_s = kSlowEdge;
   }
+  terms.with_stiffness = with_stiffness;
   ForceSums sums;
   kernels.forces(terms, contacts, sums);
   result.wrench.force_N = Eigen::Vector3d(sums.of[0], sums.of[1], sums.of[2]);

@@ -27,6 +27,7 @@ namespace sulcus {
 /// beta |F_n| |v_t|^2 / max(|v_t|, v0) is left with the contact for the removal.
 void contact_force(const Workpiece& workpiece, std::span<const TissueSettings> tissues,
                    const Burr& burr, const Pose& world_from_tool, const Twist* twist,
-                   Scaling scaling, ContactScratch& scratch, ContactResult& result) noexcept;
+                   Scaling scaling, ContactScratch& scratch, ContactResult& result,
+                   bool with_stiffness = false) noexcept;
 
 }  // namespace sulcus

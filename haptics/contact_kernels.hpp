@@ -43,14 +43,14 @@ struct ForceSettings {
 /// What every contact's force needs, and the tool's motion, single precision, world.
 struct ForceTerms {
   const float* stiffness_N_per_m = nullptr;  // by label, already divided by the scaling's divisor
-  bool cutting = false;
+  bool cutting = false, with_stiffness = false;
   float axis_m[3]{};   // from the torque reference back to the tip: arms about the tip are longer
   float linear[3]{};   // velocity of the tip, m/s
   float turning[3]{};  // rad/s, spindle and handpiece
   float tangential_ratio = 0.0f, slow_edge_m_per_s = 0.0f;
 };
 
-/// Force, torque, upper triangle of the stiffness.
+/// Force, torque, upper triangle of the stiffness, which stays zero where it is not asked for.
 struct ForceSums {
   double of[27]{};
 };

@@ -52,6 +52,27 @@ struct Corners {
   Lanes of[8];
 };
 inline Corners corners(const ContactFrame& f, const IntLanes& offset) {
+#ifdef __AVX2__
+  // Two neighbours in x at once; what is stored lane by lane cannot be loaded as a whole at once.
+  alignas(32) std::int32_t at[kLaneCount];
+  store(offset, at);
+  const auto two = [](const float* p, const float* q) {
+    return _mm_loadh_pi(_mm_loadl_pi(_mm_setzero_ps(), reinterpret_cast<const __m64*>(p)),
+                        reinterpret_cast<const __m64*>(q));
+  };
+  const auto edge = [&](const float* v, Lanes& low, Lanes& high) {
+    const __m256 a = _mm256_set_m128(two(v + at[4], v + at[5]), two(v + at[0], v + at[1]));
+    const __m256 b = _mm256_set_m128(two(v + at[6], v + at[7]), two(v + at[2], v + at[3]));
+    low = _mm256_shuffle_ps(a, b, 0x88);
+    high = _mm256_shuffle_ps(a, b, 0xdd);
+  };
+  Corners c;
+  edge(f.values, c.of[0], c.of[1]);
+  edge(f.values + f.row, c.of[2], c.of[3]);
+  edge(f.values + f.slice, c.of[4], c.of[5]);
+  edge(f.values + f.slice + f.row, c.of[6], c.of[7]);
+  return c;
+#else
   alignas(32) float v[8][kLaneCount];
   for (int lane = 0; lane < kLaneCount; ++lane) {
     const float* c = f.values + offset[lane];
@@ -64,6 +85,7 @@ inline Corners corners(const ContactFrame& f, const IntLanes& offset) {
   Corners all;
   for (int k = 0; k < 8; ++k) all.of[k] = load(v[k]);
   return all;
+#endif
 }
 
 /// Distance and gradient (tool axes) at points of field space: the bits of
@@ -219,7 +241,7 @@ inline double measure_all(const ContactFrame& frame, const ForceSettings& settin
   return sum_of(weights);
 }
 
-template <bool kCutting>
+template <bool kCutting, bool kStiffness>
 inline void add_forces(const ForceTerms& terms, const ContactArrays& contacts, ForceSums& sums) {
   DoubleLanes total[27] = {};
   const Lanes3 to_tip = constant(terms.axis_m), linear = constant(terms.linear),
@@ -246,11 +268,13 @@ inline void add_forces(const ForceTerms& terms, const ContactArrays& contacts, F
     }
     store(normal_force, contacts.of[Contacts::kForce] + k);
     store(power, contacts.of[Contacts::kPower] + k);
-    const Lanes3 torque = cross(arm, force), turn = cross(arm, normal);
+    const Lanes3 torque = cross(arm, force);
     const Lanes wrench[6] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};
-    const Lanes row[6] = {normal.x, normal.y, normal.z, turn.x, turn.y, turn.z};  // of the Jacobian
     int entry = 0;
     for (; entry < 6; ++entry) total[entry] += to_double(wrench[entry]);
+    if constexpr (!kStiffness) continue;
+    const Lanes3 turn = cross(arm, normal);
+    const Lanes row[6] = {normal.x, normal.y, normal.z, turn.x, turn.y, turn.z};  // of the Jacobian
     for (int a = 0; a < 6; ++a) {
       const Lanes scaled = stiffness * row[a];
       for (int b = a; b < 6; ++b) total[entry++] += to_double(scaled * row[b]);
@@ -261,8 +285,13 @@ inline void add_forces(const ForceTerms& terms, const ContactArrays& contacts, F
 
 inline void forces_of(const ForceTerms& terms, const ContactArrays& contacts,
                       ForceSums& sums) noexcept {
-  terms.cutting ? add_forces<true>(terms, contacts, sums)
-                : add_forces<false>(terms, contacts, sums);
+  if (terms.with_stiffness) {
+    terms.cutting ? add_forces<true, true>(terms, contacts, sums)
+                  : add_forces<false, true>(terms, contacts, sums);
+  } else {
+    terms.cutting ? add_forces<true, false>(terms, contacts, sums)
+                  : add_forces<false, false>(terms, contacts, sums);
+  }
 }
 
 }  // namespace

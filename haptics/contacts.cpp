@@ -55,8 +55,6 @@ void Contacts::set(std::size_t i, const Contact& c) noexcept {
   values_[kPower][i] = c.power_W;
 }
 
-std::size_t Contacts::memory_bytes() const {
-  return capacity_ * (sizeof(std::uint32_t) + 1 + kQuantities * sizeof(float));
-}
+std::size_t Contacts::memory_bytes() const { return capacity_ * kBytesEach; }
 
 }  // namespace sulcus

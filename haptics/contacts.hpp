@@ -48,6 +48,9 @@ class Contacts {
     kQuantities
   };
 
+  static constexpr std::size_t kBytesEach =
+      sizeof(std::uint32_t) + sizeof(std::uint8_t) + kQuantities * sizeof(float);
+
   /// Room for so many; memory is taken here and nowhere else.
   explicit Contacts(std::size_t capacity);
 

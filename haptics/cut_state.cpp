@@ -1,20 +1,26 @@
 #include "haptics/cut_state.hpp"
 
-#include "engine/core/hash.hpp"
+#include <bit>
 
 namespace sulcus {
 
 namespace {
 
+/// Of an entry, splitmix64 over both of its parts.
 std::uint64_t entry_hash(std::uint32_t key, double energy_J) noexcept {
-  return hash_bytes(&energy_J, sizeof(energy_J), key);
+  std::uint64_t v = std::bit_cast<std::uint64_t>(energy_J) + key * 0x9e3779b97f4a7c15u;
+  v = (v ^ v >> 30) * 0xbf58476d1ce4e5b9u;
+  v = (v ^ v >> 27) * 0x94d049bb133111ebu;
+  return v ^ v >> 31;
 }
 
 }  // namespace
 
 std::size_t CutState::home(std::uint32_t key) const noexcept {
-  // Fibonacci hashing: neighbouring voxels, which are cut together, spread over the table.
-  return (key * std::uint64_t{0x9e3779b97f4a7c15}) >> 32 & (slots_.size() - 1);
+  // Fibonacci hashing of runs of eight voxels: the runs spread over the table, and the voxels of a
+  // run, which are cut together, lie in one or two cache lines.
+  const std::size_t run = (key >> 3) * std::uint64_t{0x9e3779b97f4a7c15} >> 32;
+  return (run << 3 | (key & 7u)) & (slots_.size() - 1);
 }
 
 std::size_t CutState::find(std::uint32_t key) const noexcept {
@@ -28,8 +34,19 @@ double CutState::energy(std::uint32_t voxel) const noexcept {
 }
 
 bool CutState::set_energy(std::uint32_t voxel, double energy_J) noexcept {
-  const std::uint32_t key = voxel + 1;
-  const std::size_t slot = find(key);
+  return set_at(find(voxel + 1), voxel + 1, energy_J);
+}
+
+CutState::Spent CutState::add_energy(std::uint32_t voxel, double energy_J,
+                                     double needed_J) noexcept {
+  const std::size_t slot = find(voxel + 1);
+  const double stored_J = slots_[slot].energy_J + energy_J;
+  if (stored_J < needed_J) return {false, set_at(slot, voxel + 1, stored_J) ? 0.0 : energy_J};
+  set_at(slot, voxel + 1, 0.0);
+  return {true, stored_J - needed_J};
+}
+
+bool CutState::set_at(std::size_t slot, std::uint32_t key, double energy_J) noexcept {
   if (slots_[slot].key != 0) {
     hash_ ^= entry_hash(key, slots_[slot].energy_J);
     if (energy_J == 0.0) {

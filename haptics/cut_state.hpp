@@ -19,6 +19,13 @@ class CutState {
   /// Sets it; 0 forgets the voxel. False when the table is full and the voxel is new.
   bool set_energy(std::uint32_t voxel, double energy_J) noexcept;
 
+  /// Adds energy to a voxel, up to what it needs.
+  struct Spent {
+    bool full = false;    // it has all that it needs, and is forgotten
+    double over_J = 0.0;  // what it did not need, or had no room for
+  };
+  Spent add_energy(std::uint32_t voxel, double energy_J, double needed_J) noexcept;
+
   std::uint32_t size() const { return size_; }
   std::uint64_t hash() const { return hash_; }
   std::size_t memory_bytes() const { return slots_.capacity() * sizeof(Slot); }
@@ -29,6 +36,7 @@ class CutState {
     double energy_J = 0.0;
   };
   std::size_t home(std::uint32_t key) const noexcept;
+  bool set_at(std::size_t slot, std::uint32_t key, double energy_J) noexcept;
   std::size_t find(std::uint32_t key) const noexcept;  // its slot, or the free one it would take
   void erase(std::size_t slot) noexcept;
 

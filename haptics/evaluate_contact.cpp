@@ -11,7 +11,7 @@ namespace sulcus {
 ContactResult evaluate_contact(const Workpiece& workpiece, std::span<const TissueSettings> tissues,
                                const Burr& burr, const Pose& world_from_tool, const Twist* twist,
                                const HapticsSettings& settings, const KeptNormals* kept,
-                               ContactScratch& scratch) noexcept {
+                               ContactScratch& scratch, bool with_stiffness) noexcept {
   ContactResult result;
   // Where depth is measured at the fitted surface point, a voxel takes part before its centre is
   // inside: that point lies up to half a diagonal (0.87 voxel) further out.
@@ -34,7 +34,7 @@ ContactResult evaluate_contact(const Workpiece& workpiece, std::span<const Tissu
   {
     const auto timed = scratch.clock.time(Stage::kContactForce);
     contact_force(workpiece, tissues, burr, world_from_tool, twist, settings.scaling, scratch,
-                  result);
+                  result, with_stiffness);
   }
   return result;
 }

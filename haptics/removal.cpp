@@ -10,28 +10,26 @@ std::uint32_t removal(Workpiece& workpiece, std::span<const TissueSettings> tiss
   std::uint32_t faults = 0;
   const double voxel_m3 = workpiece.grid().voxel_volume_m3();
 
-  /// Gives a voxel energy; what it has over when it goes flows back into the pool.
   const Contacts& contacts = scratch.contacts;
   const float* const power_W = contacts(Contacts::kPower);
+  // Gives a voxel energy; what it has over when it goes flows back into the pool. Whether it still
+  // stands.
   const auto spend = [&](std::size_t i, double energy_J) {
     const Cell cell = cell_of_key(contacts.keys()[i]);
     const std::uint32_t voxel = workpiece.grid().linear(cell);
     const std::uint8_t tissue = contacts.tissues()[i];
     const double needed_J = tissues[tissue].specific_energy_J_per_m3 * voxel_m3;
-    const double stored_J = state.part_cut.energy(voxel) + energy_J;
-    if (stored_J < needed_J) {
-      if (!state.part_cut.set_energy(voxel, stored_J)) {
-        state.pool_J += energy_J;
-        faults |= kFaultCutStateFull;
-      }
-      return;
+    const CutState::Spent spent = state.part_cut.add_energy(voxel, energy_J, needed_J);
+    state.pool_J += spent.over_J;
+    if (!spent.full) {
+      if (spent.over_J > 0.0) faults |= kFaultCutStateFull;
+      return true;
     }
-    state.part_cut.set_energy(voxel, 0.0);
-    state.pool_J += stored_J - needed_J;
     state.removed_J += needed_J;
     ++state.removed_voxels[tissue];
     workpiece.remove(cell);
     edits.push_back({tick, voxel, 0, EditCause::kCut});
+    return false;
   };
 
   const auto stands = [&](std::size_t i) {
@@ -42,8 +40,7 @@ std::uint32_t removal(Workpiece& workpiece, std::span<const TissueSettings> tiss
     if (power_W[i] <= 0.0f) continue;
     const double work_J = static_cast<double>(power_W[i]) * dt_s;
     state.work_J += work_J;
-    spend(i, work_J);
-    standing += stands(i);
+    standing += spend(i, work_J);
   }
   // A share that fells a voxel may leave something over again. Each round either fells one or
   // empties the pool; a few rounds reach the end of all but a flood, which waits for the next tick.
@@ -52,9 +49,7 @@ std::uint32_t removal(Workpiece& workpiece, std::span<const TissueSettings> tiss
     state.pool_J = 0.0;
     standing = 0;
     for (std::size_t i = 0; i < contacts.size(); ++i) {
-      if (power_W[i] <= 0.0f || !stands(i)) continue;
-      spend(i, share_J);
-      standing += stands(i);
+      if (power_W[i] > 0.0f && stands(i)) standing += spend(i, share_J);
     }
   }
   return faults;

@@ -4,8 +4,18 @@
 #include <array>
 
 #include "engine/core/hash.hpp"
+#include "engine/normals/normal_method.hpp"
 
 namespace sulcus {
+
+SimulationState initial_state(const Scene& scene, const VoxelGrid& grid) {
+  SimulationState state;
+  if (scene.cutting) state.removal.emplace(*scene.cutting);
+  if (scene.haptics.keep_normals && use_tool(scene.haptics.normals)) {
+    state.kept.emplace(grid, scene.haptics);
+  }
+  return state;
+}
 
 std::uint64_t SimulationState::hash() const {
   std::array<double, 11> values{};

@@ -21,4 +21,7 @@ struct SimulationState {
   std::uint64_t hash() const;
 };
 
+/// The state before the first tick, with what the scene names.
+SimulationState initial_state(const Scene& scene, const VoxelGrid& grid);
+
 }  // namespace sulcus

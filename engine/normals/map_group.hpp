@@ -60,6 +60,11 @@ inline bool stands(const Eigen::Vector3f& normal, const Eigen::Vector3f& coarse,
   return normal.dot(coarse) > 0.0f && !(normal.dot(tool) < 0.0f);
 }
 
+/// The map of a voxel along an axis, cut out of a tile where there is one and it can tell; `map.ns`
+/// is set, and the stride 1. Whether it was cut.
+bool trace_or_cut(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes, int trace,
+                  const HeightTile* tile, HeightMap& map) noexcept;
+
 /// Traces the map of a voxel along an axis; `map.ns` and `map.stride` are set.
 inline void trace_along(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes,
                         int trace, HeightMap& map) noexcept {

@@ -129,11 +129,16 @@ struct MapKernels {
   /// down to the last bit. False where the tile cannot tell; then the map is not filled in.
   bool (*cut)(const HeightTile& tile, int u, int v, int w, int trace, HeightMap& map) noexcept;
 
+  /// Whether the map that `cut` would give is even in all rings.
+  bool (*even)(const HeightTile& tile, int u, int v, int w, int trace) noexcept;
+
   /// The filter's sums over a map. `filter.lanes` is the map's.
   void (*fit)(const HeightMap& map, const QuadricFilter& filter, QuadricSums& sums) noexcept;
 
   /// Surfaces and feet of eight fits, `stride` voxels between their columns.
   void (*surfaces)(SurfaceGroup& group, int stride) noexcept;
+  /// Feet alone, of so many groups of stride 1.
+  void (*feet)(SurfaceGroup* groups, std::size_t count) noexcept;
 
   /// Largest |height - surface| over a whole map, voxels, the surface without its quartic part.
   float (*largest_residual)(const HeightMap& map, const ColumnQuadric& surface) noexcept;

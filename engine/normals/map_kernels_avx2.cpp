@@ -732,6 +732,34 @@ bool cut_map(const HeightTile& tile, int u, int v, int w, int trace, HeightMap& 
   return true;
 }
 
+bool is_even(const HeightTile& tile, int u, int v, int w, int trace) noexcept {
+  const int ns = tile.ns;
+  const int height = tile.height[ns + v][HeightTile::kMargin + u], centre = height - w;
+  if ((tile.sound[v] >> u & 1) == 0 || centre < -kMaxStep || centre > kMaxStep) return false;
+  const int reach = trace < HeightTile::kReach ? trace : HeightTile::kReach;
+  const __m256i twice = _mm256_set1_epi8(static_cast<char>(2 * height));
+  __m256i uneven = _mm256_setzero_si256(), highest = _mm256_set1_epi8(-128),
+          lowest = _mm256_set1_epi8(127);
+  const signed char* middle = tile.height[ns + v] + u;
+  for (int j = 0; j <= ns; ++j) {
+    const __m256i h =
+        _mm256_loadu2_m128i(reinterpret_cast<const __m128i*>(middle - j * HeightTile::kLanes),
+                            reinterpret_cast<const __m128i*>(middle + j * HeightTile::kLanes));
+    const __m256i opposite = _mm256_shuffle_epi8(_mm256_permute2x128_si256(h, h, 1), mirror());
+    const __m256i sum = _mm256_subs_epi8(_mm256_adds_epi8(h, opposite), twice);
+    uneven = _mm256_max_epu8(uneven, _mm256_abs_epi8(sum));
+    highest = _mm256_max_epi8(highest, h);
+    lowest = _mm256_min_epi8(lowest, h);
+  }
+  const __m256i outside =
+      _mm256_cmpgt_epi8(lane_distance(), _mm256_set1_epi8(static_cast<char>(ns)));
+  const __m256i bad = _mm256_or_si256(
+      _mm256_or_si256(_mm256_cmpgt_epi8(highest, _mm256_set1_epi8(static_cast<char>(w + reach))),
+                      _mm256_cmpgt_epi8(_mm256_set1_epi8(static_cast<char>(w - reach)), lowest)),
+      _mm256_subs_epu8(uneven, _mm256_set1_epi8(kMaxUneven)));
+  return _mm256_testc_si256(outside, bad) != 0;
+}
+
 // --- Fits ---------------------------------------------------------------------------------------
 
 inline __m256i sixteen(const signed char* height) {
@@ -771,10 +799,11 @@ void fit_map(const HeightMap& map, const QuadricFilter& filter, QuadricSums& out
   __builtin_memcpy(&out, total, sizeof out);
 }
 
-constexpr MapKernels kAvx2{"avx2",         coarse_sums,     trace_map,          read_tile,
-                           cut_map,        fit_map,         surfaces_of,        largest_residual,
-                           half_sums,      sums_on_plane,   residuals_on_plane, gather_points,
-                           tilted_moments, tilted_residuals};
+constexpr MapKernels kAvx2{
+    "avx2",          coarse_sums,   trace_map,          read_tile,     cut_map,
+    is_even,         fit_map,       surfaces_of,        feet_of,       largest_residual,
+    half_sums,       sums_on_plane, residuals_on_plane, gather_points, tilted_moments,
+    tilted_residuals};
 
 }  // namespace
 

@@ -176,10 +176,17 @@ bool cut_map(const HeightTile& tile, int u, int v, int w, int trace, HeightMap& 
   return true;
 }
 
-constexpr MapKernels kPlain{"plain",        coarse_sums,     trace_map,          read_tile,
-                            cut_map,        fit_map,         surfaces_of,        largest_residual,
-                            half_sums,      sums_on_plane,   residuals_on_plane, gather_points,
-                            tilted_moments, tilted_residuals};
+bool is_even(const HeightTile& tile, int u, int v, int w, int trace) noexcept {
+  HeightMap map;
+  map.ns = tile.ns;
+  return cut_map(tile, u, v, w, trace, map) && map.even_rings == map.ns;
+}
+
+constexpr MapKernels kPlain{
+    "plain",         coarse_sums,   trace_map,          read_tile,     cut_map,
+    is_even,         fit_map,       surfaces_of,        feet_of,       largest_residual,
+    half_sums,       sums_on_plane, residuals_on_plane, gather_points, tilted_moments,
+    tilted_residuals};
 
 }  // namespace
 

@@ -33,14 +33,13 @@ inline Eigen::Vector3f to_map_space(const Eigen::Vector3f& v, const MapAxes& axe
   return {v[axes.first()], v[axes.second()], static_cast<float>(axes.sign) * v[axes.axis]};
 }
 inline SurfaceEstimate to_index_space(const Foot& foot, const MapAxes& axes) noexcept {
-  SurfaceEstimate estimate;
-  estimate.normal[axes.first()] = foot.normal_x;
-  estimate.normal[axes.second()] = foot.normal_y;
-  estimate.normal[axes.axis] = static_cast<float>(axes.sign) * foot.normal_z;
-  estimate.offset = foot.offset;
-  estimate.defined = true;
-  estimate.windows = axes.window();
-  return estimate;
+  const float x = foot.normal_x, y = foot.normal_y;
+  const float z = static_cast<float>(axes.sign) * foot.normal_z;
+  // By cases, not by index: what is written number by number cannot be read as one at once.
+  const Eigen::Vector3f normal = axes.axis == 0   ? Eigen::Vector3f(z, x, y)
+                                 : axes.axis == 1 ? Eigen::Vector3f(y, z, x)
+                                                  : Eigen::Vector3f(x, y, z);
+  return {normal, foot.offset, true, axes.window()};
 }
 
 }  // namespace sulcus

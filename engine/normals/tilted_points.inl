@@ -23,7 +23,8 @@ inline Lanes outward(const IntLanes& heights, int sign) {
 }
 constexpr Lanes kAlong = {0, 1, 2, 3, 4, 5, 6, 7};
 
-inline void surfaces_of(SurfaceGroup& g, int stride) noexcept {
+/// The surfaces of eight fits.
+inline ColumnQuadricOf<Lanes> quadrics_of(const SurfaceGroup& g, int stride) {
   std::array<IntLanes, kQuadric> sums;
   for (unsigned f = 0; f < kQuadric; ++f) sums[f] = load(g.sums[f]);
   const FilterSolutionOf<IntLanes, Lanes> solution{
@@ -35,12 +36,24 @@ inline void surfaces_of(SurfaceGroup& g, int stride) noexcept {
   const FilterAnswersOf<Lanes> answers{load(g.answers[0]), load(g.answers[1]), load(g.answers[2]),
                                        load(g.answers[3]), load(g.answers[4]), load(g.answers[5]),
                                        load(g.answers[6]), load(g.answers[7])};
-  const ColumnQuadricOf<Lanes> q = column_quadric(fitted, answers, static_cast<float>(stride));
+  return column_quadric(fitted, answers, static_cast<float>(stride));
+}
+
+inline void store_feet(const ColumnQuadricOf<Lanes>& q, SurfaceGroup& g) {
   const FootOf<Lanes> foot = foot_of(q, square_root);
-  for (unsigned f = 0; f < kQuadric; ++f) store(q.c[f], g.c[f]);
-  store(q.t_x, g.t_x), store(q.t_y, g.t_y), store(q.quartic, g.quartic);
   store(foot.normal_x, g.normal_x), store(foot.normal_y, g.normal_y);
   store(foot.normal_z, g.normal_z), store(foot.offset, g.offset);
+}
+
+inline void feet_of(SurfaceGroup* groups, std::size_t count) noexcept {
+  for (std::size_t k = 0; k < count; ++k) store_feet(quadrics_of(groups[k], 1), groups[k]);
+}
+
+inline void surfaces_of(SurfaceGroup& g, int stride) noexcept {
+  const ColumnQuadricOf<Lanes> q = quadrics_of(g, stride);
+  for (unsigned f = 0; f < kQuadric; ++f) store(q.c[f], g.c[f]);
+  store(q.t_x, g.t_x), store(q.t_y, g.t_y), store(q.quartic, g.quartic);
+  store_feet(q, g);
 }
 
 inline float largest_residual(const HeightMap& map, const ColumnQuadric& surface) noexcept {

@@ -17,6 +17,7 @@ constexpr std::int64_t kMaxTotal = std::int64_t{1} << 27;      // 512 MiB of flo
 constexpr std::int64_t kMaxTotalAuto = std::int64_t{1} << 25;  // 128 MiB
 constexpr double kMinAcrossHead = 4.0;                         // samples
 constexpr double kAutoAcrossHead = 16.0;                       // samples
+constexpr double kAutoError = 1.0 / 512.0;                     // voxels
 
 std::string text(const char* format, double a, double b = 0.0, double c = 0.0) {
   char buffer[128];
@@ -52,7 +53,8 @@ double finest_spacing(const Eigen::Vector3d& extent, const Eigen::Vector3i& samp
 }
 
 double auto_spacing(const Eigen::Vector3d& extent, double head_diameter, double voxel) {
-  double spacing = std::min(0.5 * voxel, head_diameter / kAutoAcrossHead);
+  const double flat = std::sqrt(4.0 * head_diameter * kAutoError * voxel);
+  double spacing = std::min({voxel, flat, head_diameter / kAutoAcrossHead});
   while (!fits(samples_needed(extent, spacing), kMaxTotalAuto)) spacing *= 1.02;
   return spacing;
 }

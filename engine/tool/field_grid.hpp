@@ -31,8 +31,10 @@ inline constexpr int kFieldMargin = 2;
 /// the burr lies in its middle.
 /// - samples and no spacing: as fine as the longest axis allows.
 /// - spacing and no samples: as many samples as it takes.
-/// - neither: half of `voxel_m` and a sixteenth of the head, coarser if that needs more than 2^25
-///   samples (128 MiB) or 1024 along an axis.
+/// - neither: as coarse as leaves the head's surface within 1/512 of a voxel, by linear
+///   interpolation over a ball as wide as it (h^2 / 8 r), at most `voxel_m` and a sixteenth of the
+///   head; coarser if that needs more than 2^25 samples (128 MiB) or 1024 along an axis. What a
+///   tick reads of a field that is finer than it need be does not stay in the caches.
 /// InputError (`scene_file`, burr.field or burr.field_spacing_mm): fewer than 8 or more than 1024
 /// samples along an axis, more than 2^27 in all, a box that does not hold the burr and its margin,
 /// fewer than 4 samples across the head. Nothing is allocated here.

@@ -58,7 +58,7 @@ struct Evaluation {
              const Twist* twist = nullptr)
       : scratch(with(scaling)) {
     result = evaluate_contact(workpiece, test::one_tissue(), burr, pose, twist, with(scaling),
-                              nullptr, scratch);
+                              nullptr, scratch, true);
   }
   ContactScratch scratch;
   ContactResult result;
@@ -361,7 +361,8 @@ TEST(ContactForce, StiffnessIsTheDerivativeOfTheWrenchOnAFlatFace) {
     for (std::size_t i = 0; i < scratch.contacts.size(); ++i) {
       scratch.contacts.set_vector(Contacts::kNormal, i, Vector3f(0, 0, 1));
     }
-    contact_force(pillar, test::one_tissue(), burr, pose, nullptr, Scaling::kNone, scratch, result);
+    contact_force(pillar, test::one_tissue(), burr, pose, nullptr, Scaling::kNone, scratch, result,
+                  true);
     return result;
   };
   const Pose pose = test::upright({0.3e-3, 0.2e-3, -0.06e-3});

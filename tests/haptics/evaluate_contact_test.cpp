@@ -29,7 +29,8 @@ class EvaluateContact : public ::testing::Test {
         scratch_(settings_) {}
 
   ContactResult evaluate(const Pose& pose, const Twist* twist = nullptr) {
-    return evaluate_contact(workpiece_, tissues_, burr_, pose, twist, settings_, nullptr, scratch_);
+    return evaluate_contact(workpiece_, tissues_, burr_, pose, twist, settings_, nullptr, scratch_,
+                            true);
   }
   /// Everything a caller sees of an evaluation.
   struct Seen {

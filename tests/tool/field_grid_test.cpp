@@ -67,10 +67,14 @@ TEST(FieldGrid, AutoFollowsTheVoxelTheHeadAndTheMemory) {
   BurrSettings settings;
   settings.field_samples.reset();
   FieldGrid grid = plan_field(settings, kBounds, kHead, kVoxel);
-  EXPECT_DOUBLE_EQ(grid.spacing_m, 0.5 * kVoxel);
+  // A sphere as wide as the head, between two samples: within 1/512 of a voxel, and no better.
+  EXPECT_NEAR(grid.spacing_m * grid.spacing_m / (4.0 * kHead), kVoxel / 512, 1e-12);
   expect_holds(grid, kBounds);
 
-  grid = plan_field(settings, kBounds, 0.3e-3, 100e-6);
+  grid = plan_field(settings, kBounds, 20e-3, kVoxel);
+  EXPECT_DOUBLE_EQ(grid.spacing_m, kVoxel) << "a large head";
+
+  grid = plan_field(settings, kBounds, 0.3e-3, 200e-6);
   EXPECT_DOUBLE_EQ(grid.spacing_m, 0.3e-3 / 16) << "a small head";
 
   const AlignedBox3d large(Vector3d(-2.5e-3, 0.0, -2.5e-3), Vector3d(2.5e-3, 20e-3, 2.5e-3));

@@ -67,11 +67,11 @@ TickFloor tick_floor(const Workpiece& workpiece, const TickPath& path, int wante
   ContactScratch scratch(settings);
   const std::vector<TissueSettings> tissues = tick_tissues(1.0);
   const Pose& pose = path.poses.front();
-  evaluate_contact(workpiece, tissues, path.burr, pose, nullptr, settings, scratch);
+  evaluate_contact(workpiece, tissues, path.burr, pose, nullptr, settings, nullptr, scratch);
 
   std::unordered_set<std::uint64_t> leaves, samples, words;
   std::size_t contacts = 0;
-  for (const Contact& contact : scratch.contacts) {
+  for (const Contact contact : scratch.contacts) {
     if (contact.weight <= 0.0f) continue;
     ++contacts;
     leaves.insert(workpiece.grid().leaf_of(contact.cell));
@@ -83,7 +83,7 @@ TickFloor tick_floor(const Workpiece& workpiece, const TickPath& path, int wante
   floor.field = static_cast<double>(samples.size() * sizeof(float));
   floor.columns = static_cast<double>(words.size() * sizeof(std::uint32_t));
   floor.kept = fresh ? 0.0 : static_cast<double>(contacts * 4 * sizeof(float));
-  floor.records = static_cast<double>(contacts * sizeof(Contact));
+  floor.records = static_cast<double>(contacts * Contacts::kBytesEach);
   floor.gb_per_s = read_gb_per_s(static_cast<std::size_t>(floor.bytes()));
   floor.us = 1e-3 * floor.bytes() / floor.gb_per_s;
   return floor;

@@ -81,8 +81,7 @@ TickSamples run_ticks(const TickTask& task, const TickSetting& setting, StageClo
   Workpiece& workpiece = copy ? *copy : task.start;
   const BodyTree bodies = body_row(workpiece.grid(), task.bodies);
   const TickContext context{scene, task.burr, bodies.query()};
-  SimulationState state;
-  if (scene.cutting) state.removal.emplace(*scene.cutting);
+  SimulationState state = initial_state(scene, workpiece.grid());
   TickScratch scratch(scene, StageClock(now));
   LoopDevice device(task.poses);
   for (int t = 0; t < task.lead; ++t) tick(context, device, workpiece, state, scratch);
