@@ -11,7 +11,6 @@ ContactScratch::ContactScratch(const HapticsSettings& settings, StageClock stage
   leaf_keys.reserve(kMaxLeaves);
   leaf_distances_m.reserve(kMaxLeaves);
   block_keys.resize(kBlock);
-  for (std::vector<float>& values : block_values) values.resize(kBlock);
   queries.reserve(capacity);
   queried.reserve(capacity);
   estimates.reserve(capacity);
@@ -25,7 +24,7 @@ ContactScratch::ContactScratch(const HapticsSettings& settings, StageClock stage
 
 std::size_t ContactScratch::memory_bytes() const {
   const std::size_t words = leaves.capacity() + hollow.capacity() + leaf_keys.capacity() +
-                            leaf_distances_m.capacity() + 5 * block_keys.capacity() +
+                            leaf_distances_m.capacity() + block_keys.capacity() +
                             queried.capacity() + tool_queried.capacity() + vetoed.capacity();
   return words * sizeof(std::uint32_t) + by_depth.capacity() * sizeof(std::uint64_t) +
          contacts.memory_bytes() +

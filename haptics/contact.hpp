@@ -51,12 +51,11 @@ struct ContactScratch {
   std::vector<std::uint32_t> leaves;  // [broad_phase] leaf numbers
   std::vector<std::uint32_t> hollow;  // [broad_phase] internal nodes without children left
   // [narrow_phase]
-  std::vector<std::uint32_t> leaf_keys;            // of the leaves' first voxels
-  std::vector<float> leaf_distances_m;             // at their centres
-  std::vector<std::uint32_t> block_keys;           // of voxels to be tested
-  std::array<std::vector<float>, 4> block_values;  // distance, outward
-  std::vector<std::uint64_t> by_depth;             // where there are too many
-  Contacts contacts;                               // and on
+  std::vector<std::uint32_t> leaf_keys;   // of the leaves' first voxels
+  std::vector<float> leaf_distances_m;    // at their centres
+  std::vector<std::uint32_t> block_keys;  // of voxels to be tested
+  std::vector<std::uint64_t> by_depth;    // where there are too many
+  Contacts contacts;                      // and on
   // [normals] What had to be found, contacts by number.
   std::vector<VoxelQuery> queries;
   std::vector<std::uint32_t> queried;

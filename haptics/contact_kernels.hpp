@@ -61,10 +61,13 @@ struct ForceSums {
 struct ContactKernels {
   const char* name;
 
-  /// Distance to the burr at the centres of voxels, and minus its gradient there, world, of any
-  /// length [Kim and Park 2019, III-A].
-  void (*distances)(const ContactFrame& frame, const std::uint32_t* keys, std::size_t count,
-                    float* distance_m, float* const outward[3]) noexcept;
+  /// Of `count` voxels those whose centres are nearer to the burr than `reach_m`, in the same
+  /// order: keys, distances, and minus the gradient there, world, of any length [Kim and Park 2019,
+  /// III-A]. The keys are read in whole groups; where they go there is room for all and eight more.
+  /// Returns how many.
+  std::size_t (*find_near)(const ContactFrame& frame, const std::uint32_t* keys, std::size_t count,
+                           float reach_m, std::uint32_t* to_keys, float* to_distance_m,
+                           float* const to_outward[3]) noexcept;
 
   /// Bounds from below on the distances at the centres of leaves, the keys of whose first voxels
   /// are given: what a leaf may be passed over by.

@@ -10,7 +10,7 @@ namespace sulcus {
 
 namespace {
 
-constexpr ContactKernels kAvx2{"avx2", distances_of, leaf_distances_of, measure_all, forces_of};
+constexpr ContactKernels kAvx2{"avx2", find_near, leaf_distances_of, measure_all, forces_of};
 
 }  // namespace
 

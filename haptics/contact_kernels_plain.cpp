@@ -5,7 +5,7 @@ namespace sulcus {
 
 namespace {
 
-constexpr ContactKernels kPlain{"plain", distances_of, leaf_distances_of, measure_all, forces_of};
+constexpr ContactKernels kPlain{"plain", find_near, leaf_distances_of, measure_all, forces_of};
 
 }  // namespace
 

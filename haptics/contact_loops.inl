@@ -150,16 +150,64 @@ inline Lanes3 to_world(const ContactFrame& f, const Lanes3& v) {
   return {row(0), row(1), row(2)};
 }
 
-inline void distances_of(const ContactFrame& frame, const std::uint32_t* keys, std::size_t count,
-                         float* distance_m, float* const outward[3]) noexcept {
+#ifdef __AVX2__
+/// Lanes that a mask keeps, in order, by the mask.
+struct KeepTable {
+  alignas(32) std::int32_t lane[256][kLaneCount];
+};
+constexpr KeepTable make_keep_table() {
+  KeepTable table{};
+  for (int mask = 0; mask < 256; ++mask) {
+    int kept = 0;
+    for (int lane = 0; lane < kLaneCount; ++lane) {
+      if ((mask >> lane & 1) != 0) table.lane[mask][kept++] = lane;
+    }
+  }
+  return table;
+}
+constexpr KeepTable kKeep = make_keep_table();
+#endif
+
+/// Appends what a mask keeps of eight keys and four numbers each to arrays that have room for eight
+/// more; returns how many.
+inline std::size_t append(const IntLanes& mask, const std::uint32_t* keys, const Lanes (&values)[4],
+                          std::uint32_t* to_keys, float* const (&to)[4]) {
+#ifdef __AVX2__
+  const int kept = _mm256_movemask_ps(reinterpret_cast<__m256>(mask));
+  const auto order = _mm256_load_si256(reinterpret_cast<const __m256i*>(kKeep.lane[kept]));
+  const auto from = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(keys));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(to_keys),
+                      _mm256_permutevar8x32_epi32(from, order));
+  for (int q = 0; q < 4; ++q) _mm256_storeu_ps(to[q], _mm256_permutevar8x32_ps(values[q], order));
+  return static_cast<std::size_t>(__builtin_popcount(static_cast<unsigned>(kept)));
+#else
+  std::size_t n = 0;
+  for (int lane = 0; lane < kLaneCount; ++lane) {
+    if (mask[lane] == 0) continue;
+    to_keys[n] = keys[lane];
+    for (int q = 0; q < 4; ++q) to[q][n] = values[q][lane];
+    ++n;
+  }
+  return n;
+#endif
+}
+
+inline std::size_t find_near(const ContactFrame& frame, const std::uint32_t* keys,
+                             std::size_t count, float reach_m, std::uint32_t* to_keys,
+                             float* to_distance_m, float* const to_outward[3]) noexcept {
+  constexpr IntLanes kLane = {0, 1, 2, 3, 4, 5, 6, 7};
+  std::size_t found = 0;
   for (std::size_t k = 0; k < count; k += kLaneCount) {
     Lanes3 gradient;
     const Lanes3 p = field_from_voxels(frame, voxels(frame, keys + k));
-    store(sample(frame, p, gradient), distance_m + k);
+    const Lanes distance_m = sample(frame, p, gradient);
     const Lanes3 away = to_world(frame, gradient);
-    store(-away.x, outward[0] + k), store(-away.y, outward[1] + k);
-    store(-away.z, outward[2] + k);
+    const IntLanes near = (distance_m < reach_m) & (kLane < static_cast<std::int32_t>(count - k));
+    float* const to[4] = {to_distance_m + found, to_outward[0] + found, to_outward[1] + found,
+                          to_outward[2] + found};
+    found += append(near, keys + k, {distance_m, -away.x, -away.y, -away.z}, to_keys + found, to);
   }
+  return found;
 }
 
 inline void leaf_distances_of(const ContactFrame& frame, const std::uint32_t* keys,

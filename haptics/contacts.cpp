@@ -9,7 +9,7 @@ constexpr std::size_t kGroup = 8;
 }  // namespace
 
 Contacts::Contacts(std::size_t capacity) : capacity_(capacity) {
-  const std::size_t room = (capacity + kGroup - 1) / kGroup * kGroup;
+  const std::size_t room = (capacity + kGroup - 1) / kGroup * kGroup + kGroup;
   keys_ = std::make_unique_for_overwrite<std::uint32_t[]>(room);
   tissues_ = std::make_unique_for_overwrite<std::uint8_t[]>(room);
   for (auto& values : values_) values = std::make_unique_for_overwrite<float[]>(room);

@@ -32,7 +32,8 @@ struct Contact {
 };
 
 /// The contacts of a tick, quantity by quantity, so that the kernels take eight at a time. The
-/// arrays hold whole groups of eight: after `resize` what lies beyond the last contact is zero.
+/// arrays hold whole groups of eight, and one more beyond the capacity: after `resize` what lies
+/// beyond the last contact is zero.
 class Contacts {
  public:
   enum Quantity : std::size_t {

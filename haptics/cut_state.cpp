@@ -2,6 +2,8 @@
 
 #include <bit>
 
+#include "engine/volume/grid.hpp"
+
 namespace sulcus {
 
 namespace {
@@ -17,10 +19,12 @@ std::uint64_t entry_hash(std::uint32_t key, double energy_J) noexcept {
 }  // namespace
 
 std::size_t CutState::home(std::uint32_t key) const noexcept {
-  // Fibonacci hashing of runs of eight voxels: the runs spread over the table, and the voxels of a
-  // run, which are cut together, lie in one or two cache lines.
-  const std::size_t run = (key >> 3) * std::uint64_t{0x9e3779b97f4a7c15} >> 32;
-  return (run << 3 | (key & 7u)) & (slots_.size() - 1);
+  // Fibonacci hashing of leaves: they spread over the table, and the voxels of a leaf, which are
+  // cut together, lie in a few pages, those of 2 x 2 x 2 voxels in one or two cache lines.
+  const std::uint32_t in_block = (key & 1u) | (key >> 9 & 2u) | (key >> 18 & 4u);
+  const std::uint32_t block = (key >> 1 & 3u) | (key >> 9 & 12u) | (key >> 17 & 48u);
+  const std::uint64_t leaf = (key & ~voxel_key(7, 7, 7)) * std::uint64_t{0x9e3779b97f4a7c15} >> 32;
+  return (leaf + (block << 3 | in_block)) & (slots_.size() - 1);
 }
 
 std::size_t CutState::find(std::uint32_t key) const noexcept {
@@ -30,19 +34,19 @@ std::size_t CutState::find(std::uint32_t key) const noexcept {
 }
 
 double CutState::energy(std::uint32_t voxel) const noexcept {
-  return slots_[find(voxel + 1)].energy_J;
+  return slots_[find(voxel | kUsed)].energy_J;
 }
 
 bool CutState::set_energy(std::uint32_t voxel, double energy_J) noexcept {
-  return set_at(find(voxel + 1), voxel + 1, energy_J);
+  return set_at(find(voxel | kUsed), voxel | kUsed, energy_J);
 }
 
 CutState::Spent CutState::add_energy(std::uint32_t voxel, double energy_J,
                                      double needed_J) noexcept {
-  const std::size_t slot = find(voxel + 1);
+  const std::size_t slot = find(voxel | kUsed);
   const double stored_J = slots_[slot].energy_J + energy_J;
-  if (stored_J < needed_J) return {false, set_at(slot, voxel + 1, stored_J) ? 0.0 : energy_J};
-  set_at(slot, voxel + 1, 0.0);
+  if (stored_J < needed_J) return {false, set_at(slot, voxel | kUsed, stored_J) ? 0.0 : energy_J};
+  set_at(slot, voxel | kUsed, 0.0);
   return {true, stored_J - needed_J};
 }
 

@@ -6,8 +6,9 @@
 
 namespace sulcus {
 
-/// Energy stored in voxels that have been cut at but still stand: an open-addressing table, sized
-/// once. Its hash is kept up change by change and does not depend on the order of the changes.
+/// Energy stored in voxels that have been cut at but still stand: an open-addressing table by
+/// voxel_key, sized once. Its hash is kept up change by change and does not depend on the order of
+/// the changes.
 class CutState {
  public:
   /// Room for `capacity` part-cut voxels.
@@ -32,9 +33,11 @@ class CutState {
 
  private:
   struct Slot {
-    std::uint32_t key = 0;  // voxel + 1; 0: free
+    std::uint32_t key = 0;  // voxel_key and kUsed; 0: free
     double energy_J = 0.0;
   };
+  static constexpr std::uint32_t kUsed = 1u << 31;
+
   std::size_t home(std::uint32_t key) const noexcept;
   bool set_at(std::size_t slot, std::uint32_t key, double energy_J) noexcept;
   std::size_t find(std::uint32_t key) const noexcept;  // its slot, or the free one it would take

@@ -80,35 +80,44 @@ class Tester {
     }
     std::uint32_t* const keys = scratch_.block_keys.data();
     std::fill(keys + waiting_, keys + whole_groups(waiting_), keys[0]);
-    auto& values = scratch_.block_values;
-    float* const outward[3] = {values[1].data(), values[2].data(), values[3].data()};
-    const float* const distance_m = values[0].data();
-    contact_kernels().distances(frame_, keys, whole_groups(waiting_), values[0].data(), outward);
-
-    // Written whether it is near enough or not, and counted only where it is.
-    const bool labelled = workpiece_.model().tissues != nullptr;
-    std::uint32_t* const to_keys = contacts.keys();
-    float* const to_distance = contacts(Contacts::kDistance);
-    float* const to_outward[3] = {contacts(Contacts::kOutward, 0), contacts(Contacts::kOutward, 1),
-                                  contacts(Contacts::kOutward, 2)};
-    std::size_t n = contacts.size();
-    const std::size_t first = n;
-    for (std::size_t i = 0; i < waiting_; ++i) {
-      to_keys[n] = keys[i];
-      to_distance[n] = distance_m[i];
-      for (int a = 0; a < 3; ++a) to_outward[a][n] = outward[a][i];
-      n += distance_m[i] < reach_m_ ? 1 : 0;
-    }
-    for (std::size_t i = first; i < n; ++i) {
-      contacts.tissues()[i] =
-          labelled ? workpiece_.tissue(cell_of_key(to_keys[i])) : std::uint8_t{0};
-    }
-    contacts.resize(n);
+    const std::size_t first = contacts.size();
+    float* const outward[3] = {contacts(Contacts::kOutward, 0) + first,
+                               contacts(Contacts::kOutward, 1) + first,
+                               contacts(Contacts::kOutward, 2) + first};
+    const std::size_t found =
+        contact_kernels().find_near(frame_, keys, waiting_, reach_m_, contacts.keys() + first,
+                                    contacts(Contacts::kDistance) + first, outward);
+    label(first, first + found);
+    contacts.resize(first + found);
     result_.tested += static_cast<std::uint32_t>(waiting_);
     waiting_ = 0;
   }
 
  private:
+  /// Tissues of contacts, leaf by leaf.
+  void label(std::size_t first, std::size_t end) {
+    Contacts& contacts = scratch_.contacts;
+    const TissueMap* const tissues = workpiece_.model().tissues.get();
+    if (!tissues) {
+      std::fill(contacts.tissues() + first, contacts.tissues() + end, std::uint8_t{0});
+      return;
+    }
+    std::uint32_t at = ~0u;
+    const LabelBlock* block = nullptr;
+    std::uint8_t uniform = 0;
+    for (std::size_t i = first; i < end; ++i) {
+      const std::uint32_t key = contacts.keys()[i];
+      if (const std::uint32_t in = key & ~voxel_key(7, 7, 7); in != at) {
+        at = in;
+        const std::uint32_t leaf = workpiece_.grid().leaf_of(cell_of_key(key));
+        block = tissues->block(leaf);
+        uniform = tissues->uniform_label(leaf);
+      }
+      const std::size_t place = (key & 7u) | (key >> 10 & 7u) << 3 | (key >> 20 & 7u) << 6;
+      contacts.tissues()[i] = block ? (*block)[place] : uniform;
+    }
+  }
+
   const Workpiece& workpiece_;
   const ContactFrame& frame_;
   float reach_m_;

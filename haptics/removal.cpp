@@ -4,6 +4,12 @@
 
 namespace sulcus {
 
+namespace {
+
+constexpr double kLittle = 0.01;  // of a tick's work
+
+}  // namespace
+
 std::uint32_t removal(Workpiece& workpiece, std::span<const TissueSettings> tissues, double dt_s,
                       std::uint64_t tick, const ContactScratch& scratch, RemovalState& state,
                       std::vector<Edit>& edits) noexcept {
@@ -15,11 +21,10 @@ std::uint32_t removal(Workpiece& workpiece, std::span<const TissueSettings> tiss
   // Gives a voxel energy; what it has over when it goes flows back into the pool. Whether it still
   // stands.
   const auto spend = [&](std::size_t i, double energy_J) {
-    const Cell cell = cell_of_key(contacts.keys()[i]);
-    const std::uint32_t voxel = workpiece.grid().linear(cell);
+    const std::uint32_t key = contacts.keys()[i];
     const std::uint8_t tissue = contacts.tissues()[i];
     const double needed_J = tissues[tissue].specific_energy_J_per_m3 * voxel_m3;
-    const CutState::Spent spent = state.part_cut.add_energy(voxel, energy_J, needed_J);
+    const CutState::Spent spent = state.part_cut.add_energy(key, energy_J, needed_J);
     state.pool_J += spent.over_J;
     if (!spent.full) {
       if (spent.over_J > 0.0) faults |= kFaultCutStateFull;
@@ -27,8 +32,9 @@ std::uint32_t removal(Workpiece& workpiece, std::span<const TissueSettings> tiss
     }
     state.removed_J += needed_J;
     ++state.removed_voxels[tissue];
+    const Cell cell = cell_of_key(key);
     workpiece.remove(cell);
-    edits.push_back({tick, voxel, 0, EditCause::kCut});
+    edits.push_back({tick, workpiece.grid().linear(cell), 0, EditCause::kCut});
     return false;
   };
 
@@ -36,6 +42,7 @@ std::uint32_t removal(Workpiece& workpiece, std::span<const TissueSettings> tiss
     return workpiece.solid(cell_of_key(contacts.keys()[i]));
   };
   std::uint32_t standing = 0;
+  const double before_J = state.work_J;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     if (power_W[i] <= 0.0f) continue;
     const double work_J = static_cast<double>(power_W[i]) * dt_s;
@@ -44,7 +51,9 @@ std::uint32_t removal(Workpiece& workpiece, std::span<const TissueSettings> tiss
   }
   // A share that fells a voxel may leave something over again. Each round either fells one or
   // empties the pool; a few rounds reach the end of all but a flood, which waits for the next tick.
-  for (int round = 0; round < 4 && state.pool_J > 0.0 && standing > 0; ++round) {
+  // So does what is too little to be worth going over all contacts again.
+  const double little_J = kLittle * (state.work_J - before_J);
+  for (int round = 0; round < 4 && state.pool_J > little_J && standing > 0; ++round) {
     const double share_J = state.pool_J / standing;
     state.pool_J = 0.0;
     standing = 0;

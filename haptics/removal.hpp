@@ -30,9 +30,9 @@ struct RemovalState {
 /// tangential force in a tick is spent on its voxel, which goes when it has received its tissue's
 /// specific cutting energy times its volume. (The paper divides by fracture toughness, which orders
 /// dental tissues wrongly.) What a voxel does not need goes in equal shares to the voxels in
-/// contact that still stand, and what none can take waits in the pool for the next contact; nothing
-/// is lost. Removed voxels are appended to `edits`, which has room for every contact. Returns fault
-/// bits.
+/// contact that still stand, and what none can take, or less than a hundredth of the tick's work,
+/// waits in the pool for the next contact; nothing is lost. Removed voxels are appended to `edits`,
+/// which has room for every contact. Returns fault bits.
 std::uint32_t removal(Workpiece& workpiece, std::span<const TissueSettings> tissues, double dt_s,
                       std::uint64_t tick, const ContactScratch& scratch, RemovalState& state,
                       std::vector<Edit>& edits) noexcept;

@@ -83,17 +83,38 @@ TEST_F(ContactKernelsTest, DistancesAreTheFieldsInEverySet) {
   std::vector<float> distance[2], outward[2][3], leaf[2];
   const ContactKernels* const sets[2] = {&plain_contact_kernels(), fast_};
   for (int s = 0; s < 2; ++s) {
-    distance[s].resize(all.size()), leaf[s].resize(all.size());
-    for (auto& axis : outward[s]) axis.resize(all.size());
+    distance[s].resize(all.size() + 8), leaf[s].resize(all.size());
+    for (auto& axis : outward[s]) axis.resize(all.size() + 8);
     float* const to[3] = {outward[s][0].data(), outward[s][1].data(), outward[s][2].data()};
-    sets[s]->distances(frame, all.data(), all.size(), distance[s].data(), to);
+    // All, and then the near ones alone: the same, in the same order.
+    std::vector<std::uint32_t> to_keys(all.size() + 8), near_keys(all.size() + 8);
+    const std::size_t found = sets[s]->find_near(frame, all.data(), all.size() - 3, 1.0f,
+                                                 to_keys.data(), distance[s].data(), to);
+    ASSERT_EQ(found, all.size() - 3) << "not those that fill up the last group";
+    to_keys.resize(found);
+    ASSERT_TRUE(std::equal(to_keys.begin(), to_keys.end(), all.begin()));
+    std::vector<float> near_m(all.size() + 8), n0 = near_m, n1 = near_m, n2 = near_m;
+    float* const near_to[3] = {n0.data(), n1.data(), n2.data()};
+    const std::size_t near = sets[s]->find_near(frame, all.data(), found, 10e-6f, near_keys.data(),
+                                                near_m.data(), near_to);
+    std::size_t n = 0;
+    for (std::size_t k = 0; k < found; ++k) {
+      if (!(distance[s][k] < 10e-6f)) continue;
+      ASSERT_EQ(near_keys[n], all[k]);
+      ASSERT_EQ(near_m[n], distance[s][k]);
+      ASSERT_EQ(n2[n], outward[s][2][k]);
+      ++n;
+    }
+    ASSERT_EQ(near, n);
+    distance[s].resize(found);
+    for (auto& axis : outward[s]) axis.resize(found);
     sets[s]->leaf_distances(frame, all.data(), all.size(), leaf[s].data());
   }
   EXPECT_EQ(distance[0], distance[1]);
   EXPECT_EQ(leaf[0], leaf[1]);
   int inside = 0, outside = 0;
   for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(outward[0][axis], outward[1][axis]);
-  for (std::size_t k = 0; k < all.size(); ++k) {
+  for (std::size_t k = 0; k < distance[0].size(); ++k) {
     const Eigen::Vector3d centre = grid_.centre_world(cell_of_key(all[k]));
     const Eigen::Vector3f p =
         burr_.field.field_from_tool(pose_.inverse_point(centre)).cast<float>();

@@ -56,11 +56,11 @@ class Removal : public ::testing::Test {
     return tissues_[static_cast<std::size_t>(tissue)].specific_energy_J_per_m3 *
            workpiece_.grid().voxel_volume_m3();
   }
-  double energy(const Cell& c) const { return state_.part_cut.energy(workpiece_.grid().linear(c)); }
+  double energy(const Cell& c) const { return state_.part_cut.energy(voxel_key(c)); }
   double energy_of_all_voxels() const {
     double sum_J = 0.0;
     for (std::uint32_t v = 0; v < workpiece_.grid().cell_count(); ++v) {
-      sum_J += state_.part_cut.energy(v);
+      sum_J += energy(workpiece_.grid().cell_of_linear(v));
     }
     return sum_J;
   }

@@ -292,7 +292,7 @@ TEST(Tick, APoseThatIsNotFiniteGivesNoForceAFaultAndLeavesTheToolWhereItWas) {
     if (kind == 3) bad.orientation.z() = kInf;
     ListDevice device(poses);
     const TickRecord last = run.steps(device, 150).back();
-    ASSERT_GT(last.force_N[2], 0.1);
+    ASSERT_GT(last.force_N[2], 0.05) << "in contact";
     const std::uint64_t hash = run.workpiece.hash();
     const TickRecord r = run.step(device);
     EXPECT_EQ(r.faults, kFaultNotFinite);
