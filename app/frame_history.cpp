@@ -12,7 +12,17 @@ FrameHistory::FrameHistory(const Scene& scene)
     : title_(scene.title),
       window_(static_cast<std::size_t>(std::max(2.0, 2.0 * scene.haptics.rate_hz))),
       spindle_rad_per_s_(scene.cutting ? scene.burr.speed_rad_per_s : 0.0),
-      voxel_mm3_(std::pow(scene.workpiece.voxel_m / kMillimetre, 3)) {}
+      voxel_mm3_(std::pow(scene.workpiece.voxel_m / kMillimetre, 3)),
+      cutting_(scene.cutting.has_value()) {}
+
+void FrameHistory::add(const TickReport& report) {
+  add(report.record);
+  for (std::size_t s = 0; s < stage_us_.size(); ++s) {
+    const double us = static_cast<double>(report.stage_us[s]);
+    stage_us_[s] = timed_ ? stage_us_[s] + 0.01 * (us - stage_us_[s]) : us;
+  }
+  timed_ = true;
+}
 
 void FrameHistory::add(const TickRecord& record) {
   latest_ = record;
@@ -49,6 +59,10 @@ FrameState FrameHistory::state() const {
   state.contacts = latest_.contacts;
   state.tick_us = latest_.step_us;
   state.removed_mm3 = static_cast<double>(removed_) * voxel_mm3_;
+  for (std::size_t s = 0; timed_ && s < stage_us_.size(); ++s) {
+    if (Stage(s) == Stage::kRemoval && !cutting_) continue;  // was not there
+    state.stages.push_back({kStageNames[s], stage_us_[s]});
+  }
   state.force_history_N = last(force_N_);
   state.torque_history_mNm = last(torque_mNm_);
   state.tick_history_us = last(tick_us_);

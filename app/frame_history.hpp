@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
+#include "app/feed.hpp"
 #include "engine/graphics/frame_state.hpp"
 #include "engine/recording/tick_record.hpp"
 #include "engine/scene/scene.hpp"
@@ -16,6 +18,8 @@ class FrameHistory {
   explicit FrameHistory(const Scene& scene);
 
   void add(const TickRecord& record);
+  /// With the times of its stages, which a recording does not hold.
+  void add(const TickReport& report);
   bool empty() const { return force_N_.empty(); }
   /// Valid until the next `add`.
   FrameState state() const;
@@ -28,6 +32,8 @@ class FrameHistory {
   TickRecord latest_;
   std::uint64_t removed_ = 0;
   std::vector<float> force_N_, torque_mNm_, tick_us_;
+  bool cutting_, timed_ = false;
+  std::array<double, kStageCount> stage_us_{};  // over about the last hundred ticks
 };
 
 }  // namespace sulcus

@@ -65,7 +65,7 @@ void RenderThread::run() {
       removed.push_back(edit.voxel);
       ++edits_taken;
     }
-    history.add(report.record);
+    history.add(report);
   };
   const auto draw = [&] {
     const std::uint64_t begin = steady_ns();

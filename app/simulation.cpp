@@ -5,6 +5,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
+#include "haptics/evaluate_contact.hpp"
 
 namespace sulcus {
 
@@ -26,6 +27,14 @@ Simulation::Simulation(const Scene& scene, VoxelModel start, Burr burr, StageClo
       state_(initial_state(scene_, workpiece_.grid())),
       scratch_(scene_, clock),
       context_{scene_, burr_, bodies_.query()} {}
+
+void Simulation::rehearse() noexcept {
+  if (!state_.has_pose) return;
+  const Twist still;
+  evaluate_contact(workpiece_, scene_.tissues, burr_, state_.tool,
+                   state_.removal ? &still : nullptr, scene_.haptics,
+                   state_.kept ? &*state_.kept : nullptr, scratch_.contact);
+}
 
 std::size_t Simulation::cutting_bytes() const {
   if (!state_.removal) return 0;

@@ -22,6 +22,9 @@ class Simulation {
   TickRecord step(Device& device) noexcept {
     return tick(context_, device, workpiece_, state_, scratch_);
   }
+  /// Evaluates the contact where the tool is, for nothing but to have touched what the next tick
+  /// will. Changes no state.
+  void rehearse() noexcept;
   std::span<const Edit> edits() const { return scratch_.edits; }
   const StageClock& clock() const { return scratch_.contact.clock; }
   void reset_clock() noexcept { scratch_.contact.clock.reset(); }

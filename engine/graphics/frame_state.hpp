@@ -3,12 +3,19 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
 #include "engine/core/pose.hpp"
 
 namespace sulcus {
+
+/// Time of a stage of the tick.
+struct StageTime {
+  const char* name = "";
+  double us = 0.0;
+};
 
 /// What a frame shows besides the tooth.
 struct FrameState {
@@ -22,6 +29,7 @@ struct FrameState {
   std::uint32_t contacts = 0;
   double tick_us = 0.0;
   double removed_mm3 = 0.0;
+  std::vector<StageTime> stages;  // none where they were not measured
   // For the curves, magnitudes, the newest last; any length, also none.
   std::span<const float> force_history_N;
   std::span<const float> torque_history_mNm;

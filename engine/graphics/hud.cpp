@@ -128,6 +128,27 @@ double axis_top(std::span<const float> history, double least) {
   return round_up(top);
 }
 
+/// What a tick spends its time on, a bar to each stage, the longest as wide as the card.
+void draw_stages(const Pen& pen, float x, float y, const std::vector<StageTime>& stages) {
+  if (stages.empty()) return;
+  constexpr float kRow = 24.0f;
+  double longest_us = 1e-3;
+  for (const StageTime& stage : stages) longest_us = std::max(longest_us, stage.us);
+  const float height = 10 + kRow * static_cast<float>(stages.size());
+  pen.list->AddRectFilled(pen.at(x, y), pen.at(x + kCardWidth, y + height), kCard,
+                          6.0f * pen.scale);
+  for (std::size_t s = 0; s < stages.size(); ++s) {
+    const float top = y + 5 + kRow * static_cast<float>(s);
+    const float wide = (kCardWidth - 20) * static_cast<float>(stages[s].us / longest_us);
+    pen.list->AddRectFilled(pen.at(x + 10, top + kRow - 5), pen.at(x + 10 + wide, top + kRow - 3),
+                            kTick);
+    std::string name = stages[s].name;
+    std::replace(name.begin(), name.end(), '_', ' ');
+    pen.text(x + 10, top, kInk, name);
+    pen.text_right(x + kCardWidth - 10, top, kInk, format("%.1f \xC2\xB5s", stages[s].us));
+  }
+}
+
 void draw_scale_bar(const Pen& pen, float bottom, double metres_per_pixel) {
   const double per_unit_mm = metres_per_pixel * pen.scale / kMillimetre;
   const double length_mm = round_up(70.0 * per_unit_mm);
@@ -204,6 +225,7 @@ void Hud::draw(const FrameState& state, int width, int height, double metres_per
   pen.text_right(x + kCardWidth - 10, y + 6, kInk, format("%u", state.contacts));
   pen.text(x + 10, y + 28, kInk, "Removed");
   pen.text_right(x + kCardWidth - 10, y + 28, kInk, format("%.3f mm\xC2\xB3", state.removed_mm3));
+  draw_stages(pen, x, y + 64, state.stages);
   draw_scale_bar(pen, tall, metres_per_pixel);
 
   ImGui::Render();

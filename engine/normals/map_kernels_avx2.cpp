@@ -619,7 +619,8 @@ inline void row_moments(const HeightTile& tile, RowMoments& moments) {
 /// map one row before: a row leaves, j becomes j - 1, a row comes.
 inline void tile_sums(const RowMoments& rows, HeightTile& tile) {
   const int ns = tile.ns;
-  const __m256i taper = _mm256_set1_epi32(taper_of(ns));
+  const __m256i at_centre = _mm256_set1_epi32(taper_of(ns).centre);
+  const __m128i fall = _mm_cvtsi32_si128(taper_of(ns).fall - 1);  // 1 or 2, as a shift
   __m256i m[5][5];
   const auto row = [&](int a, int r) {
     return _mm256_load_si256(reinterpret_cast<const __m256i*>(rows.of[a][r]));
@@ -640,8 +641,8 @@ inline void tile_sums(const RowMoments& rows, HeightTile& tile) {
   const __m256i leaving = _mm256_set1_epi32(-ns), coming = _mm256_set1_epi32(ns);
   for (int v = 0;; ++v) {
     const auto put = [&](int f, __m256i main, __m256i ii, __m256i jj) {
-      const __m256i sum =
-          _mm256_sub_epi32(_mm256_sub_epi32(_mm256_mullo_epi32(taper, main), ii), jj);
+      const __m256i sum = _mm256_sub_epi32(_mm256_mullo_epi32(at_centre, main),
+                                           _mm256_sll_epi32(_mm256_add_epi32(ii, jj), fall));
       _mm256_store_si256(reinterpret_cast<__m256i*>(tile.sums[v][f]), sum);
     };
     put(0, m[0][0], m[2][0], m[0][2]);

@@ -20,11 +20,19 @@ struct QuadricFilter {
   FilterAnswers answers{};
 };
 
-/// Filter for the innermost `rings` of a map of so many lanes, weights 1 - r^2 / (2.5 rings^2), in
-/// whole numbers `taper_of(rings)` - r^2; with one ring a plane, since a quadric would interpolate
-/// the quantisation of the centre. 1 <= rings <= kMaxNeighbourhood. All are made on first use, see
-/// prepare_normals.
-constexpr int taper_of(int rings) { return 5 * rings * rings / 2; }
+/// Weights 1 - r^2 / (2.5 rings^2) as whole numbers, `centre` - `fall` r^2. (Of 11 rings they are
+/// rounded, so that weight times i^2 fits 16 bits.)
+struct Taper {
+  int centre, fall;
+};
+constexpr Taper taper_of(int rings) {
+  return rings % 2 == 1 && rings < 11 ? Taper{5 * rings * rings, 2}
+                                      : Taper{5 * rings * rings / 2, 1};
+}
+
+/// Filter for the innermost `rings` of a map of so many lanes, weights as taper_of says; with one
+/// ring a plane, since a quadric would interpolate the quantisation of the centre.
+/// 1 <= rings <= kMaxNeighbourhood. All are made on first use, see prepare_normals.
 const QuadricFilter& quadric_filter(int rings, int lanes) noexcept;
 
 }  // namespace sulcus

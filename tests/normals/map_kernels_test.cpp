@@ -199,7 +199,7 @@ TEST_F(MapKernelsTest, MapsCutOutOfATileAreTheTracedOnesBitForBit) {
         const MapAxes axes{n / 2, n % 2 == 0 ? 1 : -1};
         const Eigen::Vector3i at = in_tile(c, axes);
         // Each ns at a third of the voxels.
-        const int ns = 6 - static_cast<int>(c.sum() % 3) * 2, trace = n % 3 == 0 ? 5 : kMaxTrace;
+        const int ns = 6 - static_cast<int>(c.sum() % 4), trace = n % 3 == 0 ? 5 : kMaxTrace;
         const ColumnBits::Windows about_leaf =
             workpiece.columns().around(axes.axis, origin[axes.first()], origin[axes.second()],
                                        origin[axes.axis] - HeightTile::kBelow);

@@ -190,6 +190,11 @@ std::vector<Block> blocks_of(const TruthShape& part, std::vector<std::string>& z
     for (const TruthVoxel& voxel : part.voxels) {
       if (part.zones.empty() || voxel.zone == static_cast<int>(z)) block.voxels.push_back(voxel);
     }
+    // Leaf by leaf, as a tick's contacts come.
+    std::stable_sort(block.voxels.begin(), block.voxels.end(),
+                     [&](const TruthVoxel& a, const TruthVoxel& b) {
+                       return part.model.grid.leaf_of(a.cell) < part.model.grid.leaf_of(b.cell);
+                     });
     if (!block.voxels.empty()) blocks.push_back(std::move(block));
   }
   return blocks;

@@ -12,12 +12,12 @@ namespace sulcus::lab {
 
 namespace {
 
-constexpr double kUncut = 1e30;  // J/m^3: more than all ticks bring
-constexpr double kSharePerTick = 1.0 / 250.0, kLeastPerTick = 4.0;
+constexpr double kUncut = 1e30;                                // J/m^3: more than all ticks bring
+constexpr double kSharePerTick = 10103.0 / (20000.0 * 351.0);  // [Kim and Park 2019, Table 1]
 constexpr int kTrialTicks = 1500;
 constexpr double kLargestSink = 2e-6;  // m, in a tick, at least
 
-double voxels_per_tick(int wanted) { return std::max(kLeastPerTick, kSharePerTick * wanted); }
+double voxels_per_tick(int wanted) { return kSharePerTick * wanted; }
 
 /// The path in a circle, each place of it lower or higher by what was learnt there.
 class SinkingDevice final : public Device {

@@ -28,7 +28,7 @@ void add_columns(const Contact& contact, std::unordered_set<std::uint64_t>& word
   contact.normal.cwiseAbs().maxCoeff(&axis);
   const Cell& c = contact.cell;
   const int u = c[(axis + 1) % 3], v = c[(axis + 2) % 3];
-  // Columns begin 64 voxels below the grid, two words.
+  // Columns are cut into words of 32 voxels; where the cuts lie hardly changes how many there are.
   const int lowest = (c[axis] - kTrace + 64) >> 5, highest = (c[axis] + kTrace + 64) >> 5;
   for (int j = v - kNeighbourhood; j <= v + kNeighbourhood; ++j) {
     for (int i = u - kNeighbourhood; i <= u + kNeighbourhood; ++i) {
