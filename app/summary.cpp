@@ -11,6 +11,7 @@
 
 #include "app/build_info.hpp"
 #include "engine/core/hash.hpp"
+#include "engine/core/instruction_set.hpp"
 #include "engine/core/realtime.hpp"
 #include "engine/core/units.hpp"
 
@@ -112,6 +113,7 @@ Json make_summary(const Simulation& simulation, const SessionResult& result, Pac
   j["scene"] = scene.title;
   j["scene_sha256"] = sha256_hex(scene.text);
   j["build"] = build_info();
+  j["instructions"] = use_avx2() ? "avx2" : "plain";
   j["pace"] = pace == Pace::kReal ? "real" : "fast";
   j["ticks"] = s.tick_us.size();
   j["interrupted"] = result.interrupted;

@@ -90,7 +90,7 @@ struct HapticsSettings {
   int neighbourhood = 6;                   // NS, voxels
   int trace = 12;                          // alpha, voxels; 5 under ldm_paper
   std::optional<double> normal_error_deg;  // asked for; the three above are what meets it
-  bool keep_normals = true;  // from tick to tick, under ldm and ldm_fast
+  bool keep_normals = true;                // from tick to tick, under ldm and ldm_fast
   int refine_per_tick = 16;  // kept normals, from ldm_fast to ldm, under ldm; 0: ldm at once
   Scaling scaling = Scaling::kSmooth;
   int max_contacts = 65536;  // capacity; beyond it the deepest are kept

@@ -61,6 +61,28 @@ TEST(Run, NamedPartsAreListedWithTheirMemory) {
   }
 }
 
+TEST(Run, TheInstructionSetDoesNotChangeTheResult) {
+  const ScratchFolder scratch;
+  const std::string scene = scratch.write("s.toml", test::kCutScene);
+  for (const std::string method : {"ldm", "ldm_fast"}) {
+    nlohmann::json best, plain;
+    for (auto* summary : {&best, &plain}) {
+      const std::string folder = scratch.path(method + (summary == &plain ? "plain" : "best"));
+      const auto result =
+          sulcus_command("run " + scene + " --set haptics.normals=" + method + " -o " + folder,
+                         scratch.path("err"),
+                         std::string("SULCUS_CACHE=off SULCUS_INSTRUCTIONS=") +
+                             (summary == &plain ? "plain" : ""));
+      ASSERT_EQ(result.status, 0) << result.err;
+      *summary = summary_of(folder);
+    }
+    EXPECT_EQ(plain["instructions"], "plain");
+    EXPECT_GT(best["removed_voxels"], 0);
+    EXPECT_EQ(best["volume_hash"], plain["volume_hash"]) << best["instructions"];
+    EXPECT_EQ(best["force_hash"], plain["force_hash"]) << best["instructions"];
+  }
+}
+
 TEST(Run, PaceAndThreadsDoNotChangeTheResult) {
   const ScratchFolder scratch;
   const std::string scene = scratch.write("s.toml", test::kCutScene);
