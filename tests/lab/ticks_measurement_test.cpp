@@ -40,8 +40,9 @@ TEST(TicksMeasurement, EveryMethodWithEveryCache) {
     EXPECT_NEAR(fresh.summary.contacts, kWanted, 0.03 * kWanted);
     EXPECT_NEAR(cutting.summary.contacts, kWanted, 0.1 * kWanted);
     EXPECT_EQ(fresh.summary.removed, 0.0);
-    EXPECT_GT(cutting.summary.removed, 1.0);
-    EXPECT_GT(cutting.summary.ticks_that_cut, 0.5);
+    // One voxel in 695 a tick, as far as a short plan finds the energy for it.
+    EXPECT_GT(cutting.summary.removed, 0.5 * kWanted / 695);
+    EXPECT_GT(cutting.summary.ticks_that_cut, 0.1);
     for (const TickRun* run : {&fresh, &kept, &cutting}) {
       const TickSummary& s = run->summary;
       EXPECT_EQ(s.faults, 0u);
