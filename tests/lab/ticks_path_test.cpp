@@ -60,13 +60,15 @@ TEST(TickPath, ABallBeyondASceneLargestBurrIsOne) {
 TEST(CuttingPlan, SinksWithTheGroundItTakes) {
   const Workpiece block = plate_block();
   const TickPath path = find_tick_path(block, kBlockGround, 150);
-  const CuttingPlan plan = plan_cutting(
-      block, path, 150, 200, find_specific_energy(block, path, 150, 200), counting_settings(150));
-  ASSERT_EQ(plan.poses.size(), 200u);
+  constexpr int kTicks = 1500;  // about two voxels for each one in contact
+  const CuttingPlan plan =
+      plan_cutting(block, path, 150, kTicks, find_specific_energy(block, path, 150, kTicks),
+                   counting_settings(150));
+  ASSERT_EQ(plan.poses.size(), static_cast<std::size_t>(kTicks));
   EXPECT_GT(plan.specific_energy_J_per_m3, 0.0);
-  const std::size_t period = path.poses.size();
-  EXPECT_LT(plan.poses[199].position.z(), path.poses[199 % period].position.z() - 20e-6);
-  EXPECT_EQ(plan.poses[199].position.x(), path.poses[199 % period].position.x());
+  const Pose &last = plan.poses.back(), &uncut = path.poses[(kTicks - 1) % path.poses.size()];
+  EXPECT_LT(last.position.z(), uncut.position.z() - 20e-6);
+  EXPECT_EQ(last.position.x(), uncut.position.x());
 }
 
 }  // namespace
