@@ -17,7 +17,7 @@ namespace {
 using Lanes = float __attribute__((vector_size(32)));
 using IntLanes = std::int32_t __attribute__((vector_size(32)));
 using DoubleLanes = double __attribute__((vector_size(64)));
-constexpr int kLaneCount = 8;
+inline constexpr int kLaneCount = 8;
 
 inline Lanes load(const float* p) {
   Lanes v;

@@ -56,6 +56,7 @@ std::vector<SweepRow> measure_cells(std::span<const int> cells, std::span<const 
   repeat_runs(
       runs, [] {}, progress);
   std::vector<SweepRow> rows;
+  rows.reserve(runs.size());
   for (const TickRun& run : runs) {
     rows.push_back({run.task.start.grid().cells.x(), run.setting, run.task.wanted, run.summary});
   }
@@ -73,6 +74,7 @@ std::vector<SweepRow> measure_bodies(Workpiece& workpiece, const TickGround& gro
   repeat_runs(
       runs, [] {}, progress);
   std::vector<SweepRow> rows;
+  rows.reserve(runs.size());
   for (const TickRun& run : runs) {
     rows.push_back({run.task.bodies, run.setting, run.task.wanted, run.summary});
   }
