@@ -34,8 +34,7 @@ class Pacer {
   Pacer(double rate_hz) : period_ns_(static_cast<std::uint64_t>(std::llround(1e9 / rate_hz))) {}
 
   /// Sleeps until the next tick is due; returns the microseconds that it is late. A core that has
-  /// slept has cold caches, and a tick on them takes twice its time: so it wakes a little earlier,
-  /// and `rehearse` goes where the tick will go.
+  /// slept has cold caches: it wakes a little earlier, and `rehearse` goes where the tick will go.
   template <class Rehearse>
   float wait(const Rehearse& rehearse) {
     if (next_ns_ == 0) next_ns_ = steady_ns();

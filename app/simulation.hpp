@@ -34,7 +34,10 @@ class Simulation {
   const Workpiece& workpiece() const { return workpiece_; }
   const SimulationState& state() const { return state_; }
 
-  std::size_t contact_bytes() const { return scratch_.contact.memory_bytes(); }
+  /// With the normals that are kept.
+  std::size_t contact_bytes() const {
+    return scratch_.contact.memory_bytes() + (state_.kept ? state_.kept->memory_bytes() : 0);
+  }
   /// 0 without [cutting].
   std::size_t cutting_bytes() const;
 

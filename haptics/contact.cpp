@@ -1,5 +1,7 @@
 #include "haptics/contact.hpp"
 
+#include "haptics/contact_kernels.hpp"
+
 namespace sulcus {
 
 ContactScratch::ContactScratch(const HapticsSettings& settings, StageClock stage_clock)
@@ -20,6 +22,13 @@ ContactScratch::ContactScratch(const HapticsSettings& settings, StageClock stage
   tool_estimates.reserve(capacity);
   by_depth.reserve(capacity + kBlock);
   prepare_normals();
+  contact_kernels();  // chosen here, not in a tick
+}
+
+void ContactScratch::forget() noexcept {
+  contacts.clear();
+  hollow.clear();
+  queries.clear();
 }
 
 std::size_t ContactScratch::memory_bytes() const {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -42,6 +41,8 @@ struct ContactResult {
 struct ContactScratch {
   explicit ContactScratch(const HapticsSettings& settings, StageClock stage_clock = StageClock{});
   std::size_t memory_bytes() const;
+  /// What an evaluation has found, as if it had found nothing.
+  void forget() noexcept;
 
   static constexpr std::size_t kMaxLeaves = 1 << 16;
   static constexpr std::size_t kBlock = 4096;  // voxels tested at a time

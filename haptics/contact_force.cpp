@@ -13,17 +13,6 @@ constexpr float kFadeBelow = 0.2f;     // cosine between the normal and the tool
 constexpr double kFullWeights = 10.0;  // W0: sum of weights from which the stiffness is K
 constexpr float kSlowEdge = 10e-3f;    // v0, m/s
 
-ContactArrays arrays_of(Contacts& contacts) {
-  ContactArrays arrays;
-  arrays.size = contacts.size();
-  arrays.keys = contacts.keys();
-  arrays.tissues = contacts.tissues();
-  for (std::size_t q = 0; q < Contacts::kQuantities; ++q) {
-    arrays.of[q] = contacts(Contacts::Quantity(q));
-  }
-  return arrays;
-}
-
 void put(const Eigen::Vector3d& v, float (&to)[3]) {
   for (int a = 0; a < 3; ++a) to[a] = static_cast<float>(v[a]);
 }

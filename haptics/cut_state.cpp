@@ -2,18 +2,16 @@
 
 #include <bit>
 
+#include "engine/core/hash.hpp"
 #include "engine/volume/grid.hpp"
+#include "haptics/open_addressing.hpp"
 
 namespace sulcus {
 
 namespace {
 
-/// Of an entry, splitmix64 over both of its parts.
 std::uint64_t entry_hash(std::uint32_t key, double energy_J) noexcept {
-  std::uint64_t v = std::bit_cast<std::uint64_t>(energy_J) + key * 0x9e3779b97f4a7c15u;
-  v = (v ^ v >> 30) * 0xbf58476d1ce4e5b9u;
-  v = (v ^ v >> 27) * 0x94d049bb133111ebu;
-  return v ^ v >> 31;
+  return mix64(std::bit_cast<std::uint64_t>(energy_J) + key * 0x9e3779b97f4a7c15u);
 }
 
 }  // namespace
@@ -23,7 +21,7 @@ std::size_t CutState::home(std::uint32_t key) const noexcept {
   // cut together, lie in a few pages, those of 2 x 2 x 2 voxels in one or two cache lines.
   const std::uint32_t in_block = (key & 1u) | (key >> 9 & 2u) | (key >> 18 & 4u);
   const std::uint32_t block = (key >> 1 & 3u) | (key >> 9 & 12u) | (key >> 17 & 48u);
-  const std::uint64_t leaf = (key & ~voxel_key(7, 7, 7)) * std::uint64_t{0x9e3779b97f4a7c15} >> 32;
+  const std::uint64_t leaf = leaf_key(key) * std::uint64_t{0x9e3779b97f4a7c15} >> 32;
   return (leaf + (block << 3 | in_block)) & (slots_.size() - 1);
 }
 
@@ -69,17 +67,13 @@ bool CutState::set_at(std::size_t slot, std::uint32_t key, double energy_J) noex
 }
 
 void CutState::erase(std::size_t slot) noexcept {
-  // Linear probing without tombstones: later entries of the run move up where they still are at or
-  // after their home.
-  const std::size_t mask = slots_.size() - 1;
   --size_;
-  for (std::size_t next = (slot + 1) & mask; slots_[next].key != 0; next = (next + 1) & mask) {
-    if (((next - home(slots_[next].key)) & mask) >= ((next - slot) & mask)) {
-      slots_[slot] = slots_[next];
-      slot = next;
-    }
-  }
-  slots_[slot] = {};
+  close_gap(
+      slot, slots_.size(), [&](std::size_t at) { return slots_[at].key != 0; },
+      [&](std::size_t at) { return home(slots_[at].key); },
+      [&](std::size_t to, std::size_t from) {
+        slots_[to] = from == kNoSlot ? Slot{} : slots_[from];
+      });
 }
 
 }  // namespace sulcus

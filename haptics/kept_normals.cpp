@@ -3,20 +3,16 @@
 #include <algorithm>
 #include <bit>
 
+#include "engine/core/hash.hpp"
+#include "haptics/open_addressing.hpp"
+
 namespace sulcus {
 
 namespace {
 
 constexpr int kAlong = 17;  // reach of a map along its axis: the window of a column, and one
 constexpr int kAround = 2;  // of the coarse normal, all round
-constexpr std::uint32_t kLeavesPerContact = 16;  // contacts for each leaf that can be kept
-
-std::uint64_t mixed(std::uint64_t v) {  // splitmix64
-  v += 0x9e3779b97f4a7c15u;
-  v = (v ^ v >> 30) * 0xbf58476d1ce4e5b9u;
-  v = (v ^ v >> 27) * 0x94d049bb133111ebu;
-  return v ^ v >> 31;
-}
+constexpr std::uint32_t kContactsPerLeaf = 16;  // that there may be, for each leaf that can be kept
 
 /// Voxels of a leaf's slice with x and y in the ranges, 0 to 7, ends included.
 std::uint64_t slice(int x0, int x1, int y0, int y1) {
@@ -30,35 +26,35 @@ std::uint64_t slice(int x0, int x1, int y0, int y1) {
 KeptNormals::KeptNormals(const VoxelGrid& grid, const HapticsSettings& settings)
     : grid_(grid),
       across_(std::max(settings.neighbourhood, kAround)),
-      wide_(2 * across_),
+      wide_(settings.normals == NormalMethod::kLdm ? 2 * across_ : 0),
       capacity_(
-          std::max(64u, static_cast<std::uint32_t>(settings.max_contacts) / kLeavesPerContact)),
+          std::max(64u, static_cast<std::uint32_t>(settings.max_contacts) / kContactsPerLeaf)),
       pages_(std::make_unique_for_overwrite<Page[]>(capacity_)),
       table_(std::bit_ceil(std::size_t{2} * capacity_)) {}
 
-std::size_t KeptNormals::home(std::uint32_t leaf_key) const noexcept {
-  return (leaf_key * std::uint64_t{0x9e3779b97f4a7c15}) >> 32 & (table_.size() - 1);
+std::size_t KeptNormals::home(std::uint32_t leaf) const noexcept {
+  return (leaf * std::uint64_t{0x9e3779b97f4a7c15}) >> 32 & (table_.size() - 1);
 }
 
-std::size_t KeptNormals::slot_of(std::uint32_t leaf_key) const noexcept {
-  std::size_t slot = home(leaf_key);
-  while (table_[slot] != 0 && pages_[table_[slot] - 1].first_key != leaf_key) {
+std::size_t KeptNormals::slot_of(std::uint32_t leaf) const noexcept {
+  std::size_t slot = home(leaf);
+  while (table_[slot] != 0 && pages_[table_[slot] - 1].first_key != leaf) {
     slot = (slot + 1) & (table_.size() - 1);
   }
   return slot;
 }
 
-const KeptNormals::Page* KeptNormals::find(std::uint32_t leaf_key) const noexcept {
-  const std::uint32_t entry = table_[slot_of(leaf_key)];
+const KeptNormals::Page* KeptNormals::find(std::uint32_t leaf) const noexcept {
+  const std::uint32_t entry = table_[slot_of(leaf)];
   return entry == 0 ? nullptr : &pages_[entry - 1];
 }
 
-KeptNormals::Page* KeptNormals::page(std::uint32_t leaf_key) noexcept {
-  const std::uint32_t entry = table_[slot_of(leaf_key)];
+KeptNormals::Page* KeptNormals::page(std::uint32_t leaf) noexcept {
+  const std::uint32_t entry = table_[slot_of(leaf)];
   return entry == 0 ? nullptr : &pages_[entry - 1];
 }
 
-KeptNormals::Page* KeptNormals::make_page(std::uint32_t leaf_key, std::uint64_t tick) noexcept {
+KeptNormals::Page* KeptNormals::make_page(std::uint32_t leaf, std::uint64_t tick) noexcept {
   std::uint32_t at = used_;
   if (used_ == capacity_) {
     at = 0;
@@ -71,28 +67,21 @@ KeptNormals::Page* KeptNormals::make_page(std::uint32_t leaf_key, std::uint64_t 
     ++used_;
   }
   Page& page = pages_[at];
-  page.first_key = leaf_key;
+  page.first_key = leaf;
   page.touched = tick;
   page.kept = page.refined = page.wide = {};
   page.along = {};
-  table_[slot_of(leaf_key)] = at + 1;
+  table_[slot_of(leaf)] = at + 1;
   return &page;
 }
 
 void KeptNormals::forget(std::uint32_t at) noexcept {
   Page& page = pages_[at];
   for (int word = 0; word < 8; ++word) clear(page, word, ~std::uint64_t{0});
-  // Linear probing without tombstones, as in CutState.
-  const std::size_t mask = table_.size() - 1;
-  std::size_t slot = slot_of(page.first_key);
-  for (std::size_t next = (slot + 1) & mask; table_[next] != 0; next = (next + 1) & mask) {
-    const std::size_t wanted = home(pages_[table_[next] - 1].first_key);
-    if (((next - wanted) & mask) >= ((next - slot) & mask)) {
-      table_[slot] = table_[next];
-      slot = next;
-    }
-  }
-  table_[slot] = 0;
+  close_gap(
+      slot_of(page.first_key), table_.size(), [&](std::size_t slot) { return table_[slot] != 0; },
+      [&](std::size_t slot) { return home(pages_[table_[slot] - 1].first_key); },
+      [&](std::size_t to, std::size_t from) { table_[to] = from == kNoSlot ? 0 : table_[from]; });
 }
 
 void KeptNormals::keep(std::uint32_t key, const SurfaceEstimate& estimate, bool refined,
@@ -108,7 +97,7 @@ void KeptNormals::keep(std::uint32_t key, const SurfaceEstimate& estimate, bool 
   const auto set = [&](Mask& mask, bool value) {
     mask[word] = value ? mask[word] | bit : mask[word] & ~bit;
   };
-  if (refined && !is(p->refined, place)) hash_ ^= mixed(key);
+  if (refined && !is(p->refined, place)) hash_ ^= mix64(key);
   set(p->kept, true);
   if (refined) set(p->refined, true);
   for (std::size_t axis = 0; axis < 3; ++axis) set(p->along[axis], estimate.looked_along(axis));
@@ -117,8 +106,8 @@ void KeptNormals::keep(std::uint32_t key, const SurfaceEstimate& estimate, bool 
       {estimate.normal.x(), estimate.normal.y(), estimate.normal.z()}, estimate.offset};
 }
 
-void KeptNormals::touch(std::uint32_t leaf_key, std::uint64_t tick) noexcept {
-  if (Page* p = page(leaf_key)) p->touched = tick;
+void KeptNormals::touch(std::uint32_t leaf, std::uint64_t tick) noexcept {
+  if (Page* p = page(leaf)) p->touched = tick;
 }
 
 void KeptNormals::clear(Page& page, int word, std::uint64_t bits) noexcept {
@@ -126,38 +115,47 @@ void KeptNormals::clear(Page& page, int word, std::uint64_t bits) noexcept {
   page.kept[w] &= ~bits;
   for (std::uint64_t gone = page.refined[w] & bits; gone != 0; gone &= gone - 1) {
     const int bit = std::countr_zero(gone);
-    hash_ ^= mixed(page.first_key + voxel_key(bit & 7, bit >> 3, word));
+    hash_ ^= mix64(page.first_key + voxel_key(bit & 7, bit >> 3, word));
   }
   page.refined[w] &= ~bits;
 }
 
 void KeptNormals::drop_box(const Cell& lower, const Cell& upper) noexcept {
-  const auto within = [&](int axis, int across, bool wide) {
+  const auto widened = [&](const Cell& reach) {
+    return CellBox{(lower - reach).cwiseMax(0),
+                   (upper + reach).cwiseMin(grid_.cells - Cell::Ones())};
+  };
+  const auto window = [&](int axis, int across) {
     Cell reach = Cell::Constant(across);
     reach[axis] = kAlong;
-    const Cell from = (lower - reach).cwiseMax(0),
-               to = (upper + reach).cwiseMin(grid_.cells - Cell::Ones());
-    for (int z = from.z() & ~7; z <= to.z(); z += 8) {
-      for (int y = from.y() & ~7; y <= to.y(); y += 8) {
-        for (int x = from.x() & ~7; x <= to.x(); x += 8) {
-          Page* const p = page(voxel_key(x, y, z));
-          if (!p) continue;
-          const Cell origin(x, y, z);
-          const Cell first = (from - origin).cwiseMax(0), last = (to - origin).cwiseMin(7);
-          const std::uint64_t box = slice(first.x(), last.x(), first.y(), last.y());
-          for (int k = first.z(); k <= last.z(); ++k) {
-            const auto w = static_cast<std::size_t>(k);
-            std::uint64_t seen = box & p->along[static_cast<std::size_t>(axis)][w];
-            if (wide) seen &= p->wide[w];
-            clear(*p, k, seen);
-          }
+    return widened(reach);
+  };
+  // Each leaf that any window reaches is looked up once.
+  const CellBox all = widened(Cell::Constant(std::max(kAlong, wide_)));
+  for (int z = all.first.z() & ~7; z <= all.last.z(); z += 8) {
+    for (int y = all.first.y() & ~7; y <= all.last.y(); y += 8) {
+      for (int x = all.first.x() & ~7; x <= all.last.x(); x += 8) {
+        Page* const p = page(voxel_key(x, y, z));
+        if (!p) continue;
+        for (int axis = 0; axis < 3; ++axis) {
+          drop_seen(*p, axis, window(axis, across_), false);
+          if (wide_ > 0) drop_seen(*p, axis, window(axis, wide_), true);
         }
       }
     }
-  };
-  for (int axis = 0; axis < 3; ++axis) {
-    within(axis, across_, false);
-    within(axis, wide_, true);
+  }
+}
+
+void KeptNormals::drop_seen(Page& page, int axis, const CellBox& box, bool wide) noexcept {
+  const Cell origin = cell_of_key(page.first_key);
+  const Cell first = (box.first - origin).cwiseMax(0);
+  const Cell last = (box.last - origin).cwiseMin(kLeafEdge - 1);
+  if ((first.array() > last.array()).any()) return;
+  const std::uint64_t in_slice = slice(first.x(), last.x(), first.y(), last.y());
+  for (int k = first.z(); k <= last.z(); ++k) {
+    const auto w = static_cast<std::size_t>(k);
+    const std::uint64_t seen = in_slice & page.along[static_cast<std::size_t>(axis)][w];
+    clear(page, k, wide ? seen & page.wide[w] : seen);
   }
 }
 

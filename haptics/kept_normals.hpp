@@ -46,19 +46,13 @@ class KeptNormals {
     return (mask[static_cast<std::size_t>(place >> 6)] >> (place & 63) & 1u) != 0;
   }
 
-  /// The leaf of a voxel, by the key of its first voxel, and the voxel's place in it.
-  static std::uint32_t leaf_key(std::uint32_t key) { return key & ~voxel_key(7, 7, 7); }
-  static int leaf_place(std::uint32_t key) {
-    return static_cast<int>((key & 7u) | (key >> 10 & 7u) << 3 | (key >> 20 & 7u) << 6);
-  }
-
-  /// Null where nothing of the leaf is kept.
-  const Page* find(std::uint32_t leaf_key) const noexcept;
+  /// Null where nothing of the leaf is kept. Leaves are named by their leaf_key.
+  const Page* find(std::uint32_t leaf) const noexcept;
 
   /// Keeps estimates that were made without the tool. Those that are not defined are passed over.
   void keep(std::uint32_t key, const SurfaceEstimate& estimate, bool refined,
             std::uint64_t tick) noexcept;
-  void touch(std::uint32_t leaf_key, std::uint64_t tick) noexcept;
+  void touch(std::uint32_t leaf, std::uint64_t tick) noexcept;
   /// Drops what has been seen through windows that the edits lie in.
   void drop(std::span<const Edit> edits) noexcept;
 
@@ -68,16 +62,20 @@ class KeptNormals {
   std::size_t memory_bytes() const;
 
  private:
-  std::size_t home(std::uint32_t leaf_key) const noexcept;
-  std::size_t slot_of(std::uint32_t leaf_key) const noexcept;
-  Page* page(std::uint32_t leaf_key) noexcept;
-  Page* make_page(std::uint32_t leaf_key, std::uint64_t tick) noexcept;
+  std::size_t home(std::uint32_t leaf) const noexcept;
+  std::size_t slot_of(std::uint32_t leaf) const noexcept;
+  Page* page(std::uint32_t leaf) noexcept;
+  Page* make_page(std::uint32_t leaf, std::uint64_t tick) noexcept;
   void forget(std::uint32_t page) noexcept;
+  struct CellBox {
+    Cell first, last;
+  };
   void drop_box(const Cell& lower, const Cell& upper) noexcept;
+  void drop_seen(Page& page, int axis, const CellBox& box, bool wide) noexcept;
   void clear(Page& page, int word, std::uint64_t bits) noexcept;
 
   VoxelGrid grid_;
-  int across_, wide_;  // reach of a map across its axis, and of a wide one
+  int across_, wide_;  // reach of a map across its axis, and of a wide one; 0: there are none
   std::uint32_t capacity_, used_ = 0;
   std::unique_ptr<Page[]> pages_;     // untouched until used
   std::vector<std::uint32_t> table_;  // page + 1 by leaf_key, open addressing; 0: free

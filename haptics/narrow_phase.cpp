@@ -107,14 +107,13 @@ class Tester {
     std::uint8_t uniform = 0;
     for (std::size_t i = first; i < end; ++i) {
       const std::uint32_t key = contacts.keys()[i];
-      if (const std::uint32_t in = key & ~voxel_key(7, 7, 7); in != at) {
+      if (const std::uint32_t in = leaf_key(key); in != at) {
         at = in;
         const std::uint32_t leaf = workpiece_.grid().leaf_of(cell_of_key(key));
         block = tissues->block(leaf);
         uniform = tissues->uniform_label(leaf);
       }
-      const std::size_t place = (key & 7u) | (key >> 10 & 7u) << 3 | (key >> 20 & 7u) << 6;
-      contacts.tissues()[i] = block ? (*block)[place] : uniform;
+      contacts.tissues()[i] = block ? (*block)[static_cast<std::size_t>(leaf_place(key))] : uniform;
     }
   }
 

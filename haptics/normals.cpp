@@ -24,7 +24,7 @@ class LeafWalk {
   /// The page of the contact's leaf, or null.
   const KeptNormals::Page* page(std::uint32_t key) {
     if (!kept_) return nullptr;
-    if (const std::uint32_t leaf = KeptNormals::leaf_key(key); leaf != leaf_) {
+    if (const std::uint32_t leaf = leaf_key(key); leaf != leaf_) {
       leaf_ = leaf;
       page_ = kept_->find(leaf);
     }
@@ -47,7 +47,7 @@ void put(Contacts& contacts, std::size_t i, const SurfaceEstimate& e, float voxe
 }
 
 bool is_refined(const KeptNormals::Page* page, std::uint32_t key) {
-  return page && KeptNormals::is(page->refined, KeptNormals::leaf_place(key));
+  return page && KeptNormals::is(page->refined, leaf_place(key));
 }
 
 }  // namespace
@@ -60,15 +60,16 @@ void normals(const Workpiece& workpiece, const HapticsSettings& settings, const 
   scratch.queries.clear();
   scratch.queried.clear();
   scratch.vetoed.clear();
+  const bool told = use_tool(settings.normals);
   const auto hear_tool = [&](std::size_t i, const Eigen::Vector3f& normal) {
-    if (normal.dot(contacts.vector(Contacts::kOutward, i)) > 0.0f) return;
+    if (!told || normal.dot(contacts.vector(Contacts::kOutward, i)) > 0.0f) return;
     scratch.vetoed.push_back(static_cast<std::uint32_t>(i));
   };
   LeafWalk walk(kept);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const std::uint32_t key = contacts.keys()[i];
     const KeptNormals::Page* page = walk.page(key);
-    const int place = KeptNormals::leaf_place(key);
+    const int place = leaf_place(key);
     if (page && KeptNormals::is(page->kept, place)) {
       const KeptNormals::Value& value = page->values[static_cast<std::size_t>(place)];
       put(contacts, i, value.normal, value.offset * voxel_m);
@@ -84,7 +85,7 @@ void normals(const Workpiece& workpiece, const HapticsSettings& settings, const 
     put(contacts, scratch.queried[q], scratch.estimates[q], voxel_m);
     hear_tool(scratch.queried[q], scratch.estimates[q].normal);
   }
-  if (!use_tool(settings.normals)) return;
+  if (scratch.vetoed.empty()) return;
 
   // What the tool has to say: it names a side where the solid has none, and vetoes. A normal that
   // it does not veto is the same with and without it (a test), so only the others are found again,
@@ -115,7 +116,7 @@ void keep_normals(const Workpiece& workpiece, const HapticsSettings& settings, s
   const Contacts& contacts = scratch.contacts;
   std::uint32_t leaf = ~0u;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    if (const std::uint32_t at = KeptNormals::leaf_key(contacts.keys()[i]); at != leaf) {
+    if (const std::uint32_t at = leaf_key(contacts.keys()[i]); at != leaf) {
       leaf = at;
       kept.touch(leaf, tick);
     }
@@ -131,7 +132,7 @@ void keep_normals(const Workpiece& workpiece, const HapticsSettings& settings, s
   for (std::size_t i = 0; i < contacts.size() && scratch.tool_queries.size() < most; ++i) {
     const std::uint32_t key = contacts.keys()[i];
     const KeptNormals::Page* page = walk.page(key);
-    const int place = KeptNormals::leaf_place(key);
+    const int place = leaf_place(key);
     if (!page || !KeptNormals::is(page->kept, place) || KeptNormals::is(page->refined, place))
       continue;
     scratch.tool_queries.push_back(VoxelQuery{cell_of_key(key)});

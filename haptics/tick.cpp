@@ -35,8 +35,7 @@ ContactResult contact_with_bodies(const TickContext& context, const Workpiece& w
                                   const SimulationState& state, const Twist& twist,
                                   ContactScratch& scratch) {
   std::array<std::uint16_t, 1> near{};
-  scratch.contacts.clear();
-  scratch.queries.clear();
+  scratch.forget();
   {
     const auto timed = scratch.clock.time(Stage::kBroadPhase);
     const Eigen::AlignedBox3d box =

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "engine/normals/coarse_normal.hpp"
 #include "engine/normals/leaf_tiles.hpp"
 #include "engine/normals/map_group.hpp"
 
@@ -27,14 +26,10 @@ struct Batch {
 bool fit(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes, int neighbourhood,
          int trace, const HeightTile* tile, SurfaceGroup& group, int place) noexcept {
   const MapKernels& kernels = map_kernels();
-  QuadricSums sums;
   if (tile) {
     const Eigen::Vector3i at = in_tile(voxel, axes);
     if (kernels.even(*tile, at.x(), at.y(), at.z(), trace)) {
-      const int height = tile->at(at.x(), at.y());
-      for (std::size_t f = 0; f < kQuadric; ++f) sums[f] = tile->sums[at.y()][f][at.x()];
-      group.put(place, sums, height, height - at.z(), axes.sign,
-                quadric_filter(neighbourhood, lanes_of(neighbourhood)));
+      put_tile_sums(*tile, at, group, place);
       return true;
     }
   }
@@ -43,6 +38,7 @@ bool fit(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes, int
   trace_or_cut(workpiece, voxel, axes, trace, tile, map);
   if (map.even_rings < 1) return false;
   const QuadricFilter& filter = quadric_filter(map.even_rings, map.lanes);
+  QuadricSums sums;
   kernels.fit(map, filter, sums);
   group.put(place, sums, map.at(0, 0), map.at(0, 0), axes.sign, filter);
   return true;
@@ -58,10 +54,8 @@ void estimate_ldm_fast(const Workpiece& workpiece, std::span<const VoxelQuery> q
   for (std::size_t first = 0; first < queries.size(); first += kBatch) {
     const std::size_t count = std::min(queries.size() - first, kBatch);
     for (std::size_t k = 0; k < count; ++k) {
-      Eigen::Vector3f& coarse = batch.coarse[k];
-      coarse = coarse_normal(workpiece, queries[first + k].voxel).cast<float>();
-      if (coarse == Eigen::Vector3f::Zero()) coarse = queries[first + k].outward;
-      batch.axes[k] = dominant_axes(coarse);
+      batch.coarse[k] = coarse_of(workpiece, queries[first + k]);
+      batch.axes[k] = dominant_axes(batch.coarse[k]);
     }
     for (std::size_t k = 0; k < count; ++k) {
       const MapAxes& axes = batch.axes[k];

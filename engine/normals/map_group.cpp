@@ -6,6 +6,20 @@
 
 namespace sulcus {
 
+Eigen::Vector3f coarse_of(const Workpiece& workpiece, const VoxelQuery& query) noexcept {
+  const Eigen::Vector3f coarse = coarse_normal(workpiece, query.voxel).cast<float>();
+  return coarse == Eigen::Vector3f::Zero() ? query.outward : coarse;
+}
+
+void put_tile_sums(const HeightTile& tile, const Eigen::Vector3i& at, SurfaceGroup& group,
+                   int place) noexcept {
+  const int height = tile.at(at.x(), at.y());
+  QuadricSums sums;
+  for (std::size_t f = 0; f < kQuadric; ++f) sums[f] = tile.sums[at.y()][f][at.x()];
+  group.put(place, sums, height, height - at.z(), tile.sign,
+            quadric_filter(tile.ns, lanes_of(tile.ns)));
+}
+
 bool trace_or_cut(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes, int trace,
                   const HeightTile* tile, HeightMap& map) noexcept {
   map.sign = axes.sign;
@@ -21,11 +35,9 @@ std::size_t MapGroup::trace(const Workpiece& workpiece, std::span<const VoxelQue
                             std::size_t first, int neighbourhood, int trace,
                             LeafTiles& tiles) noexcept {
   count_ = std::min(queries.size() - first, kSize);
-  const QuadricFilter& whole = quadric_filter(neighbourhood, lanes_of(neighbourhood));
   for (std::size_t k = 0; k < count_; ++k) {
     const VoxelQuery& query = queries[first + k];
-    coarse[k] = coarse_normal(workpiece, query.voxel).cast<float>();
-    if (coarse[k] == Eigen::Vector3f::Zero()) coarse[k] = query.outward;
+    coarse[k] = coarse_of(workpiece, query);
     axes[k] = dominant_axes(coarse[k]);
 
     HeightMap& map = maps[k];
@@ -37,12 +49,9 @@ std::size_t MapGroup::trace(const Workpiece& workpiece, std::span<const VoxelQue
     if (coarse[k] == Eigen::Vector3f::Zero()) continue;
     const HeightTile* tile = tiles.find(first + k, axes[k]);
     summed_[k] = trace_or_cut(workpiece, query.voxel, axes[k], trace, tile, map);
-    if (!summed_[k]) continue;
-    const Eigen::Vector3i at = in_tile(query.voxel, axes[k]);
-    const int height = tile->at(at.x(), at.y());
-    QuadricSums sums;
-    for (std::size_t f = 0; f < kQuadric; ++f) sums[f] = tile->sums[at.y()][f][at.x()];
-    surfaces.put(static_cast<int>(k), sums, height, height - at.z(), map.sign, whole);
+    if (summed_[k]) {
+      put_tile_sums(*tile, in_tile(query.voxel, axes[k]), surfaces, static_cast<int>(k));
+    }
   }
   return count_;
 }

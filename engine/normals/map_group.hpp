@@ -60,6 +60,13 @@ inline bool stands(const Eigen::Vector3f& normal, const Eigen::Vector3f& coarse,
   return normal.dot(coarse) > 0.0f && !(normal.dot(tool) < 0.0f);
 }
 
+/// The coarse normal of a query's voxel, of the tool where the solid has none.
+Eigen::Vector3f coarse_of(const Workpiece& workpiece, const VoxelQuery& query) noexcept;
+
+/// Puts the sums of a whole map that a tile can tell, of the voxel `at`, as one of a group.
+void put_tile_sums(const HeightTile& tile, const Eigen::Vector3i& at, SurfaceGroup& group,
+                   int place) noexcept;
+
 /// The map of a voxel along an axis, cut out of a tile where there is one and it can tell; `map.ns`
 /// is set, and the stride 1. Whether it was cut.
 bool trace_or_cut(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes, int trace,

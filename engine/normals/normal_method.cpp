@@ -17,6 +17,7 @@ void prepare_normals() noexcept {
 void estimate_surfaces(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
                        const HapticsSettings& settings,
                        std::span<SurfaceEstimate> estimates) noexcept {
+  if (queries.empty()) return;
   const int ns = settings.neighbourhood, trace = settings.trace;
   const auto one_by_one = [&](const auto& estimate) {
     for (std::size_t k = 0; k < queries.size(); ++k) estimates[k] = estimate(queries[k].voxel);

@@ -25,6 +25,15 @@ inline Cell cell_of_key(std::uint32_t key) {
           static_cast<int>(key >> 20 & 1023u)};
 }
 
+/// Key of the first voxel of a voxel's leaf.
+constexpr std::uint32_t leaf_key(std::uint32_t key) {
+  return key & ~voxel_key(kLeafEdge - 1, kLeafEdge - 1, kLeafEdge - 1);
+}
+/// Place of a voxel in its leaf, 0 to 511, x fastest.
+constexpr int leaf_place(std::uint32_t key) {
+  return static_cast<int>((key & 7u) | (key >> 10 & 7u) << 3 | (key >> 20 & 7u) << 6);
+}
+
 /// A grid of cubic voxels whose centre is the origin of the scene. Two spaces: `world` in metres
 /// (the scene's), `index` in voxels, where the centre of voxel (i, j, k) is at (i, j, k).
 struct VoxelGrid {

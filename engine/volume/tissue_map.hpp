@@ -20,7 +20,7 @@ class TissueMap {
 
   std::uint8_t label(std::uint32_t leaf, const Cell& c) const {
     const LabelBlock* block = mixed_[leaf].get();
-    return block ? (*block)[(c.x() & 7) | (c.y() & 7) << 3 | (c.z() & 7) << 6] : uniform_[leaf];
+    return block ? (*block)[static_cast<std::size_t>(leaf_place(voxel_key(c)))] : uniform_[leaf];
   }
   void set_uniform(std::uint32_t leaf, std::uint8_t label) {
     uniform_[leaf] = label;

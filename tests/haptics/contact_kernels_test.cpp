@@ -51,16 +51,6 @@ class ContactKernelsTest : public ::testing::Test {
     }
     return all;
   }
-  static ContactArrays arrays(Contacts& contacts) {
-    ContactArrays a;
-    a.size = contacts.size();
-    a.keys = contacts.keys();
-    a.tissues = contacts.tissues();
-    for (std::size_t q = 0; q < Contacts::kQuantities; ++q) {
-      a.of[q] = contacts(Contacts::Quantity(q));
-    }
-    return a;
-  }
   static void expect_equal(const Contacts& a, const Contacts& b) {
     for (std::size_t q = 0; q < Contacts::kQuantities; ++q) {
       ASSERT_EQ(
@@ -150,8 +140,8 @@ TEST_F(ContactKernelsTest, ForcesAreTheSameBitForBit) {
         std::uint32_t counted_a = 0, counted_b = 0;
         const ForceSettings settings{at_surface, 0.2f};
         const double weights_a =
-            plain_contact_kernels().measure(frame, settings, arrays(a), counted_a);
-        const double weights_b = fast_->measure(frame, settings, arrays(b), counted_b);
+            plain_contact_kernels().measure(frame, settings, arrays_of(a), counted_a);
+        const double weights_b = fast_->measure(frame, settings, arrays_of(b), counted_b);
         ASSERT_EQ(weights_a, weights_b);
         ASSERT_EQ(counted_a, counted_b);
         expect_equal(a, b);
@@ -165,8 +155,8 @@ TEST_F(ContactKernelsTest, ForcesAreTheSameBitForBit) {
         terms.tangential_ratio = 0.3f;
         terms.slow_edge_m_per_s = 0.01f;
         ForceSums sums_a, sums_b;
-        plain_contact_kernels().forces(terms, arrays(a), sums_a);
-        fast_->forces(terms, arrays(b), sums_b);
+        plain_contact_kernels().forces(terms, arrays_of(a), sums_a);
+        fast_->forces(terms, arrays_of(b), sums_b);
         ASSERT_EQ(std::memcmp(&sums_a, &sums_b, sizeof sums_a), 0);
         expect_equal(a, b);
       }

@@ -25,8 +25,8 @@ bool same(const SurfaceEstimate& a, const SurfaceEstimate& b) {
 
 SurfaceEstimate kept_at(const KeptNormals& kept, const Cell& c) {
   const std::uint32_t key = voxel_key(c);
-  const KeptNormals::Page* page = kept.find(KeptNormals::leaf_key(key));
-  const int place = KeptNormals::leaf_place(key);
+  const KeptNormals::Page* page = kept.find(leaf_key(key));
+  const int place = leaf_place(key);
   if (!page || !KeptNormals::is(page->kept, place)) return {};
   const KeptNormals::Value& value = page->values[static_cast<std::size_t>(place)];
   return {{value.normal[0], value.normal[1], value.normal[2]}, value.offset, true};
