@@ -15,6 +15,7 @@ namespace sulcus {
 /// What a tick leaves behind besides its edits.
 struct TickReport {
   TickRecord record;
+  CuttingRecord cutting;  // with [cutting]
   std::array<float, kStageCount> stage_us{};
 };
 

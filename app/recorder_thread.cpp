@@ -9,7 +9,7 @@ namespace sulcus {
 
 RecorderThread::RecorderThread(Feed& feed, std::optional<RecordingWriter> writer,
                                std::size_t expected_ticks)
-    : feed_(feed), writer_(std::move(writer)) {
+    : feed_(feed), writer_(std::move(writer)), cuts_(writer_ && writer_->has_cutting()) {
   statistics_.reserve(expected_ticks);
   thread_ = std::thread([this] { run(); });
 }
@@ -45,17 +45,20 @@ void RecorderThread::run() {
 
 void RecorderThread::drain() {
   std::vector<TickRecord> rows;
+  std::vector<CuttingRecord> cuts;
   std::vector<Edit> edits;
   std::vector<StateHash> hashes;
   TickReport report;
   while (feed_.reports.try_dequeue(report)) {
     statistics_.add(report);
     rows.push_back(report.record);
+    if (cuts_) cuts.push_back(report.cutting);
   }
   for (Edit edit; feed_.edits.try_dequeue(edit);) edits.push_back(edit);
   if (!writer_) return;
   try {
     writer_->append_edits(edits);
+    if (cuts_) writer_->append_cutting(cuts);
     writer_->append_ticks(rows);
     // A hash of a tick whose row has not come yet waits for the next round.
     const StateHash* hash = feed_.hashes.peek();

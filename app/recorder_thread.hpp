@@ -30,6 +30,7 @@ class RecorderThread {
 
   Feed& feed_;
   std::optional<RecordingWriter> writer_;
+  bool cuts_;  // it wants what was cut
   RunStatistics statistics_;
   std::exception_ptr failure_;
   std::thread thread_;

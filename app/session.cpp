@@ -74,7 +74,7 @@ class HapticLoop {
           options_.pace == Pace::kReal ? pacer_.wait([&] { simulation_.rehearse(); }) : 0.0f;
       simulation_.reset_clock();
       const std::uint64_t begin = thread_cpu_ns();
-      TickReport report{simulation_.step(device_), {}};
+      TickReport report{simulation_.step(device_), simulation_.cutting(), {}};
       report.record.step_us =
           static_cast<float>(1e-3 * static_cast<double>(thread_cpu_ns() - begin));
       report.record.late_us = late_us;
@@ -99,6 +99,7 @@ class HapticLoop {
     edits_ += edits.size();
     report.record.edits_end = edits_;
     seal(report.record);
+    seal(report.cutting);
     for (Feed* feed : feeds_) {
       for (const Edit& edit : edits) feed->edits.enqueue(edit);
       feed->reports.enqueue(report);
@@ -144,7 +145,8 @@ std::optional<RecordingWriter> open_recording(const Simulation& simulation,
   header.workpiece_hash = simulation.workpiece().hash_with_tissues();
   const bool from_file = scene.burr.shape == BurrShape::kFile;
   return RecordingWriter(path, header, simulation.workpiece().model(),
-                         from_file ? &simulation.burr().mesh_tool : nullptr);
+                         from_file ? &simulation.burr().mesh_tool : nullptr,
+                         {.cutting = scene.cutting.has_value()});
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ Simulation::Simulation(const Scene& scene, VoxelModel start, Burr burr, StageClo
 
 void Simulation::rehearse() noexcept {
   if (!state_.has_pose) return;
-  const Twist still;
+  const Twist still{.spindle_rad_per_s = state_.spindle_rad_per_s.value_or(burr_.speed_rad_per_s)};
   evaluate_contact(workpiece_, scene_.tissues, burr_, state_.tool,
                    state_.removal ? &still : nullptr, scene_.haptics,
                    state_.kept ? &*state_.kept : nullptr, scratch_.contact);

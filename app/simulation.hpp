@@ -26,6 +26,7 @@ class Simulation {
   /// will. Changes no state.
   void rehearse() noexcept;
   std::span<const Edit> edits() const { return scratch_.edits; }
+  const CuttingRecord& cutting() const { return scratch_.cutting; }
   const StageClock& clock() const { return scratch_.contact.clock; }
   void reset_clock() noexcept { scratch_.contact.clock.reset(); }
 

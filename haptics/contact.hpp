@@ -19,10 +19,12 @@ struct Wrench {
   Eigen::Vector3d torque_Nm = Eigen::Vector3d::Zero();
 };
 
-/// Velocity of the burr's tip and turning of the handpiece, world; the spindle comes on top.
+/// Velocity of the burr's tip and turning of the handpiece, world; on top of it the spindle, about
+/// the burr's axis from tip to shank.
 struct Twist {
   Eigen::Vector3d linear_m_per_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular_rad_per_s = Eigen::Vector3d::Zero();
+  double spindle_rad_per_s = 0.0;
 };
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
@@ -30,6 +32,7 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 /// What one evaluation of the contact found. The contacts are in the scratch it was given.
 struct ContactResult {
   Wrench wrench;                          // normal and tangential part
+  Wrench tangential;                      // that part alone; zero without cutting
   Matrix6d stiffness = Matrix6d::Zero();  // -d(wrench)/d(translation, rotation), normals held
   std::uint32_t contacts = 0;             // voxels that take part in the force
   std::uint32_t tested = 0;               // voxels whose distance was asked for

@@ -17,6 +17,10 @@ void put(const Eigen::Vector3d& v, float (&to)[3]) {
   for (int a = 0; a < 3; ++a) to[a] = static_cast<float>(v[a]);
 }
 
+Wrench wrench_of(const double (&sums)[6]) {
+  return {Eigen::Vector3d(sums[0], sums[1], sums[2]), Eigen::Vector3d(sums[3], sums[4], sums[5])};
+}
+
 }  // namespace
 
 void contact_force(const Workpiece& workpiece, std::span<const TissueSettings> tissues,
@@ -44,18 +48,20 @@ void contact_force(const Workpiece& workpiece, std::span<const TissueSettings> t
     terms.cutting = true;
     put(burr.reference_m * axis_world, terms.axis_m);
     put(twist->linear_m_per_s, terms.linear);
-    put(twist->angular_rad_per_s + burr.speed_rad_per_s * axis_world, terms.turning);
+    put(twist->angular_rad_per_s + twist->spindle_rad_per_s * axis_world, terms.turning);
     terms.tangential_ratio = static_cast<float>(burr.tangential_ratio);
     terms.slow_edge_m_per_s = kSlowEdge;
   }
   terms.with_stiffness = with_stiffness;
   ForceSums sums;
   kernels.forces(terms, contacts, sums);
-  result.wrench.force_N = Eigen::Vector3d(sums.of[0], sums.of[1], sums.of[2]);
-  result.wrench.torque_Nm = Eigen::Vector3d(sums.of[3], sums.of[4], sums.of[5]);
-  int entry = 6;
+  result.wrench = wrench_of(sums.wrench);
+  result.tangential = wrench_of(sums.tangential);
+  int entry = 0;
   for (int a = 0; a < 6; ++a) {
-    for (int b = a; b < 6; ++b) result.stiffness(a, b) = result.stiffness(b, a) = sums.of[entry++];
+    for (int b = a; b < 6; ++b) {
+      result.stiffness(a, b) = result.stiffness(b, a) = sums.stiffness[entry++];
+    }
   }
 }
 

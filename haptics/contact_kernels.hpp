@@ -34,9 +34,12 @@ struct ForceTerms {
   float tangential_ratio = 0.0f, slow_edge_m_per_s = 0.0f;
 };
 
-/// Force, torque, upper triangle of the stiffness, which stays zero where it is not asked for.
+/// Sums over all contacts. What is not asked for stays zero: the stiffness, and without cutting the
+/// tangential part.
 struct ForceSums {
-  double of[27]{};
+  double wrench[6]{};      // force, torque
+  double stiffness[21]{};  // upper triangle, row by row
+  double tangential[6]{};  // the part of the wrench that drags along the surface
 };
 
 /// The inner loops of a tick over voxels in contact, in one instruction set. All give the same

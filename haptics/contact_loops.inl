@@ -291,7 +291,7 @@ inline double measure_all(const ContactFrame& frame, const ForceSettings& settin
 
 template <bool kCutting, bool kStiffness>
 inline void add_forces(const ForceTerms& terms, const ContactArrays& contacts, ForceSums& sums) {
-  DoubleLanes total[27] = {};
+  DoubleLanes wrench_sums[6] = {}, stiffness_sums[21] = {}, tangential_sums[6] = {};
   const Lanes3 to_tip = constant(terms.axis_m), linear = constant(terms.linear),
                turning = constant(terms.turning);
   for (std::size_t k = 0; k < contacts.size; k += kLaneCount) {
@@ -311,24 +311,32 @@ inline void add_forces(const ForceTerms& terms, const ContactArrays& contacts, F
       const Lanes squared = dot(sliding, sliding);
       const Lanes speed = larger(square_root(squared), Lanes{} + terms.slow_edge_m_per_s);
       const Lanes along = terms.tangential_ratio * normal_force / speed;
-      force = force + sliding * -along;  // eq. 7
+      const Lanes3 drag = sliding * -along;  // eq. 7
+      force = force + drag;
       power = along * squared;
+      const Lanes3 moment = cross(arm, drag);
+      const Lanes tangential[6] = {drag.x, drag.y, drag.z, moment.x, moment.y, moment.z};
+      for (int a = 0; a < 6; ++a) tangential_sums[a] += to_double(tangential[a]);
     }
     store(normal_force, contacts.of[Contacts::kForce] + k);
     store(power, contacts.of[Contacts::kPower] + k);
     const Lanes3 torque = cross(arm, force);
     const Lanes wrench[6] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};
-    int entry = 0;
-    for (; entry < 6; ++entry) total[entry] += to_double(wrench[entry]);
+    for (int a = 0; a < 6; ++a) wrench_sums[a] += to_double(wrench[a]);
     if constexpr (!kStiffness) continue;
     const Lanes3 turn = cross(arm, normal);
     const Lanes row[6] = {normal.x, normal.y, normal.z, turn.x, turn.y, turn.z};  // of the Jacobian
+    int entry = 0;
     for (int a = 0; a < 6; ++a) {
       const Lanes scaled = stiffness * row[a];
-      for (int b = a; b < 6; ++b) total[entry++] += to_double(scaled * row[b]);
+      for (int b = a; b < 6; ++b) stiffness_sums[entry++] += to_double(scaled * row[b]);
     }
   }
-  for (int entry = 0; entry < 27; ++entry) sums.of[entry] = sum_of(total[entry]);
+  for (int a = 0; a < 6; ++a) {
+    sums.wrench[a] = sum_of(wrench_sums[a]);
+    sums.tangential[a] = sum_of(tangential_sums[a]);
+  }
+  for (int entry = 0; entry < 21; ++entry) sums.stiffness[entry] = sum_of(stiffness_sums[entry]);
 }
 
 inline void forces_of(const ForceTerms& terms, const ContactArrays& contacts,

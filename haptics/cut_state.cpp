@@ -1,6 +1,7 @@
 #include "haptics/cut_state.hpp"
 
 #include <bit>
+#include <numeric>
 
 #include "engine/core/hash.hpp"
 #include "engine/volume/grid.hpp"
@@ -33,6 +34,11 @@ std::size_t CutState::find(std::uint32_t key) const noexcept {
 
 double CutState::energy(std::uint32_t voxel) const noexcept {
   return slots_[find(voxel | kUsed)].energy_J;
+}
+
+double CutState::total_energy() const {
+  return std::accumulate(slots_.begin(), slots_.end(), 0.0,
+                         [](double sum_J, const Slot& slot) { return sum_J + slot.energy_J; });
 }
 
 bool CutState::set_energy(std::uint32_t voxel, double energy_J) noexcept {

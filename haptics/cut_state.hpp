@@ -27,6 +27,9 @@ class CutState {
   };
   Spent add_energy(std::uint32_t voxel, double energy_J, double needed_J) noexcept;
 
+  /// Of all voxels, J; walks the whole table.
+  double total_energy() const;
+
   std::uint32_t size() const { return size_; }
   std::uint64_t hash() const { return hash_; }
   std::size_t memory_bytes() const { return slots_.capacity() * sizeof(Slot); }

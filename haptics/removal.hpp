@@ -22,8 +22,9 @@ struct RemovalState {
   double removed_J = 0.0;                           // spent on voxels that are gone
   std::array<std::uint64_t, 256> removed_voxels{};  // by tissue label
 
-  /// work_J less removed_J: in part-cut voxels and the pool.
-  double stored_J() const { return work_J - removed_J; }
+  /// In part-cut voxels and the pool, counted there: with removed_J it makes up work_J. Walks all
+  /// part-cut voxels.
+  double stored_J() const { return part_cut.total_energy() + pool_J; }
 };
 
 /// Volume removal [Kim and Park 2019, eq. 6] as conservation of energy: the work of each contact's

@@ -14,14 +14,18 @@ SimulationState initial_state(const Scene& scene, const VoxelGrid& grid) {
   if (scene.haptics.keep_normals && use_tool(scene.haptics.normals)) {
     state.kept.emplace(grid, scene.haptics);
   }
+  if (scene.spindle) state.spindle_rad_per_s = scene.burr.speed_rad_per_s;
+  if (scene.trajectory.load_N) state.load_offset_m = 0.0;
   return state;
 }
 
 std::uint64_t SimulationState::hash() const {
-  std::array<double, 11> values{};
+  std::array<double, 13> values{};
   std::copy_n(tool.position.data(), 3, values.begin());
   std::copy_n(tool.orientation.coeffs().data(), 4, values.begin() + 3);
   values[10] = has_pose ? 1.0 : 0.0;
+  values[11] = spindle_rad_per_s.value_or(0.0);
+  values[12] = load_offset_m.value_or(0.0);
   if (removal) {
     values[7] = removal->pool_J;
     values[8] = removal->work_J;

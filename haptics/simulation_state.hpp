@@ -12,11 +12,14 @@ namespace sulcus {
 /// Everything besides the workpiece's shape that can influence a later tick, advanced by the tick
 /// alone, hashed in one place.
 struct SimulationState {
-  std::uint64_t tick = 0;               // that comes next
-  bool has_pose = false;                // the tool has been somewhere: its motion is known
-  Pose tool;                            // world from tool, at the last tick
-  std::optional<RemovalState> removal;  // with [cutting] only
-  std::optional<KeptNormals> kept;      // with haptics.keep_normals only
+  std::uint64_t tick = 0;                   // that comes next
+  bool has_pose = false;                    // the tool has been somewhere: its motion is known
+  Pose tool;                                // world from tool, at the last tick
+  std::optional<RemovalState> removal;      // with [cutting] only
+  std::optional<KeptNormals> kept;          // with haptics.keep_normals only
+  std::optional<double> spindle_rad_per_s;  // with [spindle] only: it sags under load
+  std::optional<double> load_offset_m;      // with trajectory.load_N only: of the tool from the
+                                            // device, along the load
 
   std::uint64_t hash() const;
 };

@@ -5,46 +5,102 @@
 
 #include "haptics/broad_phase.hpp"
 #include "haptics/evaluate_contact.hpp"
+#include "haptics/load_balance.hpp"
 #include "haptics/normals.hpp"
+#include "haptics/spindle.hpp"
+#include "haptics/tool_motion.hpp"
 
 namespace sulcus {
 
 namespace {
 
+/// How fast a load pushes the tool on, at most: a hand does not let go of it.
+constexpr double kFastestAdvance_m_per_s = 20e-3;
+
 bool is_finite(const Pose& pose) {
   return pose.position.allFinite() && pose.orientation.coeffs().allFinite();
 }
 
-/// Takes the tool to the device's pose; its motion since the last tick. For the small turns of one
-/// tick twice the vector part of the turn's quaternion is its angle.
-Twist move_tool(SimulationState& state, const Pose& to, double dt_s) {
-  Twist twist;
-  if (state.has_pose) {
-    Eigen::Quaterniond turn = to.orientation * state.tool.orientation.conjugate();
-    if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
-    twist.linear_m_per_s = (to.position - state.tool.position) / dt_s;
-    twist.angular_rad_per_s = 2.0 * turn.vec() / dt_s;
-  }
-  state.tool = to;
-  state.has_pose = true;
-  return twist;
+double spindle_speed_now(const TickContext& context, const SimulationState& state) {
+  return state.spindle_rad_per_s.value_or(context.burr.speed_rad_per_s);
 }
 
-/// Contact with the bodies that the burr is near: the workpiece, so far.
+/// Contact with the bodies that the burr, moved to a pose, is near: the workpiece, so far.
 ContactResult contact_with_bodies(const TickContext& context, const Workpiece& workpiece,
-                                  const SimulationState& state, const Twist& twist,
-                                  ContactScratch& scratch) {
+                                  const SimulationState& state, const Pose& tool,
+                                  bool with_stiffness, ContactScratch& scratch) {
+  const double dt_s = 1.0 / context.scene.haptics.rate_hz;
+  const Twist twist = motion_between(state.has_pose ? state.tool : tool, tool, dt_s,
+                                     spindle_speed_now(context, state));
   std::array<std::uint16_t, 1> near{};
   scratch.forget();
   {
     const auto timed = scratch.clock.time(Stage::kBroadPhase);
     const Eigen::AlignedBox3d box =
-        capsule_bounds(context.burr.capsule, state.tool, workpiece.grid().voxel_m);
+        capsule_bounds(context.burr.capsule, tool, workpiece.grid().voxel_m);
     if (context.bodies.find(context.bodies.bodies, box, near) == 0) return {};
   }
-  return evaluate_contact(workpiece, context.scene.tissues, context.burr, state.tool,
+  return evaluate_contact(workpiece, context.scene.tissues, context.burr, tool,
                           state.removal ? &twist : nullptr, context.scene.haptics,
-                          state.kept ? &*state.kept : nullptr, scratch);
+                          state.kept ? &*state.kept : nullptr, scratch, with_stiffness);
+}
+
+/// Takes the tool to the device's pose; with a load on along its direction until the contact holds
+/// it. What it touches there.
+ContactResult move_tool(const TickContext& context, const Workpiece& workpiece, const Pose& device,
+                        SimulationState& state, ContactScratch& scratch) {
+  ContactResult contact;
+  Pose tool = device;
+  if (state.load_offset_m) {
+    const TrajectorySettings& settings = context.scene.trajectory;
+    const Eigen::Vector3d& along = settings.load_direction;
+    const LoadSearch search{*settings.load_N, 0.5 * workpiece.grid().voxel_m,
+                            kFastestAdvance_m_per_s / context.scene.haptics.rate_hz};
+    state.load_offset_m = balance_load(search, *state.load_offset_m, [&](double offset_m) {
+      tool.position = device.position + offset_m * along;
+      contact = contact_with_bodies(context, workpiece, state, tool, true, scratch);
+      return Resistance{-along.dot(contact.wrench.force_N),
+                        along.dot(contact.stiffness.topLeftCorner<3, 3>() * along)};
+    });
+  } else {
+    contact = contact_with_bodies(context, workpiece, state, tool, false, scratch);
+  }
+  state.tool = tool;
+  state.has_pose = true;
+  return contact;
+}
+
+CuttingRecord make_cutting_record(const TickContext& context, const SimulationState& state,
+                                  const Wrench& tangential) {
+  CuttingRecord record;
+  record.tick = state.tick;
+  std::copy_n(tangential.force_N.data(), 3, record.tangential_force_N);
+  std::copy_n(tangential.torque_Nm.data(), 3, record.tangential_torque_Nm);
+  record.spindle_rad_per_s = spindle_speed_now(context, state);
+  record.work_J = state.removal->work_J;
+  return record;
+}
+
+/// The spindle under the torque with which the tooth brakes it.
+void turn_spindle(const TickContext& context, const ContactResult& contact, double dt_s,
+                  SimulationState& state) {
+  const Eigen::Vector3d axis = state.tool.direction(Eigen::Vector3d::UnitY());
+  state.spindle_rad_per_s =
+      spindle_speed(*context.scene.spindle, context.burr.speed_rad_per_s, *state.spindle_rad_per_s,
+                    -axis.dot(contact.tangential.torque_Nm), dt_s);
+}
+
+/// Removes what the tangential force has paid for, and brakes the spindle by it.
+void cut(const TickContext& context, Workpiece& workpiece, SimulationState& state,
+         TickScratch& scratch, ContactResult& contact) {
+  const auto timed = scratch.contact.clock.time(Stage::kRemoval);
+  const double dt_s = 1.0 / context.scene.haptics.rate_hz;
+  contact.faults |= removal(workpiece, context.scene.tissues, dt_s, state.tick, scratch.contact,
+                            *state.removal, scratch.edits);
+  workpiece.switch_off(scratch.contact.hollow);
+  if (state.kept) state.kept->drop(scratch.edits);
+  scratch.cutting = make_cutting_record(context, state, contact.tangential);
+  if (state.spindle_rad_per_s) turn_spindle(context, contact, dt_s, state);
 }
 
 /// What the hand gets: the contact's wrench, or nothing and a fault where it is not finite. Limits
@@ -89,23 +145,17 @@ TickRecord tick(const TickContext& context, Device& device, Workpiece& workpiece
                 SimulationState& state, TickScratch& scratch) noexcept {
   const double dt_s = 1.0 / context.scene.haptics.rate_hz;
   scratch.edits.clear();
+  scratch.cutting = {};
 
   Pose device_pose = device.pose(state.tick);
   ContactResult contact;
   if (is_finite(device_pose)) {
-    const Twist twist = move_tool(state, device_pose, dt_s);
-    contact = contact_with_bodies(context, workpiece, state, twist, scratch.contact);
+    contact = move_tool(context, workpiece, device_pose, state, scratch.contact);
     if (state.kept) {
       const auto timed = scratch.contact.clock.time(Stage::kNormals);
       keep_normals(workpiece, context.scene.haptics, state.tick, scratch.contact, *state.kept);
     }
-    if (state.removal) {
-      const auto timed = scratch.contact.clock.time(Stage::kRemoval);
-      contact.faults |= removal(workpiece, context.scene.tissues, dt_s, state.tick, scratch.contact,
-                                *state.removal, scratch.edits);
-      workpiece.switch_off(scratch.contact.hollow);
-      if (state.kept) state.kept->drop(scratch.edits);
-    }
+    if (state.removal) cut(context, workpiece, state, scratch, contact);
   } else {
     device_pose = state.tool;  // the tool stays; the fault stops the run
     contact.faults = kFaultNotFinite;

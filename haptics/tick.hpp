@@ -30,6 +30,7 @@ struct TickScratch {
   }
   ContactScratch contact;
   std::vector<Edit> edits;  // of this tick
+  CuttingRecord cutting;    // of this tick, with [cutting]
 };
 
 /// One haptic cycle: moves the tool, evaluates the contact, cuts, sends the force. Returns its

@@ -62,6 +62,17 @@ Hdf5Handle tick_type() {
   return row;
 }
 
+Hdf5Handle cutting_type() {
+  Hdf5Handle row = compound(sizeof(CuttingRecord));
+  field(row, "tick", offsetof(CuttingRecord, tick), H5T_STD_U64LE);
+  vector_field(row, "tangential_force_N", offsetof(CuttingRecord, tangential_force_N), 3);
+  vector_field(row, "tangential_torque_Nm", offsetof(CuttingRecord, tangential_torque_Nm), 3);
+  field(row, "spindle_rad_per_s", offsetof(CuttingRecord, spindle_rad_per_s), H5T_IEEE_F64LE);
+  field(row, "work_J", offsetof(CuttingRecord, work_J), H5T_IEEE_F64LE);
+  field(row, "check", offsetof(CuttingRecord, check), H5T_STD_U64LE);
+  return row;
+}
+
 Hdf5Handle edit_type() {
   Hdf5Handle row = compound(sizeof(EditRow));
   field(row, "tick", offsetof(EditRow, tick), H5T_STD_U64LE);

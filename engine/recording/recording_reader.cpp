@@ -208,6 +208,7 @@ struct RecordingReader::File {
   VoxelGrid grid;
   std::optional<StoredTable<TickRecord>> tick_table;
   std::optional<StoredTable<EditRow>> edit_table;
+  std::optional<StoredTable<CuttingRecord>> cutting_table;  // where the recording cuts
   std::size_t ticks = 0;
   std::size_t edits = 0;
   std::uint64_t last_tick = 0;
@@ -220,6 +221,9 @@ struct RecordingReader::File {
     grid = read_grid(file);
     tick_table.emplace(file, "ticks", tick_type(), bytes);
     edit_table.emplace(file, "edits", edit_type(), bytes);
+    if (H5Lexists(file, "cutting", H5P_DEFAULT) > 0) {
+      cutting_table.emplace(file, "cutting", cutting_type(), bytes);
+    }
     const StoredTable<StateHashRow> hash_table(file, "state_hashes", state_hash_type(), bytes);
     const EndRow end = read_end(file);
     const std::string damage = scan_rows();
@@ -231,6 +235,8 @@ struct RecordingReader::File {
   std::string scan_rows() {
     RowCursor<TickRecord> tick_rows(*tick_table);
     RowCursor<EditRow> edit_rows(*edit_table);
+    std::optional<RowCursor<CuttingRecord>> cutting_rows;
+    if (cutting_table) cutting_rows.emplace(*cutting_table);
     while (const TickRecord* row = tick_rows.next()) {
       if (!is_sealed(*row)) return row_name("ticks", ticks) + " is damaged";
       if ((ticks > 0 && row->tick != last_tick + 1) || row->edits_end < edits) {
@@ -246,6 +252,12 @@ struct RecordingReader::File {
           return row_name("edits", end) + " is damaged";
         }
         ++end;
+      }
+      if (cutting_rows) {
+        const CuttingRecord* cut = cutting_rows->next();
+        if (!cut || !is_sealed(*cut) || cut->tick != row->tick) {
+          return row_name("cutting", ticks) + " is damaged";
+        }
       }
       edits = end;
       last_tick = row->tick;
@@ -330,8 +342,22 @@ std::vector<TickRecord> RecordingReader::ticks(std::size_t first, std::size_t co
   return file_->guarded([&] {
     const std::size_t begin = std::min(first, file_->ticks);
     auto rows = file_->tick_table->read(begin, std::min(count, file_->ticks - begin));
-    if (!std::all_of(rows.begin(), rows.end(), is_sealed)) {
+    if (!std::all_of(rows.begin(), rows.end(),
+                     [](const TickRecord& row) { return is_sealed(row); })) {
       throw Hdf5Error("ticks: changed since it was opened");
+    }
+    return rows;
+  });
+}
+
+std::vector<CuttingRecord> RecordingReader::cutting(std::size_t first, std::size_t count) const {
+  if (!file_->cutting_table) return {};
+  return file_->guarded([&] {
+    const std::size_t begin = std::min(first, file_->ticks);
+    auto rows = file_->cutting_table->read(begin, std::min(count, file_->ticks - begin));
+    if (!std::all_of(rows.begin(), rows.end(),
+                     [](const CuttingRecord& row) { return is_sealed(row); })) {
+      throw Hdf5Error("cutting: changed since it was opened");
     }
     return rows;
   });

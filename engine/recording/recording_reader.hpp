@@ -44,6 +44,8 @@ class RecordingReader {
   /// Rows `first` to `first + count`, cut at the end.
   std::vector<TickRecord> ticks(std::size_t first = 0, std::size_t count = kAll) const;
   std::vector<Edit> edits(std::size_t first = 0, std::size_t count = kAll) const;
+  /// What was cut in ticks `first` to `first + count`; none where the recording does not cut.
+  std::vector<CuttingRecord> cutting(std::size_t first = 0, std::size_t count = kAll) const;
   /// Of these ticks, rising.
   const std::vector<StateHash>& state_hashes() const;
 

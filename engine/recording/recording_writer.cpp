@@ -119,17 +119,19 @@ struct RecordingWriter::File {
   Hdf5Handle file;
   std::optional<Table<EditRow>> edits;
   std::optional<Table<TickRecord>> ticks;
+  std::optional<Table<CuttingRecord>> cutting;  // with RecordingTables::cutting
   std::optional<Table<StateHashRow>> state_hashes;
   Hdf5Handle end;
   std::string failure;  // of the first call that failed
 
   void create(const RecordingHeader& header, const VoxelModel& start,
-              const TriangleMesh* burr_mesh_tool) {
+              const TriangleMesh* burr_mesh_tool, RecordingTables tables) {
     write_header(file, header);
     write_workpiece(file, start);
     if (burr_mesh_tool) write_burr(file, *burr_mesh_tool);
     edits.emplace(file, "edits", edit_type(), kEditChunk);
     ticks.emplace(file, "ticks", tick_type(), kTickChunk);
+    if (tables.cutting) cutting.emplace(file, "cutting", cutting_type(), kCuttingChunk);
     state_hashes.emplace(file, "state_hashes", state_hash_type(), kStateHashChunk);
     end = create_end(file);
     hdf5_check(H5Fstart_swmr_write(file), "start of recording");
@@ -137,10 +139,13 @@ struct RecordingWriter::File {
 
   void flush() {
     edits->flush();
-    std::size_t ready = 0;
-    while (ready < ticks->waiting() && ticks->waiting_row(ready).edits_end <= edits->written()) {
-      ++ready;
+    std::size_t most = ticks->waiting();
+    if (cutting) {
+      cutting->flush();
+      most = std::min<std::size_t>(most, cutting->written() - ticks->written());
     }
+    std::size_t ready = 0;
+    while (ready < most && ticks->waiting_row(ready).edits_end <= edits->written()) ++ready;
     ticks->flush(ready);
     state_hashes->flush();
   }
@@ -159,6 +164,7 @@ struct RecordingWriter::File {
     hdf5_check(H5Fflush(file, H5F_SCOPE_GLOBAL), "close");
     edits.reset();
     ticks.reset();
+    cutting.reset();
     state_hashes.reset();
     end.close();
     if (!file.close()) throw Hdf5Error("close: " + hdf5_reason());
@@ -169,6 +175,7 @@ struct RecordingWriter::File {
   void forget() {
     if (edits) edits->forget();
     if (ticks) ticks->forget();
+    if (cutting) cutting->forget();
     if (state_hashes) state_hashes->forget();
     end.forget();
     file.forget();
@@ -191,12 +198,13 @@ struct RecordingWriter::File {
 };
 
 RecordingWriter::RecordingWriter(const std::string& path, const RecordingHeader& header,
-                                 const VoxelModel& start, const TriangleMesh* burr_mesh_tool)
+                                 const VoxelModel& start, const TriangleMesh* burr_mesh_tool,
+                                 RecordingTables tables)
     : file_(std::make_unique<File>()) {
   silence_hdf5();
   file_->path = path;
   file_->file = create_file(path);
-  file_->guarded([&] { file_->create(header, start, burr_mesh_tool); });
+  file_->guarded([&] { file_->create(header, start, burr_mesh_tool, tables); });
 }
 
 RecordingWriter::RecordingWriter(RecordingWriter&&) noexcept = default;
@@ -221,6 +229,15 @@ void RecordingWriter::append_ticks(std::span<const TickRecord> ticks) {
   file_->guarded([&] {
     for (const TickRecord& tick : ticks) file_->ticks->add(tick);
     if (file_->ticks->waiting() > kMaxWaitingTicks) file_->flush();
+  });
+}
+
+bool RecordingWriter::has_cutting() const { return file_->cutting.has_value(); }
+
+void RecordingWriter::append_cutting(std::span<const CuttingRecord> rows) {
+  file_->guarded([&] {
+    if (!file_->cutting) throw Hdf5Error("/cutting: not in this recording");
+    for (const CuttingRecord& row : rows) file_->cutting->add(row);
   });
 }
 

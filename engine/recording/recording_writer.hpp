@@ -12,6 +12,11 @@
 
 namespace sulcus {
 
+/// Data sets that a recording has only where the scene names what is in them.
+struct RecordingTables {
+  bool cutting = false;  // /cutting
+};
+
 /// Writes a recording that other processes may read while it grows, and that reads whole up to the
 /// last flush when this process is killed. Not thread-safe: one thread at a time uses it (HDF5 here
 /// is a thread-safe build, so a reader of another file may work beside it).
@@ -28,7 +33,7 @@ class RecordingWriter {
   /// workpiece before the first tick; `burr_mesh_tool` (m, tool space) is null where the scene
   /// alone gives the burr. Throws InputError where `path` cannot be created or is no regular file.
   RecordingWriter(const std::string& path, const RecordingHeader& header, const VoxelModel& start,
-                  const TriangleMesh* burr_mesh_tool);
+                  const TriangleMesh* burr_mesh_tool, RecordingTables tables = {});
   /// Writes what still waits, as far as that works, but leaves the recording marked as not closed:
   /// who gets here without `close` was interrupted.
   ~RecordingWriter();
@@ -38,6 +43,10 @@ class RecordingWriter {
   void append_edits(std::span<const Edit> edits);
   /// Sealed rows of consecutive ticks.
   void append_ticks(std::span<const TickRecord> ticks);
+  bool has_cutting() const;
+  /// One for each tick, in their order, before or after it; a tick waits for its row. Only with
+  /// RecordingTables::cutting.
+  void append_cutting(std::span<const CuttingRecord> rows);
   /// After the tick it names was appended.
   void append_state_hash(const StateHash& hash);
 

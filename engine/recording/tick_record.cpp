@@ -8,6 +8,14 @@ namespace sulcus {
 
 void seal(TickRecord& record) { record.check = hash_bytes(&record, offsetof(TickRecord, check)); }
 
+void seal(CuttingRecord& record) {
+  record.check = hash_bytes(&record, offsetof(CuttingRecord, check));
+}
+
+bool is_sealed(const CuttingRecord& record) {
+  return record.check == hash_bytes(&record, offsetof(CuttingRecord, check));
+}
+
 bool is_sealed(const TickRecord& record) {
   return record.check == hash_bytes(&record, offsetof(TickRecord, check));
 }

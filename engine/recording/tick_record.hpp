@@ -37,9 +37,24 @@ struct TickRecord {
 };
 static_assert(sizeof(TickRecord) == 8 + 8 + 26 * 8 + 6 * 4 + 8 + 8 + 8);
 
+/// One row of /cutting, of the tick of the same number: what the work of cutting can be computed
+/// from again, with the tool's poses in /ticks. World axes, torque about the burr's reference
+/// point.
+struct CuttingRecord {
+  std::uint64_t tick = 0;
+  double tangential_force_N[3]{};  // the part of the contact force along the surface
+  double tangential_torque_Nm[3]{};
+  double spindle_rad_per_s = 0.0;  // during the tick, about the axis from tip to shank
+  double work_J = 0.0;             // of the tangential force, up to and with this tick
+  std::uint64_t check = 0;         // XXH3-64 of the bytes before it
+};
+static_assert(sizeof(CuttingRecord) == 8 + 8 * 8 + 8);
+
 /// Sets `check`.
 void seal(TickRecord& record);
+void seal(CuttingRecord& record);
 /// Whether `check` fits the row.
 bool is_sealed(const TickRecord& record);
+bool is_sealed(const CuttingRecord& record);
 
 }  // namespace sulcus

@@ -70,6 +70,16 @@ struct TrajectorySettings {
   std::string file;
   Eigen::Vector3d axis{0, 0, 1};  // from tip to shank, unit
   double speed_m_per_s = 0.4e-3;
+  double hold_s = 0.0;                       // time at the last point
+  std::optional<double> load_N;              // the tool moves on until the contact holds it
+  Eigen::Vector3d load_direction{0, 0, -1};  // unit, world
+};
+
+/// A motor whose torque is limited: its speed sags under load. Without it the spindle turns at
+/// burr.speed_rpm whatever holds it.
+struct SpindleSettings {
+  double stall_torque_Nm = 1e-3;
+  double inertia_kg_m2 = 5e-9;  // of rotor and burr
 };
 
 enum class NormalMethod : std::uint8_t {
@@ -121,6 +131,7 @@ struct Scene {
   TrajectorySettings trajectory;
   HapticsSettings haptics;
   std::optional<CuttingSettings> cutting;
+  std::optional<SpindleSettings> spindle;
   std::optional<RenderSettings> render;
   std::optional<RecordSettings> record;
 

@@ -199,6 +199,15 @@ BurrSettings read_burr(TomlTable& root) {
   return b;
 }
 
+/// A direction of any length, as a unit vector; empty where the key is not there.
+std::optional<Eigen::Vector3d> direction_of(TomlTable& table, std::string_view key) {
+  const std::vector<double> v = table.numbers(key, 3, kComponent);
+  if (v.empty()) return {};
+  const double length = vector3(v).norm();
+  if (!(length > 1e-9)) table.fail(key, "a vector of no length", "a direction");
+  return vector3(v) / length;
+}
+
 TrajectorySettings read_trajectory(TomlTable& root) {
   TrajectorySettings t;
   auto table = root.table("trajectory");
@@ -212,13 +221,14 @@ TrajectorySettings read_trajectory(TomlTable& root) {
                 t.file.empty() ? "neither points nor a file" : "both points and a file",
                 "one of them");
   }
-  const std::vector<double> axis = table->numbers("axis", 3, kComponent);
-  if (!axis.empty()) {
-    const double length = vector3(axis).norm();
-    if (!(length > 1e-9)) table->fail("axis", "a vector of no length", "a direction");
-    t.axis = vector3(axis) / length;
-  }
+  t.axis = direction_of(*table, "axis").value_or(t.axis);
   t.speed_m_per_s = table->number("speed_mm_per_s", {1e-3, 1e4}, 0.4) * kMillimetre;
+  t.hold_s = table->number("hold_s", {0, 1e6}, 0.0);
+  t.load_N = table->number("load_N", {1e-3, 100});
+  if (const auto direction = direction_of(*table, "load_direction")) {
+    if (!t.load_N) table->fail("load_direction", "a direction without load_N", "both of them");
+    t.load_direction = *direction;
+  }
   table->finish();
   return t;
 }
@@ -272,6 +282,13 @@ void read_optional_tables(TomlTable& root, Scene& scene) {
   if (auto table = root.table("cutting")) {
     CuttingSettings& c = scene.cutting.emplace();
     c.max_cut_voxels = table->integer("max_cut_voxels", {1, 1 << 26}, c.max_cut_voxels);
+    table->finish();
+  }
+  if (auto table = root.table("spindle")) {
+    if (!scene.cutting) root.fail("spindle", "[spindle] without [cutting]", "both, or neither");
+    SpindleSettings& s = scene.spindle.emplace();
+    s.stall_torque_Nm = table->number("stall_torque_mNm", {1e-3, 1e4}, 1.0) * 1e-3;
+    s.inertia_kg_m2 = table->number("inertia_g_mm2", {1e-3, 1e6}, 5.0) * 1e-9;
     table->finish();
   }
   if (auto table = root.table("render")) {

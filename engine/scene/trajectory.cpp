@@ -72,6 +72,15 @@ std::vector<TimedPose> read_csv(const std::string& file) {
   return poses;
 }
 
+/// With the last pose a second time, `hold_s` later.
+std::vector<TimedPose> hold(std::vector<TimedPose> poses, double hold_s) {
+  if (hold_s > 0.0) {
+    poses.push_back(poses.back());
+    poses.back().time_s += hold_s;
+  }
+  return poses;
+}
+
 }  // namespace
 
 Trajectory::Trajectory(std::vector<TimedPose> poses) : poses_(std::move(poses)) {}
@@ -100,7 +109,7 @@ Eigen::Quaterniond orientation_along(const Eigen::Vector3d& axis_world) {
 }
 
 Trajectory make_trajectory(const TrajectorySettings& settings) {
-  if (!settings.file.empty()) return Trajectory(read_csv(settings.file));
+  if (!settings.file.empty()) return Trajectory(hold(read_csv(settings.file), settings.hold_s));
   const Eigen::Quaterniond orientation = orientation_along(settings.axis);
   std::vector<TimedPose> poses;
   for (const Eigen::Vector3d& point : settings.points_m) {
@@ -113,7 +122,7 @@ Trajectory make_trajectory(const TrajectorySettings& settings) {
     }
     poses.push_back(pose);
   }
-  return Trajectory(std::move(poses));
+  return Trajectory(hold(std::move(poses), settings.hold_s));
 }
 
 }  // namespace sulcus

@@ -466,7 +466,7 @@ TEST(ContactForce, TheSpindleRubsAcrossTheAxis) {
   const Vector3d axis = Vector3d(std::sqrt(0.75), 0, 0.5);
   const Vector3d centre(0, 0, 0.7e-3 - 0.1e-3);
   const Pose pose = test::pose_along(centre - 0.7e-3 * axis, axis);
-  const Twist rest;
+  const Twist rest{.spindle_rad_per_s = round_burr().speed_rad_per_s};
   const Evaluation e(flat_block(), round_burr(), pose, Scaling::kSmooth, &rest);
   const Vector3d surface_velocity =
       (round_burr().speed_rad_per_s * axis).cross(Vector3d(0, 0, -0.6e-3));
@@ -478,7 +478,7 @@ TEST(ContactForce, TheSpindleRubsAcrossTheAxis) {
 }
 
 TEST(ContactForce, OnTheAxisOfTheSpindleNothingIsDividedByNought) {
-  const Twist rest;
+  const Twist rest{.spindle_rad_per_s = round_burr().speed_rad_per_s};
   const Evaluation e(flat_block(), round_burr(), test::upright({0, 0, -0.1e-3}), Scaling::kSmooth,
                      &rest);
   EXPECT_TRUE(e.result.wrench.force_N.allFinite());

@@ -72,7 +72,7 @@ class EvaluateContact : public ::testing::Test {
   ContactScratch scratch_;
   const Pose in_ = test::pose_along({0.1e-3, 0.2e-3, 0.3e-3}, Vector3d(0.3, 0.5, 1).normalized());
   const Pose elsewhere_ = test::upright({-0.3e-3, -0.2e-3, 0.4e-3});
-  const Twist twist_{Vector3d(1e-3, 2e-3, 0), Vector3d(0, 0.1, 0)};
+  const Twist twist_{Vector3d(1e-3, 2e-3, 0), Vector3d(0, 0.1, 0), burr_.speed_rad_per_s};
 };
 
 TEST_F(EvaluateContact, CallingItAnyNumberOfTimesChangesNothing) {

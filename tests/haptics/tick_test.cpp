@@ -279,6 +279,55 @@ TEST(Tick, TurningTheHandpieceDragsOnIt) {
   }
 }
 
+TEST(Tick, UnderALoadTheToolGoesOnUntilTheContactHoldsIt) {
+  Scene scene = make_scene(false);
+  scene.trajectory.load_N = 0.5;
+  TickRun run(false);
+  run.scene.trajectory = scene.trajectory;
+  run.state = initial_state(run.scene, run.workpiece.grid());
+  // Above the block, at rest; then aside, where the load is held again.
+  std::vector<Pose> poses(20, test::upright({0, 0, 0.1e-3}));
+  poses.resize(40, test::upright({0.1e-3, 0, 0.15e-3}));
+  ListDevice device(poses);
+  const std::vector<TickRecord> records = run.steps(device, 40);
+  EXPECT_EQ(records.front().contacts, 0u);
+  for (const std::size_t i : {std::size_t{19}, std::size_t{39}}) {
+    EXPECT_NEAR(records[i].force_N[2], 0.5, 0.01) << i;
+    EXPECT_EQ(vector(records[i].device_position_m), poses[i].position);
+    EXPECT_EQ(records[i].tool_position_m[0], poses[i].position.x());
+    EXPECT_LT(records[i].tool_position_m[2], 0.0);
+  }
+  // 20 mm/s on the way.
+  EXPECT_NEAR(records[0].tool_position_m[2], 80e-6, 1e-9);
+  EXPECT_NEAR(records[1].tool_position_m[2], 60e-6, 1e-9);
+}
+
+TEST(Tick, WhatWasCutIsRecordedAndBrakesTheSpindle) {
+  TickRun run(true);
+  run.scene.spindle.emplace();
+  run.state = initial_state(run.scene, run.workpiece.grid());
+  const double free_rad_per_s = burr().speed_rad_per_s;
+  ListDevice device(path(100));
+  double work_J = 0.0;
+  for (int i = 0; i < 100; ++i) {
+    const double before = *run.state.spindle_rad_per_s;
+    const TickRecord record = run.step(device);
+    const CuttingRecord& cut = run.scratch.cutting;
+    EXPECT_EQ(cut.tick, record.tick);
+    EXPECT_EQ(cut.spindle_rad_per_s, before);
+    EXPECT_GE(cut.work_J, work_J);
+    EXPECT_EQ(vector(cut.tangential_force_N).norm() > 0.0, record.contacts > 0 && before > 0.0)
+        << i;
+    work_J = cut.work_J;
+  }
+  EXPECT_LT(*run.state.spindle_rad_per_s, 0.99 * free_rad_per_s);
+  TickRun constant(true);
+  ListDevice again(path(100));
+  constant.steps(again, 100);
+  EXPECT_EQ(constant.scratch.cutting.spindle_rad_per_s, free_rad_per_s);
+  EXPECT_FALSE(constant.state.spindle_rad_per_s);
+}
+
 TEST(Tick, APoseThatIsNotFiniteGivesNoForceAFaultAndLeavesTheToolWhereItWas) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInf = std::numeric_limits<double>::infinity();

@@ -3,6 +3,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -30,6 +31,38 @@ TEST_F(RecordingWriterTest, WhatIsWrittenIsRead) {
   ASSERT_TRUE(mesh.has_value());
   EXPECT_EQ(mesh->positions, burr().positions);
   EXPECT_EQ(mesh->triangles, burr().triangles);
+}
+
+TEST_F(RecordingWriterTest, WithoutCuttingThereIsNoRowOfIt) {
+  EXPECT_TRUE(RecordingReader(write_whole(10)).cutting().empty());
+}
+
+TEST_F(RecordingWriterTest, WhatWasCutIsReadTickByTick) {
+  const auto cut = [](std::uint64_t number) {
+    CuttingRecord row;
+    row.tick = number;
+    row.tangential_force_N[1] = 0.5 * static_cast<double>(number);
+    row.spindle_rad_per_s = 700.0 - static_cast<double>(number);
+    row.work_J = 1e-3 * static_cast<double>(number);
+    seal(row);
+    return row;
+  };
+  RecordingWriter writer(path(), header(), workpiece(), nullptr, {.cutting = true});
+  for (std::uint64_t t = 1; t <= 300; ++t) {
+    append(writer, t, t);
+    if (t == 150) writer.flush();
+    if (t > 290) continue;  // these have no row: they wait
+    const CuttingRecord row = cut(t);
+    writer.append_cutting({&row, 1});
+  }
+  EXPECT_THROW(writer.close(), std::runtime_error);
+  const RecordingReader reader(path());
+  ASSERT_EQ(reader.tick_count(), 290u);
+  const auto rows = reader.cutting(100, 500);
+  ASSERT_EQ(rows.size(), 190u);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_EQ(std::memcmp(&rows[i], std::vector{cut(101 + i)}.data(), sizeof rows[i]), 0) << i;
+  }
 }
 
 TEST_F(RecordingWriterTest, RangesAreCutAtTheEnd) {

@@ -514,5 +514,30 @@ TEST_F(SceneFileOnDisk, AHugeFileIsRefusedBeforeItIsRead) {
   EXPECT_THROW(load_scene(file.string()), InputError);
 }
 
+TEST(SceneFile, ALoadASpindleAndATimeToHold) {
+  const Scene s = parse(kLeast +
+                        "hold_s = 10\nload_N = 1.5\nload_direction = [0, 3, -4]\n[cutting]\n"
+                        "[spindle]\nstall_torque_mNm = 2\ninertia_g_mm2 = 7\n");
+  EXPECT_EQ(s.trajectory.hold_s, 10.0);
+  EXPECT_EQ(s.trajectory.load_N, 1.5);
+  EXPECT_TRUE(s.trajectory.load_direction.isApprox(Vector3d(0, 0.6, -0.8), 1e-15));
+  ASSERT_TRUE(s.spindle);
+  EXPECT_DOUBLE_EQ(s.spindle->stall_torque_Nm, 2e-3);
+  EXPECT_DOUBLE_EQ(s.spindle->inertia_kg_m2, 7e-9);
+  EXPECT_FALSE(parse(kLeast).spindle);
+  EXPECT_FALSE(parse(kLeast).trajectory.load_N);
+}
+
+TEST(SceneFile, ADirectionNeedsItsLoadAndASpindleItsCutting) {
+  EXPECT_EQ(
+      error_of(kLeast + "load_direction = [0, 0, -1]\n"),
+      "/scenes/s.toml: line 5, column 18, trajectory.load_direction: found a direction without "
+      "load_N, expected both of them");
+  EXPECT_EQ(
+      error_of(kLeast + "[spindle]\n"),
+      "/scenes/s.toml: line 5, column 1, spindle: found [spindle] without [cutting], expected "
+      "both, or neither");
+}
+
 }  // namespace
 }  // namespace sulcus

@@ -21,6 +21,7 @@
 #include "engine/shapes/molar.hpp"
 #include "haptics/contact_force.hpp"
 #include "haptics/evaluate_contact.hpp"
+#include "haptics/tool_motion.hpp"
 #include "tools/sulcus_lab/composed_shape.hpp"
 
 namespace sulcus::lab {
@@ -98,13 +99,6 @@ void run_alone(const LoadedScene& loaded, Table1Run& run, const Progress& progre
   run.tick_us_mean = 1e-3 * static_cast<double>(ns) / ticks;
 }
 
-/// The tool's motion in the tick that takes it from `from` to `to`, as the tick itself has it.
-Twist motion(const Pose& from, const Pose& to, double dt_s) {
-  Eigen::Quaterniond turn = to.orientation * from.orientation.conjugate();
-  if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
-  return {(to.position - from.position) / dt_s, 2.0 * turn.vec() / dt_s};
-}
-
 /// Analytic normals and surface points of the built-in molar, found once for each voxel.
 class KnownMolar {
  public:
@@ -167,8 +161,8 @@ class Comparison {
     const Scene& scene = loaded_.scene;
     const SimulationState& state = simulation.state();
     const Workpiece& workpiece = simulation.workpiece();
-    Twist twist;
-    if (state.has_pose) twist = motion(state.tool, pose, 1.0 / scene.haptics.rate_hz);
+    const Twist twist = motion_between(state.has_pose ? state.tool : pose, pose,
+                                       1.0 / scene.haptics.rate_hz, scene.burr.speed_rad_per_s);
     const Twist* cutting = scene.cutting ? &twist : nullptr;
 
     ComparedTick compared;

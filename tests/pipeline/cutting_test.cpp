@@ -1,0 +1,102 @@
+#include <cmath>
+#include <map>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "engine/core/pose.hpp"
+#include "engine/recording/recording_reader.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/scratch_folder.hpp"
+
+namespace sulcus {
+namespace {
+
+using test::sulcus_command;
+
+/// The bar that is cut on its side, fast enough that many layers go in the time of a test.
+class SideCutting : public ::testing::Test {
+ protected:
+  nlohmann::json run(const std::string& name, const std::string& options) {
+    const auto result =
+        sulcus_command("run " + std::string(SULCUS_SOURCE_DIR) +
+                           "/scenes/side_cut.toml --set burr.speed_rpm=150000 --set "
+                           "trajectory.hold_s=1 " +
+                           options + " -o " + scratch_.path(name),
+                       scratch_.path("err"));
+    EXPECT_EQ(result.status, 0) << result.err;
+    return nlohmann::json::parse(test::read_file(scratch_.path(name) + "/summary.json"));
+  }
+  static double removed_mm3(const nlohmann::json& summary) {
+    double sum = 0.0;
+    for (const auto& [tissue, mm3] : summary["removed_mm3"].items()) sum += mm3.get<double>();
+    return sum;
+  }
+
+  const ScratchFolder scratch_;
+  const std::string coarse_ = "--set workpiece.voxel_mm=0.05 --set 'workpiece.cells=[24, 72, 56]' ";
+};
+
+TEST_F(SideCutting, TheLoadIsHeldAndTheWorkIsThatOfTheRecordedForceTorqueAndSpeed) {
+  const nlohmann::json summary =
+      run("out", coarse_ + "--set spindle.stall_torque_mNm=0.5 --set spindle.inertia_g_mm2=1");
+  const double work_J = summary["tangential_work_J"];
+  ASSERT_GT(removed_mm3(summary), 0.1);
+  EXPECT_NEAR(summary["removed_energy_J"].get<double>() + summary["stored_energy_J"].get<double>(),
+              work_J, 1e-6 * work_J);
+  EXPECT_NEAR(summary["removed_energy_J"].get<double>(), 3.5 * removed_mm3(summary), 1e-6 * work_J);
+
+  const RecordingReader reader(scratch_.path("out/recording.h5"));
+  const auto ticks = reader.ticks();
+  const auto rows = reader.cutting();
+  ASSERT_EQ(rows.size(), ticks.size());
+  const double dt_s = 1.0 / reader.header().rate_hz;
+  double integrated_J = 0.0, slowest = rows.front().spindle_rad_per_s;
+  int held = 0;
+  for (std::size_t i = 1; i < ticks.size(); ++i) {
+    const auto pose = [](const TickRecord& t) {
+      const double* q = t.tool_orientation;
+      return Pose{{t.tool_position_m[0], t.tool_position_m[1], t.tool_position_m[2]},
+                  Eigen::Quaterniond(q[0], q[1], q[2], q[3])};
+    };
+    // The handpiece does not turn here, so that every point of it moves as the tip does.
+    const Eigen::Vector3d velocity = (pose(ticks[i]).position - pose(ticks[i - 1]).position) / dt_s;
+    const Eigen::Vector3d turning =
+        rows[i].spindle_rad_per_s * pose(ticks[i]).direction(Eigen::Vector3d::UnitY());
+    const Eigen::Vector3d force(rows[i].tangential_force_N[0], rows[i].tangential_force_N[1],
+                                rows[i].tangential_force_N[2]);
+    const Eigen::Vector3d torque(rows[i].tangential_torque_Nm[0], rows[i].tangential_torque_Nm[1],
+                                 rows[i].tangential_torque_Nm[2]);
+    integrated_J -= (force.dot(velocity) + torque.dot(turning)) * dt_s;
+    slowest = std::min(slowest, rows[i].spindle_rad_per_s);
+    held += std::abs(ticks[i].contact_force_N[2] - 1.0) < 0.02;
+  }
+  EXPECT_NEAR(integrated_J, work_J, 1e-4 * work_J);
+  EXPECT_EQ(rows.back().work_J, work_J);
+  EXPECT_LT(slowest, 0.85 * rows.front().spindle_rad_per_s) << "it sags under load";
+  EXPECT_GT(held, 900);
+}
+
+TEST_F(SideCutting, TheVolumeDoesNotDependOnTheVoxelSizeOrTheRate) {
+  std::map<std::string, double> mm3;
+  for (const std::string rate : {"500", "2000"}) {
+    mm3[rate] = removed_mm3(run(rate, coarse_ + "--set haptics.rate_hz=" + rate));
+  }
+  mm3["fine"] = removed_mm3(run("fine", ""));
+  for (const auto& [a, volume_a] : mm3) {
+    for (const auto& [b, volume_b] : mm3) EXPECT_LT(volume_a, 1.1 * volume_b) << a << ", " << b;
+  }
+}
+
+TEST_F(SideCutting, TissuesGoInTheRatioOfTheirSpecificEnergies) {
+  std::map<std::string, double> mm3;
+  for (const std::string tissue : {"enamel", "dentine", "caries"}) {
+    mm3[tissue] = removed_mm3(
+        run(tissue, coarse_ + "--set trajectory.hold_s=0.5 --set 'tissue=[\"" + tissue + "\"]'"));
+  }
+  EXPECT_NEAR(mm3["dentine"] / mm3["enamel"], 3.5 / 0.65, 0.1 * 3.5 / 0.65);
+  EXPECT_GT(mm3["caries"], 1.2 * mm3["dentine"]);
+}
+
+}  // namespace
+}  // namespace sulcus
