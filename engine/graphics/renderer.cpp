@@ -85,6 +85,7 @@ void Renderer::set_size(int width, int height) {
 
 void Renderer::add_piece(std::span<const std::uint32_t> voxels) {
   const DrawnMesh mesh = piece_mesh(surface_, voxels);
+  occlusion_.add_piece(surface_.model().grid, voxels);
   context_.make_current();
   upload(pieces_.emplace_back(), mesh);
 }
@@ -179,7 +180,7 @@ void Renderer::use_tooth_program(const View& view, const Pose& world_now_from_st
   const VoxelGrid& grid = surface_.model().grid;
   const Eigen::Vector3d texture_m = occlusion_.dims().cast<double>() * occlusion_.cell_m();
   const Eigen::Vector3d half_m = 0.5 * grid.voxel_m * grid.cells.cast<double>();
-  // What a piece is shaded by is the tooth where the piece is now.
+  // A piece is shaded by what is solid where it is now.
   Eigen::Matrix4d texture_from_now = Eigen::Matrix4d::Identity();
   texture_from_now.diagonal().head<3>() = texture_m.cwiseInverse();
   texture_from_now.topRightCorner<3, 1>() = half_m.cwiseQuotient(texture_m);
@@ -238,6 +239,7 @@ void Renderer::draw_burr(const View& view, const FrameState& state) {
 Image Renderer::draw(const FrameState& state) {
   context_.make_current();
   mesh_changes();
+  for (const Occlusion::Box& box : occlusion_.place_pieces(state.pieces)) upload_occlusion(box);
   const View view = make_view(camera_, solid_world_, state.world_from_tool.position, burr_radius_m_,
                               frame_->width(), frame_->height());
   frame_->begin();
@@ -276,7 +278,7 @@ std::size_t Renderer::triangle_count() const {
 
 std::size_t Renderer::memory_bytes() const {
   std::size_t bytes = surface_.memory_bytes() + burr_.bytes + bricks_.capacity() * sizeof(Brick) +
-                      occlusion_.values().capacity() * (sizeof(float) + 4);
+                      occlusion_.memory_bytes() + 2 * occlusion_.values().size();  // the texture
   for (const Brick& brick : bricks_) bytes += brick.bytes;
   for (const Brick& piece : pieces_) bytes += sizeof(Brick) + piece.bytes;
   const std::size_t pixels = static_cast<std::size_t>(frame_->width()) * frame_->height();

@@ -47,7 +47,7 @@ class Renderer {
   /// A piece that was cut loose, by its voxels (VoxelGrid::linear), at least one: a body of its own
   /// from now on, drawn where FrameState::pieces says. It is meshed here, once, by `piece_mesh`,
   /// which says what it throws. The caller also removes its voxels, in the same frame, before or
-  /// after: the piece comes out the same.
+  /// after: the piece comes out the same. Tooth and pieces shade each other where they are.
   void add_piece(std::span<const std::uint32_t> voxels);
   void set_camera(Camera camera) { camera_ = camera; }
   /// Pixels. Throws std::runtime_error beyond what OpenGL here can draw; the size then stays.
