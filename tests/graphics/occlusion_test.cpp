@@ -90,6 +90,17 @@ TEST(OcclusionOfPieces, AMovedPieceIsWhereItIsNowAndItsOldPlaceIsEmpty) {
   EXPECT_LE(largest_difference(occlusion.values(), turned), 65535 / 40);
 }
 
+TEST(OcclusionOfPieces, NothingIsDenserThanSolid) {
+  const VoxelModel full = make_model([](const Cell&) { return true; }, kVoxel);
+  Occlusion occlusion(full, Density(full));
+  const std::vector<std::uint16_t> before = occlusion.values();
+  const std::vector<std::uint32_t> voxels{full.grid.linear({40, 40, 40})};
+  occlusion.add_piece(full.grid, voxels);  // and not yet removed
+  const Pose stayed;
+  EXPECT_EQ(occlusion.place_pieces({&stayed, 1}).size(), 1u);
+  EXPECT_EQ(occlusion.values(), before);
+}
+
 TEST(OcclusionOfPieces, WithoutAPoseOrOutOfReachAPieceIsNowhere) {
   const auto rest = values_of(make_model(in_rest, kVoxel));
   Occlusion occlusion = with_piece();

@@ -255,15 +255,21 @@ TEST(Renderer, PiecesWithoutAPoseAreNotDrawnAndTheOrderOfCallsDoesNotMatter) {
   FrameState state = burr_out_of_sight();
   state.pieces = poses;  // more than there are pieces
   renderer->remove(parts.kerf);
-  const std::size_t memory = renderer->memory_bytes();
   renderer->add_piece(lower);
-  EXPECT_GT(renderer->memory_bytes(), memory + 10000);
+  const std::size_t triangles = renderer->triangle_count();
+  const std::size_t memory = renderer->memory_bytes();
   renderer->add_piece(upper);
+  EXPECT_GT(renderer->triangle_count(), triangles + 1000);
+  EXPECT_GT(renderer->memory_bytes(), memory + 20 * (renderer->triangle_count() - triangles));
   renderer->remove(parts.cap);
   const Image both = renderer->draw(state);
   EXPECT_EQ(renderer->draw(state), both);
   state.pieces = {poses.data(), 1};
   const Image first = renderer->draw(state);
+  std::vector<Pose> second_far_away = poses;
+  second_far_away[1].position.z() = 1.0;
+  state.pieces = second_far_away;
+  EXPECT_EQ(renderer->draw(state), first);
   state.pieces = {};
   const Image none = renderer->draw(state);
   EXPECT_GT(difference(both, first, 24).pixels, 200u);
