@@ -98,4 +98,25 @@ View make_view(Camera camera, std::span<const Eigen::AlignedBox3d> solid_world,
   return result;
 }
 
+View view_of_moved(const View& view, const Pose& world_now_from_start) {
+  auto direction = [&](const Eigen::Vector3f& d) -> Eigen::Vector3f {
+    return world_now_from_start.inverse_direction(d.cast<double>()).cast<float>();
+  };
+  View moved = view;
+  moved.clip_from_world =
+      (view.clip_from_world.cast<double>() * matrix_of(world_now_from_start)).cast<float>();
+  moved.eye_world = world_now_from_start.inverse_point(view.eye_world.cast<double>()).cast<float>();
+  moved.right_world = direction(view.right_world);
+  moved.up_world = direction(view.up_world);
+  moved.back_world = direction(view.back_world);
+  return moved;
+}
+
+Eigen::Matrix4d matrix_of(const Pose& pose) {
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+  matrix.topLeftCorner<3, 3>() = pose.orientation.toRotationMatrix();
+  matrix.topRightCorner<3, 1>() = pose.position;
+  return matrix;
+}
+
 }  // namespace sulcus

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "engine/core/pose.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace sulcus {
@@ -22,5 +23,12 @@ struct View {
 /// follows the burr's tip at a scale set by the burr's radius (m).
 View make_view(Camera camera, std::span<const Eigen::AlignedBox3d> solid_world,
                const Eigen::Vector3d& tip_world, double burr_radius_m, int width, int height);
+
+/// The view of a body that has moved, as if it had stayed and camera and lights had moved instead:
+/// what is drawn where the body was shows where it is now. `world_now_from_start`: its motion.
+View view_of_moved(const View& view, const Pose& world_now_from_start);
+
+/// A pose as a matrix for points (x, y, z, 1).
+Eigen::Matrix4d matrix_of(const Pose& pose);
 
 }  // namespace sulcus

@@ -46,6 +46,12 @@ double estimated_faces(const VoxelModel& model) {
   return static_cast<double>(faces) * 8.0 / 7.0;
 }
 
+/// Log2 of the edge in voxels of the finest cells of which a tooth draws fluently.
+int fluent_level(const VoxelModel& model) {
+  const double triangles = 2.0 * estimated_faces(model);
+  return triangles <= kTriangles ? 0 : triangles / 4.0 <= kTriangles ? 1 : 2;
+}
+
 /// A point of index space in the lattice of cells of 2^level voxels.
 Eigen::Vector3f lattice_from_index(const Eigen::Vector3f& p_index, int level) {
   const float edge = static_cast<float>(1 << level);
@@ -89,12 +95,16 @@ Eigen::Vector3f blend(const Eigen::Vector3f& near, const Eigen::Vector3f& wide,
 
 }  // namespace
 
-DrawnSurface::DrawnSurface(VoxelModel model, std::vector<TissueLook> looks)
-    : model_(std::move(model)), looks_(std::move(looks)), density_(model_) {
+DrawnSurface::DrawnSurface(VoxelModel model, std::vector<TissueLook> looks, int cell_voxels,
+                           LeafMap removed)
+    : model_(std::move(model)),
+      looks_(std::move(looks)),
+      density_(model_),
+      level_(cell_voxels != 0 ? std::countr_zero(static_cast<unsigned>(cell_voxels))
+                              : fluent_level(model_)),
+      brick_voxels_(level_ == 2 ? 64 : 32),
+      removed_(std::move(removed)) {
   if (looks_.empty()) throw std::invalid_argument("a drawn surface needs the look of a tissue");
-  const double triangles = 2.0 * estimated_faces(model_);
-  level_ = triangles <= kTriangles ? 0 : triangles / 4.0 <= kTriangles ? 1 : 2;
-  brick_voxels_ = level_ == 2 ? 64 : 32;
   bricks_ = (model_.grid.cells + Eigen::Vector3i::Constant(brick_voxels_ - 1)) / brick_voxels_;
   changed_.assign(brick_count(), 1);
 }
@@ -141,6 +151,14 @@ std::vector<std::uint32_t> DrawnSurface::take_changed_leaves() {
   std::sort(leaves.begin(), leaves.end());
   leaves.erase(std::unique(leaves.begin(), leaves.end()), leaves.end());
   return leaves;
+}
+
+LeafBits DrawnSurface::solid_at_start(std::uint32_t leaf) const {
+  LeafBits bits = model_.leaves[leaf];
+  const auto found = removed_.find(leaf);
+  if (found == removed_.end()) return bits;
+  for (int k = 0; k < kLeafEdge; ++k) bits.words[k] |= found->second.words[k];
+  return bits;
 }
 
 bool DrawnSurface::may_have_surface(const Eigen::Vector3i& low_voxel,

@@ -39,6 +39,9 @@ struct DrawnMesh {
   std::vector<std::uint32_t> indices;  // triangles, counter-clockwise seen from outside
 };
 
+/// Voxels by leaf; leaves without any are left out.
+using LeafMap = std::unordered_map<std::uint32_t, LeafBits>;
+
 /// The surface of a voxel model as it is drawn: in bricks that fit together without cracks, and
 /// from which a removed voxel touches only those near it. The shape is the half-level of the
 /// lightly blurred density of cells of 1, 2 or 4 voxels; normals come from wider blurs, so that no
@@ -46,16 +49,21 @@ struct DrawnMesh {
 class DrawnSurface {
  public:
   /// Takes its own copy of the model. `looks`: one per tissue label, at least one; labels beyond
-  /// are drawn as the last.
-  DrawnSurface(VoxelModel model, std::vector<TissueLook> looks);
+  /// are drawn as the last. `cell_voxels`: 1, 2 or 4; 0: the finest at which a tooth draws
+  /// fluently. `removed`: voxels that are gone already; faces towards them are drawn as cut.
+  DrawnSurface(VoxelModel model, std::vector<TissueLook> looks, int cell_voxels = 0,
+               LeafMap removed = {});
 
   /// Voxels (VoxelGrid::linear) that are no longer solid; those that were not are ignored.
   void remove(std::span<const std::uint32_t> voxels);
 
   const VoxelModel& model() const { return model_; }
   const Density& density() const { return density_; }
+  const std::vector<TissueLook>& looks() const { return looks_; }
+  /// The voxels of a leaf that were solid at the start, removed since or not.
+  LeafBits solid_at_start(std::uint32_t leaf) const;
   int brick_count() const { return bricks_.prod(); }
-  /// Edge of the cells that are meshed, in voxels: the finest at which a tooth draws fluently.
+  /// Edge of the cells that are meshed, in voxels.
   int cell_voxels() const { return 1 << level_; }
   /// Bricks to be meshed again, rising: all of them at first. Clears the list.
   std::vector<int> take_changed();
@@ -83,11 +91,11 @@ class DrawnSurface {
   VoxelModel model_;
   std::vector<TissueLook> looks_;
   Density density_;
-  int level_ = 1;          // log2 of cell_voxels()
-  int brick_voxels_ = 32;  // along an edge
+  int level_;         // log2 of cell_voxels()
+  int brick_voxels_;  // along an edge
   Eigen::Vector3i bricks_;
-  std::vector<std::uint8_t> changed_;                    // per brick
-  std::unordered_map<std::uint32_t, LeafBits> removed_;  // per leaf that was cut
+  std::vector<std::uint8_t> changed_;  // per brick
+  LeafMap removed_;
   std::vector<std::uint32_t> changed_leaves_;
 };
 

@@ -12,6 +12,7 @@
 
 #include "engine/graphics/burr_shading.hpp"
 #include "engine/graphics/camera.hpp"
+#include "engine/graphics/piece_mesh.hpp"
 #include "engine/graphics/shaders.hpp"
 
 namespace sulcus {
@@ -69,6 +70,7 @@ Renderer::~Renderer() {
     glDeleteBuffers(1, &brick.indices);
   };
   for (Brick& brick : bricks_) drop(brick);
+  for (Brick& piece : pieces_) drop(piece);
   drop(burr_);
   glDeleteVertexArrays(1, &background_array_);
   glDeleteTextures(1, &occlusion_texture_);
@@ -79,6 +81,13 @@ void Renderer::set_size(int width, int height) {
   if (frame_ && frame_->width() == width && frame_->height() == height) return;
   frame_ = std::make_unique<GlFramebuffer>(width, height);
   if (settings_.hud) hud_.emplace(height);
+}
+
+void Renderer::add_piece(std::span<const std::uint32_t> voxels) {
+  const DrawnMesh mesh = piece_mesh(surface_, voxels);
+  occlusion_.add_piece(surface_.model().grid, voxels);
+  context_.make_current();
+  upload(pieces_.emplace_back(), mesh);
 }
 
 void Renderer::upload(Brick& brick, const DrawnMesh& mesh) {
@@ -160,24 +169,32 @@ void Renderer::mesh_changes() {
   }
 }
 
-void Renderer::draw_tooth(const View& view) {
+void Renderer::use_tooth_program(const View& view, const Pose& world_now_from_start) {
+  const View seen = view_of_moved(view, world_now_from_start);
   tooth_program_.use();
-  tooth_program_.set("clip_from_world", view.clip_from_world);
-  tooth_program_.set("eye_world", view.eye_world);
-  tooth_program_.set("right_world", view.right_world);
-  tooth_program_.set("up_world", view.up_world);
-  tooth_program_.set("back_world", view.back_world);
+  tooth_program_.set("clip_from_world", seen.clip_from_world);
+  tooth_program_.set("eye_world", seen.eye_world);
+  tooth_program_.set("right_world", seen.right_world);
+  tooth_program_.set("up_world", seen.up_world);
+  tooth_program_.set("back_world", seen.back_world);
   const VoxelGrid& grid = surface_.model().grid;
   const Eigen::Vector3d texture_m = occlusion_.dims().cast<double>() * occlusion_.cell_m();
   const Eigen::Vector3d half_m = 0.5 * grid.voxel_m * grid.cells.cast<double>();
-  tooth_program_.set("texture_per_metre", Eigen::Vector3f(texture_m.cwiseInverse().cast<float>()));
-  tooth_program_.set("texture_origin",
-                     Eigen::Vector3f(half_m.cwiseQuotient(texture_m).cast<float>()));
+  // A piece is shaded by what is solid where it is now.
+  Eigen::Matrix4d texture_from_now = Eigen::Matrix4d::Identity();
+  texture_from_now.diagonal().head<3>() = texture_m.cwiseInverse();
+  texture_from_now.topRightCorner<3, 1>() = half_m.cwiseQuotient(texture_m);
+  tooth_program_.set(
+      "texture_from_world",
+      Eigen::Matrix4f((texture_from_now * matrix_of(world_now_from_start)).cast<float>()));
   tooth_program_.set("occlusion_cell", static_cast<float>(occlusion_.cell_m()));
   tooth_program_.set("occlusion", 0);
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_3D, occlusion_texture_);
+}
 
+void Renderer::draw_tooth(const View& view) {
+  use_tooth_program(view, {});
   // Nearest first: what they hide is then never shaded.
   std::vector<std::pair<float, const Brick*>> order;
   for (const Brick& brick : bricks_) {
@@ -191,12 +208,18 @@ void Renderer::draw_tooth(const View& view) {
   }
 }
 
+void Renderer::draw_pieces(const View& view, std::span<const Pose> world_now_from_start) {
+  for (std::size_t i = 0; i < std::min(pieces_.size(), world_now_from_start.size()); ++i) {
+    if (pieces_[i].index_count == 0) continue;
+    use_tooth_program(view, world_now_from_start[i]);
+    glBindVertexArray(pieces_[i].array);
+    glDrawElements(GL_TRIANGLES, pieces_[i].index_count, GL_UNSIGNED_INT, nullptr);
+  }
+}
+
 void Renderer::draw_burr(const View& view, const FrameState& state) {
   if (burr_.index_count == 0) return;
-  Eigen::Matrix4f world_from_tool = Eigen::Matrix4f::Identity();
-  world_from_tool.topLeftCorner<3, 3>() =
-      state.world_from_tool.orientation.toRotationMatrix().cast<float>();
-  world_from_tool.topRightCorner<3, 1>() = state.world_from_tool.position.cast<float>();
+  const Eigen::Matrix4f world_from_tool = matrix_of(state.world_from_tool).cast<float>();
   burr_program_.use();
   burr_program_.set("clip_from_world", view.clip_from_world);
   burr_program_.set("world_from_tool", world_from_tool);
@@ -216,6 +239,7 @@ void Renderer::draw_burr(const View& view, const FrameState& state) {
 Image Renderer::draw(const FrameState& state) {
   context_.make_current();
   mesh_changes();
+  for (const Occlusion::Box& box : occlusion_.place_pieces(state.pieces)) upload_occlusion(box);
   const View view = make_view(camera_, solid_world_, state.world_from_tool.position, burr_radius_m_,
                               frame_->width(), frame_->height());
   frame_->begin();
@@ -233,6 +257,7 @@ Image Renderer::draw(const FrameState& state) {
   glFrontFace(GL_CCW);
   draw_burr(view, state);
   draw_tooth(view);
+  draw_pieces(view, state.pieces);
   glDisable(GL_CULL_FACE);
   glDisable(GL_DEPTH_TEST);
   frame_->begin_overlay();
@@ -247,13 +272,15 @@ Image Renderer::draw(const FrameState& state) {
 std::size_t Renderer::triangle_count() const {
   std::size_t count = 0;
   for (const Brick& brick : bricks_) count += static_cast<std::size_t>(brick.index_count) / 3;
+  for (const Brick& piece : pieces_) count += static_cast<std::size_t>(piece.index_count) / 3;
   return count;
 }
 
 std::size_t Renderer::memory_bytes() const {
   std::size_t bytes = surface_.memory_bytes() + burr_.bytes + bricks_.capacity() * sizeof(Brick) +
-                      occlusion_.values().capacity() * (sizeof(float) + 4);
+                      occlusion_.memory_bytes() + 2 * occlusion_.values().size();  // the texture
   for (const Brick& brick : bricks_) bytes += brick.bytes;
+  for (const Brick& piece : pieces_) bytes += sizeof(Brick) + piece.bytes;
   const std::size_t pixels = static_cast<std::size_t>(frame_->width()) * frame_->height();
   return bytes + pixels * 12;
 }

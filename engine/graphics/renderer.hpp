@@ -24,10 +24,11 @@
 
 namespace sulcus {
 
-/// Draws a tooth, the burr and the figures into pictures, with no display:
+/// Draws a tooth, what was cut loose from it, the burr and the figures into pictures, with no
+/// display:
 ///
-///   removals -> bricks of the surface meshed again -> tooth, burr -> edges smoothed -> figures ->
-///   Image
+///   removals -> bricks of the surface meshed again -> burr, tooth, pieces -> edges smoothed ->
+///   figures -> Image
 ///
 /// It has its own copy of the volume and its own OpenGL context, and belongs to the thread that
 /// made it. The same calls give the same pictures, bit for bit, on the same machine.
@@ -43,6 +44,11 @@ class Renderer {
 
   /// Voxels (VoxelGrid::linear) that are no longer solid.
   void remove(std::span<const std::uint32_t> voxels) { surface_.remove(voxels); }
+  /// A piece that was cut loose, by its voxels (VoxelGrid::linear), at least one: a body of its own
+  /// from now on, drawn where FrameState::pieces says. It is meshed here, once, by `piece_mesh`,
+  /// which says what it throws. The caller also removes its voxels, in the same frame, before or
+  /// after: the piece comes out the same. Tooth and pieces shade each other where they are.
+  void add_piece(std::span<const std::uint32_t> voxels);
   void set_camera(Camera camera) { camera_ = camera; }
   /// Pixels. Throws std::runtime_error beyond what OpenGL here can draw; the size then stays.
   void set_size(int width, int height);
@@ -52,12 +58,13 @@ class Renderer {
   /// What draws, for the log.
   const std::string& device() const { return context_.description(); }
   const DrawnSurface& surface() const { return surface_; }
+  /// Of the tooth and the pieces.
   std::size_t triangle_count() const;
   /// Of the volume, the meshes and the pictures, as far as they are ours.
   std::size_t memory_bytes() const;
 
  private:
-  /// A brick in the graphics card's memory.
+  /// A brick, a piece or the burr in the graphics card's memory.
   struct Brick {
     unsigned array = 0, vertices = 0, indices = 0;
     int index_count = 0;
@@ -69,7 +76,9 @@ class Renderer {
   void upload_burr(const TriangleMesh& mesh_tool);
   void upload_occlusion(const Occlusion::Box& box);
   void mesh_changes();
+  void use_tooth_program(const struct View& view, const Pose& world_now_from_start);
   void draw_tooth(const struct View& view);
+  void draw_pieces(const struct View& view, std::span<const Pose> world_now_from_start);
   void draw_burr(const struct View& view, const FrameState& state);
 
   EglContext context_;
@@ -84,6 +93,7 @@ class Renderer {
   std::optional<Hud> hud_;
   GlProgram background_program_, tooth_program_, burr_program_, smooth_program_;
   std::vector<Brick> bricks_;
+  std::vector<Brick> pieces_;
   Brick burr_;
   unsigned background_array_ = 0;
   unsigned occlusion_texture_ = 0;

@@ -65,15 +65,15 @@ void main() {
 
 // The tooth's triangles are a few pixels large, and a software rasteriser shades at least a block
 // of pixels for each and pays for each quantity that is interpolated. So all light is computed at
-// the vertices and one colour goes on.
+// the vertices and one colour goes on. World is where a body was at the start; of one that has
+// moved since, camera, lights and occlusion are given as if they had moved instead.
 inline constexpr const char* kToothVertex = R"(#version 330 core
 layout(location = 0) in vec3 position_world;
 layout(location = 1) in vec3 normal_world;
 layout(location = 2) in vec4 colour_cut;
 uniform mat4 clip_from_world;
 uniform sampler3D occlusion;        // blurred density of the solid
-uniform vec3 texture_per_metre;
-uniform vec3 texture_origin;
+uniform mat4 texture_from_world;
 uniform float occlusion_cell;       // m
 uniform vec3 eye_world;
 uniform vec3 right_world, up_world, back_world;
@@ -93,8 +93,8 @@ void main() {
   // more than that stands in the light's way. Nearer to the surface it would show its terraces.
   vec3 low = position_world + 3.8 * occlusion_cell * n;
   vec3 high = position_world + 6.4 * occlusion_cell * n;
-  float near_by = texture(occlusion, low * texture_per_metre + texture_origin).r - 0.033;
-  float further = texture(occlusion, high * texture_per_metre + texture_origin).r - 0.001;
+  float near_by = texture(occlusion, (texture_from_world * vec4(low, 1.0)).xyz).r - 0.033;
+  float further = texture(occlusion, (texture_from_world * vec4(high, 1.0)).xyz).r - 0.001;
   float open = exp(-3.2 * max(near_by, 0.0) - 2.0 * max(further, 0.0));
 
   vec3 view = normalize(eye_world - position_world);

@@ -1,6 +1,7 @@
 #include "engine/graphics/renderer.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -13,6 +14,8 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "engine/graphics/camera.hpp"
 
 namespace sulcus {
 namespace {
@@ -128,6 +131,159 @@ TEST(Renderer, RemovedVoxelsAreGoneAndTheOrderOfCallsDoesNotMatter) {
   const auto other = make_renderer(small(false));
   other->remove(upper);
   EXPECT_EQ(other->draw(state), halved);
+}
+
+/// A ball from which a burr has all but cut a cap: the way of the burr, 0.6 mm wide, and the cap.
+struct CapOfBall {
+  std::vector<std::uint32_t> kerf, cap;
+
+  CapOfBall() {
+    const VoxelModel model = ball();
+    for (std::uint32_t v = 0; v < model.grid.cell_count(); ++v) {
+      const Cell c = model.grid.cell_of_linear(v);
+      if (!model.solid(c)) continue;
+      const Eigen::Vector3d p = model.grid.centre_world(c);
+      const double height = p.z() + 0.5 * p.x();
+      if (height > 1.0e-3) {
+        cap.push_back(v);
+      } else if (height > 0.4e-3) {
+        kerf.push_back(v);
+      }
+    }
+  }
+};
+
+FrameState burr_out_of_sight() {
+  FrameState state;
+  state.world_from_tool.position = {0, 0, 0.1};
+  return state;
+}
+
+/// Pixels in which a colour differs by more than `more_than` of 255, and their middle.
+struct Difference {
+  std::size_t pixels = 0;
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();  // pixels from the left and from the top
+};
+Difference difference(const Image& a, const Image& b, int more_than) {
+  Difference result;
+  for (int y = 0; y < a.height; ++y) {
+    for (int x = 0; x < a.width; ++x) {
+      const std::size_t p = 3 * (static_cast<std::size_t>(a.width) * y + x);
+      int largest = 0;
+      for (std::size_t i = p; i < p + 3; ++i) {
+        largest = std::max(largest, std::abs(a.rgb[i] - b.rgb[i]));
+      }
+      if (largest <= more_than) continue;
+      ++result.pixels;
+      result.middle += Eigen::Vector2d(x + 0.5, y + 0.5);
+    }
+  }
+  if (result.pixels > 0) result.middle /= static_cast<double>(result.pixels);
+  return result;
+}
+
+/// A point in a picture of the ball, in pixels from the left and from the top.
+Eigen::Vector2d seen_at(const Eigen::Vector3d& p_world, Camera camera) {
+  const View view =
+      make_view(camera, solid_slabs(ball()), Eigen::Vector3d(0, 0, 0.1), 0.0, 320, 180);
+  const Eigen::Vector4f clip = view.clip_from_world * p_world.cast<float>().homogeneous().eval();
+  return {160.0 * (1.0 + clip.x() / clip.w()), 90.0 * (1.0 - clip.y() / clip.w())};
+}
+
+TEST(Renderer, APieceWhereItWasLooksAsBeforeItCameLoose) {
+  const auto renderer = make_renderer(small(false));
+  if (!renderer) GTEST_SKIP() << "no OpenGL here";
+  FrameState state = burr_out_of_sight();
+  const CapOfBall parts;
+  renderer->remove(parts.kerf);
+  const Image before = renderer->draw(state);
+  renderer->add_piece(parts.cap);
+  renderer->remove(parts.cap);
+  const Image without = renderer->draw(state);
+  const Pose stayed;
+  state.pieces = {&stayed, 1};
+  const Image after = renderer->draw(state);
+  // The cap is a quarter of what is seen of the ball. Normals and marks at the edges of a narrow
+  // cut change, as they are taken from voxels on both sides of it.
+  EXPECT_GT(difference(before, without, 24).pixels, red_pixels(before) / 5);
+  EXPECT_LT(difference(before, after, 24).pixels, red_pixels(before) / 15);
+  EXPECT_LT(difference(before, after, 40).pixels, red_pixels(before) / 200);
+}
+
+TEST(Renderer, AMovedPieceShowsAtItsNewPlaceAndNotAtTheOld) {
+  RenderSettings settings = small(false);
+  settings.camera = Camera::kBuccal;
+  const auto renderer = make_renderer(settings);
+  if (!renderer) GTEST_SKIP() << "no OpenGL here";
+  const CapOfBall parts;
+  renderer->remove(parts.kerf);
+  renderer->add_piece(parts.cap);
+  renderer->remove(parts.cap);
+  FrameState state = burr_out_of_sight();
+  const Image without = renderer->draw(state);
+  const VoxelGrid& grid = renderer->surface().model().grid;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (const std::uint32_t v : parts.cap) centre += grid.centre_world(grid.cell_of_linear(v));
+  centre /= static_cast<double>(parts.cap.size());
+
+  Pose pose;
+  state.pieces = {&pose, 1};
+  const Difference stayed = difference(renderer->draw(state), without, 24);
+  EXPECT_GT(stayed.pixels, 1500u);
+  EXPECT_LT((stayed.middle - seen_at(centre, Camera::kBuccal)).norm(), 5.0);
+  // Upside down, to the right of the ball.
+  const Eigen::Vector3d to(4e-3, -0.5e-3, -1e-3);
+  pose.orientation = Eigen::AngleAxisd(2.8, Eigen::Vector3d::UnitY());
+  pose.position = to - pose.orientation * centre;
+  const Difference moved = difference(renderer->draw(state), without, 24);
+  const auto seen = static_cast<double>(stayed.pixels);
+  EXPECT_NEAR(static_cast<double>(moved.pixels), seen, 0.15 * seen);
+  EXPECT_LT((moved.middle - seen_at(to, Camera::kBuccal)).norm(), 5.0);
+}
+
+TEST(Renderer, PiecesWithoutAPoseAreNotDrawnAndTheOrderOfCallsDoesNotMatter) {
+  const CapOfBall parts;
+  const auto half = parts.cap.begin() + static_cast<std::ptrdiff_t>(parts.cap.size() / 2);
+  const std::vector<std::uint32_t> lower(parts.cap.begin(), half);
+  const std::vector<std::uint32_t> upper(half, parts.cap.end());
+  std::vector<Pose> poses(2);
+  poses[0].position = {1e-3, 0, 0};
+  poses[1].position = {0, 0, 1e-3};
+
+  const auto renderer = make_renderer(small(false));
+  if (!renderer) GTEST_SKIP() << "no OpenGL here";
+  FrameState state = burr_out_of_sight();
+  state.pieces = poses;  // more than there are pieces
+  renderer->remove(parts.kerf);
+  renderer->add_piece(lower);
+  const std::size_t triangles = renderer->triangle_count();
+  const std::size_t memory = renderer->memory_bytes();
+  renderer->add_piece(upper);
+  EXPECT_GT(renderer->triangle_count(), triangles + 1000);
+  EXPECT_GT(renderer->memory_bytes(), memory + 20 * (renderer->triangle_count() - triangles));
+  renderer->remove(parts.cap);
+  const Image both = renderer->draw(state);
+  EXPECT_EQ(renderer->draw(state), both);
+  state.pieces = {poses.data(), 1};
+  const Image first = renderer->draw(state);
+  std::vector<Pose> second_far_away = poses;
+  second_far_away[1].position.z() = 1.0;
+  state.pieces = second_far_away;
+  EXPECT_EQ(renderer->draw(state), first);
+  state.pieces = {};
+  const Image none = renderer->draw(state);
+  EXPECT_GT(difference(both, first, 24).pixels, 200u);
+  EXPECT_GT(difference(first, none, 24).pixels, 200u);
+
+  const auto other = make_renderer(small(false));
+  other->remove(parts.kerf);
+  other->remove(parts.cap);
+  EXPECT_EQ(other->draw(state), none);  // as if there were no pieces
+  other->add_piece(lower);
+  state.pieces = poses;
+  EXPECT_EQ(other->draw(state), first);
+  other->add_piece(upper);
+  EXPECT_EQ(other->draw(state), both);
 }
 
 TEST(Renderer, FiguresStandAtTheEdgesOnly) {
