@@ -1,0 +1,54 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+#include "engine/volume/voxel_model.hpp"
+
+namespace sulcus {
+
+/// The six faces of a leaf, and the leaves beyond: -x, +x, -y, +y, -z, +z.
+inline constexpr int kLeafFaces = 6;
+
+inline bool any(const LeafBits& bits) {
+  std::uint64_t all = 0;
+  for (std::uint64_t word : bits.words) all |= word;
+  return all != 0;
+}
+
+inline int count(const LeafBits& bits) {
+  int voxels = 0;
+  for (std::uint64_t word : bits.words) voxels += std::popcount(word);
+  return voxels;
+}
+
+inline bool meet(const LeafBits& a, const LeafBits& b) {
+  std::uint64_t all = 0;
+  for (std::size_t k = 0; k < 8; ++k) all |= a.words[k] & b.words[k];
+  return all != 0;
+}
+
+/// Voxels of the leaf beyond a face, solid or not, that share a face with one of `bits`.
+inline LeafBits across(const LeafBits& bits, int face) {
+  constexpr std::uint64_t kColumn0 = 0x0101010101010101u;  // voxels with x = 0 in a slice
+  LeafBits beyond;
+  if (face >= 4) {
+    beyond.words[face == 4 ? 7 : 0] = bits.words[face == 4 ? 0 : 7];
+    return beyond;
+  }
+  for (std::size_t k = 0; k < 8; ++k) {
+    const std::uint64_t w = bits.words[k];
+    beyond.words[k] = face == 0   ? (w & kColumn0) << 7
+                      : face == 1 ? w >> 7 & kColumn0
+                      : face == 2 ? w << 56
+                                  : w >> 56;
+  }
+  return beyond;
+}
+
+/// Appends the parts of `bits` whose voxels hang together by faces inside the leaf, by their first
+/// voxel (z, then y, then x).
+void append_parts(const LeafBits& bits, std::vector<LeafBits>& parts);
+
+}  // namespace sulcus
