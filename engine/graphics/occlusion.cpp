@@ -185,8 +185,8 @@ std::vector<Occlusion::Box> Occlusion::place_pieces(std::span<const Pose> world_
   if (moved.empty()) return {};
 
   // All anew, in one order: what comes out does not depend on the way there.
-  std::vector<Box> changed;
-  for (const std::size_t i : moved) changed.push_back(pieces_[i].box);
+  std::vector<Box> changed(moved.size());
+  for (std::size_t n = 0; n < moved.size(); ++n) changed[n] = pieces_[moved[n]].box;
   for (const Piece& piece : pieces_) {
     for (int z = piece.box.low.z(); z < piece.box.high.z(); ++z) {
       for (int y = piece.box.low.y(); y < piece.box.high.y(); ++y) {

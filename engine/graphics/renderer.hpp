@@ -44,7 +44,7 @@ class Renderer {
 
   /// Voxels (VoxelGrid::linear) that are no longer solid.
   void remove(std::span<const std::uint32_t> voxels) { surface_.remove(voxels); }
-  /// A piece that was cut loose, by its voxels (VoxelGrid::linear), at least one: a body of its own
+  /// A piece that was cut loose, by its voxels (VoxelGrid::linear), each once: a body of its own
   /// from now on, drawn where FrameState::pieces says. It is meshed here, once, by `piece_mesh`,
   /// which says what it throws. The caller also removes its voxels, in the same frame, before or
   /// after: the piece comes out the same. Tooth and pieces shade each other where they are.
