@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 
+#include "app/loose_schedule.hpp"
 #include "app/queue.hpp"
 #include "engine/recording/recording_header.hpp"
 #include "engine/recording/tick_record.hpp"
@@ -17,6 +18,7 @@ struct TickReport {
   TickRecord record;
   CuttingRecord cutting;  // with [cutting]
   std::array<float, kStageCount> stage_us{};
+  std::uint64_t loose_left = 0;  // voxels of loose pieces that have left, or were gone: so far
 };
 
 // Threads and properties
@@ -34,7 +36,8 @@ struct Feed {
 
   Queue<TickReport> reports;
   Queue<Edit> edits;
-  Queue<StateHash> hashes;
+  Queue<StateHash> hashes;         // the recorder's only
+  Queue<LateAnswer> late;          // the recorder's only
   std::atomic<bool> ended{false};  // set after the last push
 };
 

@@ -31,7 +31,9 @@ RecordedRun open_recorded_run(const std::string& path) {
     const double* q = row.device_orientation;
     poses.push_back({{p[0], p[1], p[2]}, Eigen::Quaterniond(q[0], q[1], q[2], q[3])});
   }
-  return {path, std::move(reader), std::move(simulation), std::move(poses)};
+  std::vector<LateAnswer> late;
+  for (const LateAnswerRow& row : reader.late_answers()) late.push_back({row.asked, row.taken});
+  return {path, std::move(reader), std::move(simulation), std::move(poses), std::move(late)};
 }
 
 RecordedShape::RecordedShape(const RecordingReader& reader)
@@ -45,6 +47,33 @@ std::span<const std::uint32_t> RecordedShape::advance_to_row(std::size_t row) {
     removed_.push_back(edits_[applied_].voxel);
   }
   return removed_;
+}
+
+RecordedPieces::RecordedPieces(const RecordingReader& reader)
+    : pieces_(reader.pieces()), rows_(reader.piece_poses()) {
+  if (pieces_.empty()) return;
+  for (const Edit& edit : reader.edits()) {
+    if (edit.cause == EditCause::kLoose) loose_voxels_.push_back(edit.voxel);
+  }
+}
+
+std::vector<std::span<const std::uint32_t>> RecordedPieces::advance_to_tick(std::uint64_t tick) {
+  std::vector<std::span<const std::uint32_t>> come;
+  const std::span<const std::uint32_t> all = loose_voxels_;
+  while (poses_.size() < pieces_.size() && pieces_[poses_.size()].tick <= tick) {
+    const PieceRow& piece = pieces_[poses_.size()];
+    const std::size_t first = std::min<std::size_t>(piece.first_loose_edit, all.size());
+    come.push_back(all.subspan(first, std::min<std::size_t>(piece.voxels, all.size() - first)));
+    poses_.emplace_back();
+  }
+  for (; next_ < rows_.size() && rows_[next_].tick <= tick; ++next_) {
+    const PiecePoseRow& row = rows_[next_];
+    if (row.piece >= poses_.size()) continue;
+    const double* q = row.orientation;
+    poses_[row.piece] = {{row.position_m[0], row.position_m[1], row.position_m[2]},
+                         Eigen::Quaterniond(q[0], q[1], q[2], q[3])};
+  }
+  return come;
 }
 
 std::size_t RecordedShape::row_at(double time_s) const {

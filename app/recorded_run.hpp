@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "app/loose_schedule.hpp"
 #include "app/simulation.hpp"
 #include "engine/recording/recording_reader.hpp"
 
@@ -16,6 +17,7 @@ struct RecordedRun {
   RecordingReader reader;
   std::unique_ptr<Simulation> simulation;
   std::vector<Pose> poses;
+  std::vector<LateAnswer> late_answers;  // of loose pieces
 };
 
 /// Opens a recording; it needs neither the scan nor the burr's mesh that it was made from.
@@ -46,6 +48,24 @@ class RecordedShape {
   std::vector<Edit> edits_;
   std::vector<std::uint32_t> removed_;
   std::size_t applied_ = 0;
+};
+
+/// The recorded pieces that were cut loose, over time; forward only.
+class RecordedPieces {
+ public:
+  explicit RecordedPieces(const RecordingReader& reader);
+
+  /// Voxels of the pieces that have come loose up to and with a tick, since the last call.
+  std::vector<std::span<const std::uint32_t>> advance_to_tick(std::uint64_t tick);
+  /// Of the pieces so far, world now from world where they were.
+  std::span<const Pose> poses() const { return poses_; }
+
+ private:
+  std::vector<PieceRow> pieces_;
+  std::vector<PiecePoseRow> rows_;
+  std::vector<std::uint32_t> loose_voxels_;  // in the order of their edits
+  std::vector<Pose> poses_;
+  std::size_t next_ = 0;
 };
 
 }  // namespace sulcus

@@ -1,5 +1,6 @@
 #include "app/recorder_thread.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <vector>
 
@@ -7,9 +8,12 @@
 
 namespace sulcus {
 
-RecorderThread::RecorderThread(Feed& feed, std::optional<RecordingWriter> writer,
+RecorderThread::RecorderThread(Feed& feed, PieceFeed* pieces, std::optional<RecordingWriter> writer,
                                std::size_t expected_ticks)
-    : feed_(feed), writer_(std::move(writer)), cuts_(writer_ && writer_->has_cutting()) {
+    : feed_(feed),
+      pieces_(pieces),
+      writer_(std::move(writer)),
+      cuts_(writer_ && writer_->has_cutting()) {
   statistics_.reserve(expected_ticks);
   thread_ = std::thread([this] { run(); });
 }
@@ -31,6 +35,10 @@ void RecorderThread::run() {
   // `ended` is read before draining: what was pushed before it was set is still drained.
   for (bool ended = false; !ended;) {
     ended = feed_.ended.load();
+    // The news of the last ticks come when their thread has ended too.
+    while (ended && pieces_ && pieces_->ticks_done != ~std::uint64_t{0}) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
     drain();
     if (!ended) std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
@@ -58,6 +66,7 @@ void RecorderThread::drain() {
   if (!writer_) return;
   try {
     writer_->append_edits(edits);
+    if (pieces_) drain_pieces();
     if (cuts_) writer_->append_cutting(cuts);
     writer_->append_ticks(rows);
     // A hash of a tick whose row has not come yet waits for the next round.
@@ -70,6 +79,31 @@ void RecorderThread::drain() {
   } catch (...) {
     failure_ = std::current_exception();
     writer_.reset();
+  }
+}
+
+void RecorderThread::drain_pieces() {
+  for (LateAnswer late; feed_.late.try_dequeue(late);) {
+    LateAnswerRow row{late.asked, late.taken, 0};
+    seal(row);
+    writer_->append_late_answer(row);
+  }
+  for (PieceNews news; pieces_->news.try_dequeue(news);) {
+    if (news.voxels) {
+      PieceRow row{news.piece, news.tick, news.first_loose_edit, news.voxels->size(), 0};
+      seal(row);
+      writer_->append_piece(row);
+      continue;
+    }
+    PiecePoseRow row;
+    row.tick = news.tick;
+    row.piece = news.piece;
+    std::copy_n(news.world_now_from_start.position.data(), 3, row.position_m);
+    const Eigen::Quaterniond& q = news.world_now_from_start.orientation;
+    row.orientation[0] = q.w();
+    std::copy_n(q.vec().data(), 3, row.orientation + 1);
+    seal(row);
+    writer_->append_piece_pose(row);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "app/feed.hpp"
+#include "app/piece_feed.hpp"
 #include "app/statistics.hpp"
 #include "engine/recording/recording_writer.hpp"
 
@@ -15,7 +16,9 @@ namespace sulcus {
 /// `finish` then throws what it said.
 class RecorderThread {
  public:
-  RecorderThread(Feed& feed, std::optional<RecordingWriter> writer, std::size_t expected_ticks);
+  /// `pieces` is null where none may come loose.
+  RecorderThread(Feed& feed, PieceFeed* pieces, std::optional<RecordingWriter> writer,
+                 std::size_t expected_ticks);
   ~RecorderThread();
   RecorderThread(const RecorderThread&) = delete;
   RecorderThread& operator=(const RecorderThread&) = delete;
@@ -27,8 +30,10 @@ class RecorderThread {
  private:
   void run();
   void drain();
+  void drain_pieces();
 
   Feed& feed_;
+  PieceFeed* pieces_;
   std::optional<RecordingWriter> writer_;
   bool cuts_;  // it wants what was cut
   RunStatistics statistics_;

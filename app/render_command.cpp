@@ -122,13 +122,19 @@ void render(RenderOptions options) {
   }
   if (!video) std::filesystem::create_directories(options.folder);
 
+  RecordedPieces pieces(reader);
   FrameHistory history(scene);
   std::size_t next = 0;
   std::uint64_t frame = 0;
   for (std::size_t row : rows_to_draw(shape, options)) {
     for (; next <= row; ++next) history.add(shape.rows()[next]);
     renderer.remove(shape.advance_to_row(row));
-    const Image image = renderer.draw(history.state());
+    FrameState state = history.state();
+    for (const auto& voxels : pieces.advance_to_tick(state.tick)) {
+      if (!voxels.empty()) renderer.add_piece(voxels);
+    }
+    state.pieces = pieces.poses();
+    const Image image = renderer.draw(state);
     if (writer) {
       writer->add(image);
       continue;

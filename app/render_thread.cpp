@@ -3,6 +3,8 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
+#include <utility>
 
 #include "app/frame_history.hpp"
 #include "engine/core/realtime.hpp"
@@ -15,9 +17,10 @@ std::vector<TissueLook> tissue_looks(const Scene& scene) {
   return looks;
 }
 
-RenderThread::RenderThread(Feed& feed, const Scene& scene, VoxelModel start, const Burr& burr,
-                           std::string folder, bool drop_frames)
+RenderThread::RenderThread(Feed& feed, PieceFeed* pieces, const Scene& scene, VoxelModel start,
+                           const Burr& burr, std::string folder, bool drop_frames)
     : feed_(feed),
+      pieces_(pieces),
       scene_(scene),
       start_(std::move(start)),
       burr_(burr),
@@ -67,11 +70,36 @@ void RenderThread::run() {
     }
     history.add(report);
   };
+  std::vector<Pose> piece_poses;
+  std::optional<PieceNews> ahead;  // of a later tick than is drawn
+  const auto take_pieces = [&](std::uint64_t tick) {
+    // A run that does not drop frames waits, so that its pictures do not depend on who was faster.
+    while (!drop_frames_ && pieces_->ticks_done <= tick) {
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+    }
+    PieceNews news;
+    while (ahead || pieces_->news.try_dequeue(news)) {
+      if (ahead) news = std::move(*std::exchange(ahead, std::nullopt));
+      if (news.tick > tick) {
+        ahead = std::move(news);
+        break;
+      }
+      if (news.voxels) {
+        renderer.add_piece(*news.voxels);
+        piece_poses.emplace_back();
+      } else {
+        piece_poses[news.piece] = news.world_now_from_start;
+      }
+    }
+  };
   const auto draw = [&] {
     const std::uint64_t begin = steady_ns();
+    FrameState state = history.state();
+    if (pieces_) take_pieces(state.tick);
+    state.pieces = piece_poses;
     renderer.remove(removed);
     removed.clear();
-    const Image image = renderer.draw(history.state());
+    const Image image = renderer.draw(state);
     char name[32];
     std::snprintf(name, sizeof(name), "/frames/%06llu.png",
                   static_cast<unsigned long long>(frames_++));

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/feed.hpp"
+#include "app/piece_feed.hpp"
 #include "engine/graphics/renderer.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/tool/burr.hpp"
@@ -22,8 +23,9 @@ class RenderThread {
   /// Returns once the first frame can be drawn, so that nothing is set up beside the first ticks.
   /// `folder` holds frames/. `drop_frames`: of several frames due only the latest is drawn, so that
   /// the picture keeps up with a run at real pace. Scene and burr outlive the thread.
-  RenderThread(Feed& feed, const Scene& scene, VoxelModel start, const Burr& burr,
-               std::string folder, bool drop_frames);
+  /// `pieces` is null where none may come loose.
+  RenderThread(Feed& feed, PieceFeed* pieces, const Scene& scene, VoxelModel start,
+               const Burr& burr, std::string folder, bool drop_frames);
   ~RenderThread();
   RenderThread(const RenderThread&) = delete;
   RenderThread& operator=(const RenderThread&) = delete;
@@ -38,6 +40,7 @@ class RenderThread {
   void run();
 
   Feed& feed_;
+  PieceFeed* pieces_;
   const Scene& scene_;
   VoxelModel start_;
   const Burr& burr_;

@@ -1,7 +1,9 @@
 #include <cstdio>
 #include <cstring>
+#include <deque>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include "app/build_info.hpp"
@@ -62,9 +64,26 @@ void verify(const RecordedRun& run) {
   if (simulation.workpiece().hash_with_tissues() != run.reader.header().workpiece_hash) {
     throw std::runtime_error(run.path + ": the workpiece at the start differs from what was run");
   }
+  std::optional<LooseFinder> finder;
+  if (simulation.scene().loose_pieces) finder.emplace(simulation.workpiece().model());
+  LooseSchedule loose(run.late_answers);
+  std::deque<LooseAnswer> answers;
+  LooseAnswer answer;
+  const auto next_answer = [&]() -> const LooseAnswer* {
+    if (answers.empty()) return nullptr;
+    answer = std::move(answers.front());
+    answers.pop_front();
+    return &answer;
+  };
   std::size_t edit = 0, hash = 0;
   for (const TickRecord& row : rows) {
-    const TickRecord again = simulation.step(device);
+    const auto leaving =
+        finder ? loose.before_tick(row.tick, next_answer) : std::span<const std::uint32_t>{};
+    const TickRecord again = simulation.step(device, leaving);
+    if (finder) {
+      auto found = finder->add_tick(row.tick, simulation.edits());
+      if (found) answers.push_back(std::move(*found));
+    }
     if (const char* quantity = difference(row, again)) fail(row.tick, quantity);
     for (const Edit& e : simulation.edits()) {
       if (edit >= edits.size() || !same_edit(e, edits[edit])) fail(row.tick, "the voxels removed");
@@ -98,6 +117,7 @@ void replay(const ReplayOptions& options) {
           ? "out/" + std::filesystem::path(options.recording).stem().string() + "_replay"
           : options.folder;
   session.ticks = run.poses.size();
+  session.late_answers = run.late_answers;
   open_log(session.folder);
   PlaybackDevice device(run.poses);
   const SessionResult result = run_session(*run.simulation, device, session);

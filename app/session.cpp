@@ -13,6 +13,7 @@
 
 #include "app/build_info.hpp"
 #include "app/feed.hpp"
+#include "app/pieces_thread.hpp"
 #include "app/recorder_thread.hpp"
 #include "app/render_thread.hpp"
 #include "engine/core/hash.hpp"
@@ -60,11 +61,13 @@ class Pacer {
 class HapticLoop {
  public:
   HapticLoop(Simulation& simulation, Device& device, const SessionOptions& options,
-             std::vector<Feed*> feeds)
+             std::vector<Feed*> feeds, PiecesThread* pieces)
       : simulation_(simulation),
         device_(device),
         options_(options),
         feeds_(std::move(feeds)),
+        pieces_(pieces),
+        loose_(options.late_answers),
         pacer_(simulation.scene().haptics.rate_hz) {}
 
   void run() {
@@ -72,9 +75,10 @@ class HapticLoop {
     for (; done_ < options_.ticks && !stop_requested; ++done_) {
       const float late_us =
           options_.pace == Pace::kReal ? pacer_.wait([&] { simulation_.rehearse(); }) : 0.0f;
+      const auto loose = loose_now();
       simulation_.reset_clock();
       const std::uint64_t begin = thread_cpu_ns();
-      TickReport report{simulation_.step(device_), simulation_.cutting(), {}};
+      TickReport report{simulation_.step(device_, loose), simulation_.cutting(), {}, loose_.left()};
       report.record.step_us =
           static_cast<float>(1e-3 * static_cast<double>(thread_cpu_ns() - begin));
       report.record.late_us = late_us;
@@ -94,6 +98,17 @@ class HapticLoop {
   const std::vector<std::string>& refused() const { return refused_; }
 
  private:
+  /// The voxels of loose pieces that leave in the next tick. A run that plays back what was late
+  /// waits for it, however slow it is here.
+  std::span<const std::uint32_t> loose_now() {
+    if (!pieces_) return {};
+    const bool wait = options_.pace == Pace::kFast;
+    const auto voxels =
+        loose_.before_tick(simulation_.state().tick, [&] { return pieces_->next_answer(wait); });
+    for (const LateAnswer& late : loose_.late()) feeds_.front()->late.enqueue(late);
+    return voxels;
+  }
+
   void publish(TickReport& report) {
     const auto edits = simulation_.edits();
     edits_ += edits.size();
@@ -127,6 +142,8 @@ class HapticLoop {
   Device& device_;
   const SessionOptions& options_;
   std::vector<Feed*> feeds_;  // the recorder's first
+  PiecesThread* pieces_;      // null without [loose_pieces]
+  LooseSchedule loose_;
   Pacer pacer_;
   std::uint64_t done_ = 0, edits_ = 0, hashed_ = 0;
   std::vector<std::string> refused_;
@@ -144,9 +161,10 @@ std::optional<RecordingWriter> open_recording(const Simulation& simulation,
   header.rate_hz = scene.haptics.rate_hz;
   header.workpiece_hash = simulation.workpiece().hash_with_tissues();
   const bool from_file = scene.burr.shape == BurrShape::kFile;
-  return RecordingWriter(path, header, simulation.workpiece().model(),
-                         from_file ? &simulation.burr().mesh_tool : nullptr,
-                         {.cutting = scene.cutting.has_value()});
+  return RecordingWriter(
+      path, header, simulation.workpiece().model(),
+      from_file ? &simulation.burr().mesh_tool : nullptr,
+      {.cutting = scene.cutting.has_value(), .pieces = scene.loose_pieces.has_value()});
 }
 
 }  // namespace
@@ -161,7 +179,10 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
   const std::uint64_t record_begin = steady_ns();
   const std::string recording = options.folder + "/recording.h5";
   Feed record_feed(scene.haptics.rate_hz);
-  RecorderThread recorder(record_feed, open_recording(simulation, recording), options.ticks);
+  std::optional<PieceFeed> record_pieces, render_pieces;
+  if (scene.loose_pieces) record_pieces.emplace();
+  RecorderThread recorder(record_feed, record_pieces ? &*record_pieces : nullptr,
+                          open_recording(simulation, recording), options.ticks);
   if (scene.record) {
     result.files.push_back(recording);
     result.parts.push_back(
@@ -174,11 +195,25 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
   if (renders) {
     render_feed.emplace(scene.haptics.rate_hz);
     feeds.push_back(&*render_feed);
-    renderer.emplace(*render_feed, scene, simulation.workpiece().model(), simulation.burr(),
-                     options.folder, options.pace == Pace::kReal);
+    if (scene.loose_pieces) render_pieces.emplace();
+    renderer.emplace(*render_feed, render_pieces ? &*render_pieces : nullptr, scene,
+                     simulation.workpiece().model(), simulation.burr(), options.folder,
+                     options.pace == Pace::kReal);
   }
 
-  HapticLoop loop(simulation, device, options, feeds);
+  std::optional<Feed> pieces_feed;
+  std::optional<PiecesThread> pieces;
+  if (scene.loose_pieces) {
+    const std::uint64_t pieces_begin = steady_ns();
+    pieces_feed.emplace(scene.haptics.rate_hz);
+    feeds.push_back(&*pieces_feed);
+    std::vector<PieceFeed*> consumers{&*record_pieces};
+    if (render_pieces) consumers.push_back(&*render_pieces);
+    pieces.emplace(*pieces_feed, std::move(consumers), scene, simulation.workpiece().model());
+    result.parts.push_back(
+        {"loose_pieces", 1e-9 * static_cast<double>(steady_ns() - pieces_begin), 0});
+  }
+  HapticLoop loop(simulation, device, options, feeds, pieces ? &*pieces : nullptr);
   result.load_seconds = process_age_s();
   const std::uint64_t begin = steady_ns();
   std::thread haptic([&] { loop.run(); });
@@ -197,6 +232,14 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
       failure = std::current_exception();
     }
   };
+  if (pieces) {
+    wait(*pieces);
+    result.pieces = pieces->pieces();
+    PartUse& use = *std::find_if(result.parts.begin(), result.parts.end(),
+                                 [](const PartUse& part) { return part.name == "loose_pieces"; });
+    use.seconds += pieces->seconds();
+    use.bytes = pieces->memory_bytes();
+  }
   wait(recorder);
   if (renderer) {
     wait(*renderer);

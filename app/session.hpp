@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/loose_schedule.hpp"
 #include "app/simulation.hpp"
 #include "app/statistics.hpp"
 
@@ -16,8 +17,9 @@ enum class Pace : std::uint8_t { kReal, kFast };
 struct SessionOptions {
   std::string folder;  // summary.json, forces.png, log.txt, recording.h5, frames/
   Pace pace = Pace::kFast;
-  std::uint64_t ticks = 0;  // at most
-  bool render = true;       // draw, where the scene has [render]
+  std::uint64_t ticks = 0;                    // at most
+  bool render = true;                         // draw, where the scene has [render]
+  std::vector<LateAnswer> late_answers = {};  // of a recording that is run again
 };
 
 /// A part of the program that ran, as the summary lists it.
@@ -36,6 +38,7 @@ struct SessionResult {
   std::vector<std::string> refused;  // by the system, at real pace
   std::vector<std::string> files;    // written, in the order to be named
   std::uint64_t frames = 0;
+  std::uint64_t pieces = 0;  // that came loose
   double wall_seconds = 0.0;
   double load_seconds = 0.0;  // from the start of the process to the first tick
 };

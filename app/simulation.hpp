@@ -19,8 +19,8 @@ class Simulation {
   Simulation& operator=(const Simulation&) = delete;
 
   /// One tick. The edits stay valid until the next.
-  TickRecord step(Device& device) noexcept {
-    return tick(context_, device, workpiece_, state_, scratch_);
+  TickRecord step(Device& device, std::span<const std::uint32_t> loose = {}) noexcept {
+    return tick(context_, device, workpiece_, state_, scratch_, loose);
   }
   /// Evaluates the contact where the tool is, for nothing but to have touched what the next tick
   /// will. Changes no state.

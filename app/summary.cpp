@@ -159,7 +159,7 @@ Json make_summary(const Simulation& simulation, const SessionResult& result, Pac
   j["tangential_work_J"] = removal ? removal->work_J : 0.0;
   j["removed_energy_J"] = removal ? removal->removed_J : 0.0;
   j["stored_energy_J"] = removal ? removal->stored_J() : 0.0;
-  j["fragments"] = 0;
+  j["fragments"] = result.pieces;
   j["memory_MiB"] = memory;
   j["volume_hash"] = hex(simulation.workpiece().hash());
   j["force_hash"] = hex(s.force_hash);

@@ -64,4 +64,17 @@ std::uint32_t removal(Workpiece& workpiece, std::span<const TissueSettings> tiss
   return faults;
 }
 
+void remove_loose(Workpiece& workpiece, std::span<const std::uint32_t> voxels, std::uint64_t tick,
+                  RemovalState& state, std::vector<Edit>& edits) noexcept {
+  for (const std::uint32_t voxel : voxels) {
+    const Cell cell = workpiece.grid().cell_of_linear(voxel);
+    if (!workpiece.solid(cell)) continue;
+    workpiece.remove(cell);
+    const std::uint32_t key = voxel_key(cell);
+    state.carried_J += state.part_cut.energy(key);
+    state.part_cut.set_energy(key, 0.0);
+    edits.push_back({tick, voxel, 0, EditCause::kLoose});
+  }
+}
+
 }  // namespace sulcus

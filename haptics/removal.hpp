@@ -17,14 +17,15 @@ struct RemovalState {
       : part_cut(static_cast<std::uint32_t>(settings.max_cut_voxels)) {}
 
   CutState part_cut;
+  double carried_J = 0.0;                           // had been stored in voxels of loose pieces
   double pool_J = 0.0;                              // work done that no voxel in contact could take
   double work_J = 0.0;                              // of the tangential force, all ticks
   double removed_J = 0.0;                           // spent on voxels that are gone
   std::array<std::uint64_t, 256> removed_voxels{};  // by tissue label
 
-  /// In part-cut voxels and the pool, counted there: with removed_J it makes up work_J. Walks all
-  /// part-cut voxels.
-  double stored_J() const { return part_cut.total_energy() + pool_J; }
+  /// In part-cut voxels, those of loose pieces too, and the pool, counted there: with removed_J it
+  /// makes up work_J. Walks all part-cut voxels.
+  double stored_J() const { return part_cut.total_energy() + carried_J + pool_J; }
 };
 
 /// Volume removal [Kim and Park 2019, eq. 6] as conservation of energy: the work of each contact's
@@ -37,5 +38,11 @@ struct RemovalState {
 std::uint32_t removal(Workpiece& workpiece, std::span<const TissueSettings> tissues, double dt_s,
                       std::uint64_t tick, const ContactScratch& scratch, RemovalState& state,
                       std::vector<Edit>& edits) noexcept;
+
+/// Takes voxels (VoxelGrid::linear) of pieces that were cut loose out of the workpiece, and what
+/// cutting had stored in them out of the table. Those that are not solid any more are passed over.
+/// Appended to `edits`, which has room for them.
+void remove_loose(Workpiece& workpiece, std::span<const std::uint32_t> voxels, std::uint64_t tick,
+                  RemovalState& state, std::vector<Edit>& edits) noexcept;
 
 }  // namespace sulcus

@@ -20,7 +20,7 @@ SimulationState initial_state(const Scene& scene, const VoxelGrid& grid) {
 }
 
 std::uint64_t SimulationState::hash() const {
-  std::array<double, 13> values{};
+  std::array<double, 14> values{};
   std::copy_n(tool.position.data(), 3, values.begin());
   std::copy_n(tool.orientation.coeffs().data(), 4, values.begin() + 3);
   values[10] = has_pose ? 1.0 : 0.0;
@@ -30,6 +30,7 @@ std::uint64_t SimulationState::hash() const {
     values[7] = removal->pool_J;
     values[8] = removal->work_J;
     values[9] = removal->removed_J;
+    values[13] = removal->carried_J;
   }
   const std::uint64_t seed =
       tick ^ (removal ? removal->part_cut.hash() : 0) ^ (kept ? kept->hash() : 0);

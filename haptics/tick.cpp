@@ -103,6 +103,14 @@ void cut(const TickContext& context, Workpiece& workpiece, SimulationState& stat
   if (state.spindle_rad_per_s) turn_spindle(context, contact, dt_s, state);
 }
 
+/// Takes pieces that were cut loose out of the workpiece.
+void let_go(Workpiece& workpiece, std::span<const std::uint32_t> loose, SimulationState& state,
+            TickScratch& scratch) {
+  const auto timed = scratch.contact.clock.time(Stage::kRemoval);
+  remove_loose(workpiece, loose, state.tick, *state.removal, scratch.edits);
+  if (state.kept) state.kept->drop(scratch.edits);
+}
+
 /// What the hand gets: the contact's wrench, or nothing and a fault where it is not finite. Limits
 /// belong to a device; a trajectory has none.
 Wrench device_edge(ContactResult& contact) {
@@ -142,10 +150,12 @@ TickRecord make_record(const SimulationState& state, const Pose& device_pose, do
 }  // namespace
 
 TickRecord tick(const TickContext& context, Device& device, Workpiece& workpiece,
-                SimulationState& state, TickScratch& scratch) noexcept {
+                SimulationState& state, TickScratch& scratch,
+                std::span<const std::uint32_t> loose) noexcept {
   const double dt_s = 1.0 / context.scene.haptics.rate_hz;
   scratch.edits.clear();
   scratch.cutting = {};
+  if (!loose.empty()) let_go(workpiece, loose, state, scratch);
 
   Pose device_pose = device.pose(state.tick);
   ContactResult contact;
@@ -164,7 +174,8 @@ TickRecord tick(const TickContext& context, Device& device, Workpiece& workpiece
   device.apply(sent);
 
   TickRecord record = make_record(state, device_pose, dt_s, contact, sent);
-  record.removed = static_cast<std::uint32_t>(scratch.edits.size());
+  record.removed =
+      static_cast<std::uint32_t>(std::ranges::count(scratch.edits, EditCause::kCut, &Edit::cause));
   ++state.tick;
   return record;
 }

@@ -26,8 +26,10 @@ struct TickContext {
 struct TickScratch {
   explicit TickScratch(const Scene& scene, StageClock clock = StageClock{})
       : contact(scene.haptics, clock) {
-    if (scene.cutting) edits.reserve(contact.capacity);
+    if (scene.cutting) edits.reserve(contact.capacity + (scene.loose_pieces ? kMaxLoose : 0));
   }
+  static constexpr std::size_t kMaxLoose = 8192;
+
   ContactScratch contact;
   std::vector<Edit> edits;  // of this tick
   CuttingRecord cutting;    // of this tick, with [cutting]
@@ -35,9 +37,11 @@ struct TickScratch {
 
 /// One haptic cycle: moves the tool, evaluates the contact, cuts, sends the force. Returns its
 /// record, but for what only the thread around it knows (times, edits_end, check). The voxels it
-/// removed are in `scratch.edits`. No clock, thread, lock, allocation or exception inside: the same
-/// state, workpiece and device give the same bits.
+/// removed are in `scratch.edits`, first those of loose pieces, which leave at its start: `loose`,
+/// VoxelGrid::linear, with [loose_pieces] only, at most TickScratch::kMaxLoose. No clock, thread,
+/// lock, allocation or exception inside: the same state, workpiece and device give the same bits.
 TickRecord tick(const TickContext& context, Device& device, Workpiece& workpiece,
-                SimulationState& state, TickScratch& scratch) noexcept;
+                SimulationState& state, TickScratch& scratch,
+                std::span<const std::uint32_t> loose = {}) noexcept;
 
 }  // namespace sulcus

@@ -73,6 +73,34 @@ Hdf5Handle cutting_type() {
   return row;
 }
 
+Hdf5Handle piece_type() {
+  Hdf5Handle row = compound(sizeof(PieceRow));
+  field(row, "piece", offsetof(PieceRow, piece), H5T_STD_U64LE);
+  field(row, "tick", offsetof(PieceRow, tick), H5T_STD_U64LE);
+  field(row, "first_loose_edit", offsetof(PieceRow, first_loose_edit), H5T_STD_U64LE);
+  field(row, "voxels", offsetof(PieceRow, voxels), H5T_STD_U64LE);
+  field(row, "check", offsetof(PieceRow, check), H5T_STD_U64LE);
+  return row;
+}
+
+Hdf5Handle piece_pose_type() {
+  Hdf5Handle row = compound(sizeof(PiecePoseRow));
+  field(row, "tick", offsetof(PiecePoseRow, tick), H5T_STD_U64LE);
+  field(row, "piece", offsetof(PiecePoseRow, piece), H5T_STD_U64LE);
+  vector_field(row, "position_m", offsetof(PiecePoseRow, position_m), 3);
+  vector_field(row, "orientation", offsetof(PiecePoseRow, orientation), 4);
+  field(row, "check", offsetof(PiecePoseRow, check), H5T_STD_U64LE);
+  return row;
+}
+
+Hdf5Handle late_answer_type() {
+  Hdf5Handle row = compound(sizeof(LateAnswerRow));
+  field(row, "asked", offsetof(LateAnswerRow, asked), H5T_STD_U64LE);
+  field(row, "taken", offsetof(LateAnswerRow, taken), H5T_STD_U64LE);
+  field(row, "check", offsetof(LateAnswerRow, check), H5T_STD_U64LE);
+  return row;
+}
+
 Hdf5Handle edit_type() {
   Hdf5Handle row = compound(sizeof(EditRow));
   field(row, "tick", offsetof(EditRow, tick), H5T_STD_U64LE);

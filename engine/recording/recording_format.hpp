@@ -17,6 +17,7 @@ namespace sulcus {
 //   /workpiece   see recording_workpiece.hpp     /burr   only where the scene does not generate it
 //   /ticks  /edits  /state_hashes                one dimension, extensible, no filters
 //   /cutting     one row for each of /ticks, only where the scene cuts
+//   /pieces  /piece_poses  /late_answers        only where pieces may come loose
 //   /end         one row, written when the recording is closed: what it holds
 //
 // Texts are of fixed length: HDF5 keeps those of variable length in a heap without checksums, and
@@ -28,6 +29,7 @@ inline constexpr std::uint32_t kFormatVersion = 1;
 // Rows per chunk. A flush writes the last chunk whole, so it is about as long as 50 ms of rows.
 inline constexpr hsize_t kTickChunk = 128;
 inline constexpr hsize_t kCuttingChunk = 128;
+inline constexpr hsize_t kPieceChunk = 128;
 inline constexpr hsize_t kEditChunk = 1024;
 inline constexpr hsize_t kStateHashChunk = 512;
 
@@ -73,6 +75,9 @@ EditRow packed(const Edit& edit);
 /// The types of the rows, in memory and in the file alike: packed, little-endian.
 Hdf5Handle tick_type();
 Hdf5Handle cutting_type();
+Hdf5Handle piece_type();
+Hdf5Handle piece_pose_type();
+Hdf5Handle late_answer_type();
 Hdf5Handle edit_type();
 Hdf5Handle state_hash_type();
 Hdf5Handle end_type();

@@ -213,6 +213,9 @@ struct RecordingReader::File {
   std::size_t edits = 0;
   std::uint64_t last_tick = 0;
   std::vector<StateHash> state_hashes;
+  std::vector<PieceRow> pieces;
+  std::vector<PiecePoseRow> piece_poses;
+  std::vector<LateAnswerRow> late_answers;
   std::string missing;
 
   void open() {
@@ -227,7 +230,14 @@ struct RecordingReader::File {
     const StoredTable<StateHashRow> hash_table(file, "state_hashes", state_hash_type(), bytes);
     const EndRow end = read_end(file);
     const std::string damage = scan_rows();
-    const std::string hash_damage = scan_state_hashes(hash_table);
+    std::string hash_damage = scan_state_hashes(hash_table);
+    if (H5Lexists(file, "pieces", H5P_DEFAULT) > 0) {
+      hash_damage += scan_sealed("pieces", piece_type(), &PieceRow::tick, pieces);
+      hash_damage +=
+          scan_sealed("piece_poses", piece_pose_type(), &PiecePoseRow::tick, piece_poses);
+      hash_damage +=
+          scan_sealed("late_answers", late_answer_type(), &LateAnswerRow::taken, late_answers);
+    }
     missing = what_is_missing(end, damage, hash_damage);
   }
 
@@ -278,6 +288,23 @@ struct RecordingReader::File {
       state_hashes.push_back({row->tick, row->volume, row->state});
     }
     return at == table.announced() ? "" : row_name("state_hashes", at) + " cannot be read";
+  }
+
+  /// The rows of a small table that belong to the ticks that can be trusted.
+  template <class Row>
+  std::string scan_sealed(const char* name, Hdf5Handle type, std::uint64_t Row::*tick,
+                          std::vector<Row>& found) {
+    const StoredTable<Row> table(file, name, std::move(type), bytes);
+    RowCursor<Row> rows(table);
+    std::uint64_t at = 0;
+    for (; const Row* row = rows.next(); ++at) {
+      if (!is_sealed(*row) || (!found.empty() && row->*tick < found.back().*tick)) {
+        return row_name(name, at) + " is damaged";
+      }
+      if (ticks == 0 || row->*tick > last_tick) return "";
+      found.push_back(*row);
+    }
+    return at == table.announced() ? "" : row_name(name, at) + " cannot be read";
   }
 
   std::string what_is_missing(const EndRow& end, const std::string& damage,
@@ -378,6 +405,11 @@ std::vector<Edit> RecordingReader::edits(std::size_t first, std::size_t count) c
 }
 
 const std::vector<StateHash>& RecordingReader::state_hashes() const { return file_->state_hashes; }
+const std::vector<PieceRow>& RecordingReader::pieces() const { return file_->pieces; }
+const std::vector<PiecePoseRow>& RecordingReader::piece_poses() const { return file_->piece_poses; }
+const std::vector<LateAnswerRow>& RecordingReader::late_answers() const {
+  return file_->late_answers;
+}
 const std::string& RecordingReader::missing() const { return file_->missing; }
 
 }  // namespace sulcus

@@ -46,6 +46,10 @@ class RecordingReader {
   std::vector<Edit> edits(std::size_t first = 0, std::size_t count = kAll) const;
   /// What was cut in ticks `first` to `first + count`; none where the recording does not cut.
   std::vector<CuttingRecord> cutting(std::size_t first = 0, std::size_t count = kAll) const;
+  /// Of these ticks, rising; none where no pieces may come loose.
+  const std::vector<PieceRow>& pieces() const;
+  const std::vector<PiecePoseRow>& piece_poses() const;
+  const std::vector<LateAnswerRow>& late_answers() const;
   /// Of these ticks, rising.
   const std::vector<StateHash>& state_hashes() const;
 

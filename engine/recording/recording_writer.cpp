@@ -121,6 +121,10 @@ struct RecordingWriter::File {
   std::optional<Table<TickRecord>> ticks;
   std::optional<Table<CuttingRecord>> cutting;  // with RecordingTables::cutting
   std::optional<Table<StateHashRow>> state_hashes;
+  // With RecordingTables::pieces.
+  std::optional<Table<PieceRow>> pieces;
+  std::optional<Table<PiecePoseRow>> piece_poses;
+  std::optional<Table<LateAnswerRow>> late_answers;
   Hdf5Handle end;
   std::string failure;  // of the first call that failed
 
@@ -132,6 +136,11 @@ struct RecordingWriter::File {
     edits.emplace(file, "edits", edit_type(), kEditChunk);
     ticks.emplace(file, "ticks", tick_type(), kTickChunk);
     if (tables.cutting) cutting.emplace(file, "cutting", cutting_type(), kCuttingChunk);
+    if (tables.pieces) {
+      pieces.emplace(file, "pieces", piece_type(), kPieceChunk);
+      piece_poses.emplace(file, "piece_poses", piece_pose_type(), kPieceChunk);
+      late_answers.emplace(file, "late_answers", late_answer_type(), kPieceChunk);
+    }
     state_hashes.emplace(file, "state_hashes", state_hash_type(), kStateHashChunk);
     end = create_end(file);
     hdf5_check(H5Fstart_swmr_write(file), "start of recording");
@@ -139,6 +148,12 @@ struct RecordingWriter::File {
 
   void flush() {
     edits->flush();
+    if (pieces) {
+      // Before the ticks that obey or show them.
+      late_answers->flush();
+      pieces->flush();
+      piece_poses->flush();
+    }
     std::size_t most = ticks->waiting();
     if (cutting) {
       cutting->flush();
@@ -165,6 +180,9 @@ struct RecordingWriter::File {
     edits.reset();
     ticks.reset();
     cutting.reset();
+    pieces.reset();
+    piece_poses.reset();
+    late_answers.reset();
     state_hashes.reset();
     end.close();
     if (!file.close()) throw Hdf5Error("close: " + hdf5_reason());
@@ -176,6 +194,9 @@ struct RecordingWriter::File {
     if (edits) edits->forget();
     if (ticks) ticks->forget();
     if (cutting) cutting->forget();
+    if (pieces) pieces->forget();
+    if (piece_poses) piece_poses->forget();
+    if (late_answers) late_answers->forget();
     if (state_hashes) state_hashes->forget();
     end.forget();
     file.forget();
@@ -239,6 +260,18 @@ void RecordingWriter::append_cutting(std::span<const CuttingRecord> rows) {
     if (!file_->cutting) throw Hdf5Error("/cutting: not in this recording");
     for (const CuttingRecord& row : rows) file_->cutting->add(row);
   });
+}
+
+void RecordingWriter::append_piece(const PieceRow& row) {
+  file_->guarded([&] { file_->pieces.value().add(row); });
+}
+
+void RecordingWriter::append_piece_pose(const PiecePoseRow& row) {
+  file_->guarded([&] { file_->piece_poses.value().add(row); });
+}
+
+void RecordingWriter::append_late_answer(const LateAnswerRow& row) {
+  file_->guarded([&] { file_->late_answers.value().add(row); });
 }
 
 void RecordingWriter::append_state_hash(const StateHash& hash) {

@@ -6,18 +6,26 @@
 
 namespace sulcus {
 
-void seal(TickRecord& record) { record.check = hash_bytes(&record, offsetof(TickRecord, check)); }
+namespace {
 
-void seal(CuttingRecord& record) {
-  record.check = hash_bytes(&record, offsetof(CuttingRecord, check));
+template <class Row>
+std::uint64_t check_of(const Row& row) {
+  return hash_bytes(&row, offsetof(Row, check));
 }
 
-bool is_sealed(const CuttingRecord& record) {
-  return record.check == hash_bytes(&record, offsetof(CuttingRecord, check));
-}
+}  // namespace
 
-bool is_sealed(const TickRecord& record) {
-  return record.check == hash_bytes(&record, offsetof(TickRecord, check));
-}
+void seal(TickRecord& record) { record.check = check_of(record); }
+
+void seal(CuttingRecord& record) { record.check = check_of(record); }
+void seal(PieceRow& row) { row.check = check_of(row); }
+void seal(PiecePoseRow& row) { row.check = check_of(row); }
+void seal(LateAnswerRow& row) { row.check = check_of(row); }
+
+bool is_sealed(const TickRecord& record) { return record.check == check_of(record); }
+bool is_sealed(const CuttingRecord& record) { return record.check == check_of(record); }
+bool is_sealed(const PieceRow& row) { return row.check == check_of(row); }
+bool is_sealed(const PiecePoseRow& row) { return row.check == check_of(row); }
+bool is_sealed(const LateAnswerRow& row) { return row.check == check_of(row); }
 
 }  // namespace sulcus

@@ -28,9 +28,9 @@ struct TickRecord {
   std::uint32_t contacts = 0;
   std::uint32_t tested = 0;
   std::uint32_t leaves = 0;
-  std::uint32_t removed = 0;
-  float step_us = 0.0f;  // compute time of the tick; no part of the result
-  float late_us = 0.0f;  // how late it woke; no part of the result
+  std::uint32_t removed = 0;  // voxels cut; those of loose pieces are not counted
+  float step_us = 0.0f;       // compute time of the tick; no part of the result
+  float late_us = 0.0f;       // how late it woke; no part of the result
   std::uint64_t faults = 0;
   std::uint64_t edits_end = 0;  // rows of /edits up to and with this tick
   std::uint64_t check = 0;      // XXH3-64 of the bytes before it
@@ -49,6 +49,41 @@ struct CuttingRecord {
   std::uint64_t check = 0;         // XXH3-64 of the bytes before it
 };
 static_assert(sizeof(CuttingRecord) == 8 + 8 * 8 + 8);
+
+/// One row of /pieces: a piece that was cut loose and has left the workpiece.
+struct PieceRow {
+  std::uint64_t piece = 0;             // numbered from 0, in the order of the rows
+  std::uint64_t tick = 0;              // in which its last voxel left
+  std::uint64_t first_loose_edit = 0;  // number of its first among the edits of cause `loose`
+  std::uint64_t voxels = 0;            // which follow one another there
+  std::uint64_t check = 0;             // XXH3-64 of the bytes before it
+};
+
+/// One row of /piece_poses: how far a piece has moved, world now from world where it was. Every
+/// tenth tick while it moves, the last when it has come to rest.
+struct PiecePoseRow {
+  std::uint64_t tick = 0;
+  std::uint64_t piece = 0;
+  double position_m[3]{};
+  double orientation[4]{1, 0, 0, 0};  // w, x, y, z
+  std::uint64_t check = 0;
+};
+
+/// One row of /late_answers: at real pace, what had come loose after a tick was taken later than it
+/// should have been; a replay takes it then.
+struct LateAnswerRow {
+  std::uint64_t asked = 0;  // ticks
+  std::uint64_t taken = 0;
+  std::uint64_t check = 0;
+};
+
+/// Sets `check`.
+void seal(PieceRow& row);
+void seal(PiecePoseRow& row);
+void seal(LateAnswerRow& row);
+bool is_sealed(const PieceRow& row);
+bool is_sealed(const PiecePoseRow& row);
+bool is_sealed(const LateAnswerRow& row);
 
 /// Sets `check`.
 void seal(TickRecord& record);

@@ -75,6 +75,14 @@ struct TrajectorySettings {
   Eigen::Vector3d load_direction{0, 0, -1};  // unit, world
 };
 
+/// What cutting separates from the tooth falls as a body of its own. Without it, it stays in the
+/// air.
+struct LoosePiecesSettings {
+  double smallest_m3 = 1e-12;  // smaller ones vanish
+  double friction = 0.4;
+  std::optional<double> floor_m;  // height of the floor; none: the bottom of the grid
+};
+
 /// A motor whose torque is limited: its speed sags under load. Without it the spindle turns at
 /// burr.speed_rpm whatever holds it.
 struct SpindleSettings {
@@ -132,6 +140,7 @@ struct Scene {
   HapticsSettings haptics;
   std::optional<CuttingSettings> cutting;
   std::optional<SpindleSettings> spindle;
+  std::optional<LoosePiecesSettings> loose_pieces;
   std::optional<RenderSettings> render;
   std::optional<RecordSettings> record;
 

@@ -291,6 +291,18 @@ void read_optional_tables(TomlTable& root, Scene& scene) {
     s.inertia_kg_m2 = table->number("inertia_g_mm2", {1e-3, 1e6}, 5.0) * 1e-9;
     table->finish();
   }
+  if (auto table = root.table("loose_pieces")) {
+    if (!scene.cutting) {
+      root.fail("loose_pieces", "[loose_pieces] without [cutting]", "both, or neither");
+    }
+    LoosePiecesSettings& p = scene.loose_pieces.emplace();
+    p.smallest_m3 = table->number("smallest_mm3", {0, 1e3}, 1e-3) * 1e-9;
+    p.friction = table->number("friction", {0, 10}, p.friction);
+    if (const auto floor = table->number("floor_mm", kAnyLength_mm)) {
+      p.floor_m = *floor * kMillimetre;
+    }
+    table->finish();
+  }
   if (auto table = root.table("render")) {
     RenderSettings& r = scene.render.emplace();
     const std::vector<double> size = table->numbers("size", 2, {16, 8192});

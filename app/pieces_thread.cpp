@@ -1,0 +1,142 @@
+#include "app/pieces_thread.hpp"
+
+#include <chrono>
+
+#include "engine/core/realtime.hpp"
+
+namespace sulcus {
+
+namespace {
+
+constexpr std::uint64_t kTellEvery = 10;  // ticks between the poses of a piece that moves
+
+}  // namespace
+
+PiecesThread::PiecesThread(Feed& feed, std::vector<PieceFeed*> consumers, const Scene& scene,
+                           VoxelModel start)
+    : feed_(feed),
+      consumers_(std::move(consumers)),
+      dt_s_(1.0 / scene.haptics.rate_hz),
+      smallest_m3_(scene.loose_pieces->smallest_m3),
+      finder_(std::move(start)),
+      world_(finder_.model().grid, debris_settings(*scene.loose_pieces)) {
+  thread_ = std::thread([this] {
+    try {
+      run();
+    } catch (...) {
+      failure_ = std::current_exception();
+      failed_ = true;
+      for (PieceFeed* consumer : consumers_) consumer->ticks_done = ~std::uint64_t{0};
+    }
+  });
+}
+
+PiecesThread::~PiecesThread() {
+  if (thread_.joinable()) {
+    feed_.ended = true;
+    thread_.join();
+  }
+}
+
+void PiecesThread::finish() {
+  thread_.join();
+  if (failure_) std::rethrow_exception(failure_);
+}
+
+const LooseAnswer* PiecesThread::next_answer(bool wait) {
+  while (!answers_.try_dequeue(taken_)) {
+    if (!wait || failed_) return nullptr;
+    std::this_thread::sleep_for(std::chrono::microseconds(20));
+  }
+  return &taken_;
+}
+
+void PiecesThread::run() {
+  leave_realtime_core();
+  std::vector<Edit> edits;
+  std::uint64_t edits_taken = 0;
+  for (bool ended = false; !ended;) {
+    ended = feed_.ended.load();
+    TickReport report;
+    while (feed_.reports.try_dequeue(report)) {
+      const std::uint64_t begin = thread_cpu_ns();
+      edits.clear();
+      for (Edit edit; edits_taken < report.record.edits_end && feed_.edits.try_dequeue(edit);) {
+        edits.push_back(edit);
+        ++edits_taken;
+      }
+      add_tick(report, edits);
+      seconds_ += 1e-9 * static_cast<double>(thread_cpu_ns() - begin);
+    }
+    if (!ended) std::this_thread::sleep_for(std::chrono::microseconds(200));
+  }
+  memory_bytes_ = finder_.memory_bytes() + world_.memory_bytes();
+  for (PieceFeed* consumer : consumers_) consumer->ticks_done = ~std::uint64_t{0};
+}
+
+void PiecesThread::add_tick(const TickReport& report, std::span<const Edit> edits) {
+  const std::uint64_t tick = report.record.tick;
+  const VoxelGrid& grid = finder_.model().grid;
+  for (const Edit& edit : edits) {
+    if (edit.cause == EditCause::kLoose) note_loose(edit.voxel);
+  }
+  if (std::optional<LooseAnswer> answer = finder_.add_tick(tick, edits)) {
+    for (const LoosePiece& piece : answer->pieces) {
+      leaving_end_ += piece.voxels.size();
+      leaving_.push_back({piece.voxels, 0, leaving_end_, {}});
+    }
+    answers_.enqueue(std::move(*answer));
+  }
+  for (; !leaving_.empty() && leaving_.front().end <= report.loose_left; leaving_.pop_front()) {
+    free_piece(leaving_.front(), tick);
+  }
+  // Where a tick cuts, one voxel stands for the others: they lie within the burr.
+  if (!edits.empty()) world_.wake(grid.centre_world(grid.cell_of_linear(edits.front().voxel)));
+  world_.step(dt_s_, finder_.model());
+  if (tick % kTellEvery == 0) tell_poses(tick);
+  for (PieceFeed* consumer : consumers_) consumer->ticks_done = tick + 1;
+}
+
+void PiecesThread::note_loose(std::uint32_t voxel) {
+  ++loose_edits_;
+  // They come in the order of the pieces; those that were cut meanwhile do not come.
+  for (Leaving& piece : leaving_) {
+    while (piece.next < piece.voxels.size()) {
+      if (piece.voxels[piece.next++] != voxel) continue;
+      piece.gone.push_back(voxel);
+      return;
+    }
+  }
+}
+
+void PiecesThread::free_piece(const Leaving& piece, std::uint64_t tick) {
+  const double volume_m3 =
+      static_cast<double>(piece.gone.size()) * finder_.model().grid.voxel_volume_m3();
+  if (piece.gone.empty() || volume_m3 < smallest_m3_) return;
+  PieceNews news;
+  news.tick = tick;
+  news.piece = static_cast<std::uint32_t>(world_.add(piece.gone));
+  news.voxels = std::make_shared<std::vector<std::uint32_t>>(piece.gone);
+  // What of later pieces has left in this tick already comes after it.
+  std::uint64_t later = 0;
+  for (const Leaving& other : leaving_) later += &other == &piece ? 0 : other.gone.size();
+  news.first_loose_edit = loose_edits_ - later - piece.gone.size();
+  told_at_rest_.push_back(false);
+  ++pieces_;
+  tell(news);
+}
+
+void PiecesThread::tell(const PieceNews& news) {
+  for (PieceFeed* consumer : consumers_) consumer->news.enqueue(news);
+}
+
+void PiecesThread::tell_poses(std::uint64_t tick) {
+  for (std::uint32_t piece = 0; piece < told_at_rest_.size(); ++piece) {
+    const bool at_rest = world_.at_rest(piece);
+    if (at_rest && told_at_rest_[piece]) continue;
+    told_at_rest_[piece] = at_rest;
+    tell({tick, piece, world_.pose(piece), nullptr, 0});
+  }
+}
+
+}  // namespace sulcus

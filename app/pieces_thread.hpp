@@ -1,0 +1,84 @@
+#pragma once
+
+#include <atomic>
+#include <deque>
+#include <exception>
+#include <optional>
+#include <span>
+#include <thread>
+#include <vector>
+
+#include "app/feed.hpp"
+#include "app/loose_schedule.hpp"
+#include "app/piece_feed.hpp"
+#include "engine/bodies/debris_world.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace sulcus {
+
+// Threads and properties
+//
+//                  edits, reports                news of pieces
+//   haptic thread ---------------> PiecesThread ----------------> recorder, renderer
+//        ^                              |
+//        +------------------------------+
+//             what has come loose
+//
+// - Answers are a function of the edits before them, poses of the edits and the ticks: fast or slow,
+//   a run gives the same. Nothing here is read by a tick but which voxels leave.
+// - The haptic thread waits for an answer only where it runs as fast as it can.
+
+/// Looks for pieces that were cut loose, beside the haptic thread, and moves them until they rest.
+class PiecesThread {
+ public:
+  /// `start`: the workpiece before the first tick; it takes a copy of its own. The feeds outlive it.
+  PiecesThread(Feed& feed, std::vector<PieceFeed*> consumers, const Scene& scene, VoxelModel start);
+  ~PiecesThread();
+  PiecesThread(const PiecesThread&) = delete;
+  PiecesThread& operator=(const PiecesThread&) = delete;
+
+  /// From the haptic thread: the next answer, or null where it is not there yet. With `wait` null
+  /// only where the search has failed. Valid until the next call.
+  const LooseAnswer* next_answer(bool wait);
+
+  /// After `feed.ended`: waits for the end; throws what went wrong.
+  void finish();
+  // After `finish`.
+  std::size_t pieces() const { return pieces_; }
+  double seconds() const { return seconds_; }
+  std::size_t memory_bytes() const { return memory_bytes_; }
+
+ private:
+  /// A piece on its way out of the workpiece.
+  struct Leaving {
+    std::vector<std::uint32_t> voxels;
+    std::size_t next = 0;             // that may come
+    std::uint64_t end = 0;            // voxels that have left once it has
+    std::vector<std::uint32_t> gone;  // its voxels that were not cut before
+  };
+
+  void run();
+  void add_tick(const TickReport& report, std::span<const Edit> edits);
+  void note_loose(std::uint32_t voxel);
+  void free_piece(const Leaving& piece, std::uint64_t tick);
+  void tell(const PieceNews& news);
+  void tell_poses(std::uint64_t tick);
+
+  Feed& feed_;
+  std::vector<PieceFeed*> consumers_;
+  double dt_s_, smallest_m3_;
+  LooseFinder finder_;
+  DebrisWorld world_;
+  Queue<LooseAnswer> answers_;
+  LooseAnswer taken_;  // the haptic thread's
+  std::deque<Leaving> leaving_;
+  std::uint64_t leaving_end_ = 0, loose_edits_ = 0;
+  std::vector<bool> told_at_rest_;
+  std::atomic<bool> failed_{false};
+  std::exception_ptr failure_;
+  std::size_t pieces_ = 0, memory_bytes_ = 0;
+  double seconds_ = 0.0;
+  std::thread thread_;
+};
+
+}  // namespace sulcus

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "engine/core/pose.hpp"
+#include "engine/scene/scene.hpp"
+#include "engine/volume/voxel_model.hpp"
+
+namespace sulcus {
+
+struct DebrisSettings {
+  double gravity_m_per_s2 = 9.81;  // along -z
+  double density_kg_per_m3 = 2500.0;
+  double friction = 0.4;
+  std::optional<double> floor_m;  // height of the floor; none: the bottom of the grid
+};
+
+DebrisSettings debris_settings(const LoosePiecesSettings& settings);
+
+/// Rigid motion of the pieces that were cut loose: they fall, collide with one another, with the
+/// tooth, which is still being cut, and with a floor, and come to rest. In Bullet, as the convex
+/// hulls of their voxels. The same calls give the same bits. Free of threads: one at a time may
+/// call.
+///
+/// The tooth is the faces of blocks of 4 x 4 x 4 voxels, solid where half of the voxels are, made
+/// into triangles where a piece is and when it is there: it costs no memory and is never out of
+/// date.
+///
+/// Bullet's contact cache cannot be saved, so that a world restored from poses and velocities would
+/// go on a little differently from one that just went on. So every `kRebuildEvery` steps the world
+/// is rebuilt from them itself: from there both are the same.
+class DebrisWorld {
+ public:
+  static constexpr std::uint64_t kRebuildEvery = 1000;  // steps
+
+  /// All that a later step depends on, with the pieces' voxels.
+  struct PieceState {
+    std::vector<std::uint32_t> voxels;  // VoxelGrid::linear
+    // Of its principal axes, bit for bit as the library has them.
+    Eigen::Vector3d position_mm = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+    Eigen::Vector3d velocity_mm_per_s = Eigen::Vector3d::Zero();
+    Eigen::Vector3d turning_rad_per_s = Eigen::Vector3d::Zero();
+    double slow_s = 0.0;  // how long it has been slow
+    int activation = 0;
+  };
+  struct State {
+    std::uint64_t steps = 0;
+    std::vector<PieceState> pieces;
+  };
+
+  DebrisWorld(const VoxelGrid& grid, const DebrisSettings& settings);
+  ~DebrisWorld();
+
+  /// A piece, at rest where its voxels (at least one) are; its number, counted from 0.
+  std::size_t add(std::span<const std::uint32_t> voxels);
+  /// A tick further.
+  void step(double dt_s, const VoxelModel& tooth);
+  /// The tooth was cut here: pieces that lie within a millimetre of it may move again.
+  void wake(const Eigen::Vector3d& p_world);
+
+  std::size_t size() const { return pieces_.size(); }
+  /// World now from world where the piece was when it was added.
+  Pose pose(std::size_t piece) const;
+  bool at_rest(std::size_t piece) const;
+
+  State save() const;
+  void restore(const State& state);
+  std::size_t memory_bytes() const;
+
+ private:
+  struct World;
+  struct Piece;
+  void rebuild();
+
+  VoxelGrid grid_;
+  DebrisSettings settings_;
+  std::unique_ptr<World> world_;
+  std::vector<std::unique_ptr<Piece>> pieces_;
+  std::uint64_t steps_ = 0;
+};
+
+}  // namespace sulcus
