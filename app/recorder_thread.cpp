@@ -8,8 +8,9 @@
 namespace sulcus {
 
 RecorderThread::RecorderThread(Feed& feed, std::optional<RecordingWriter> writer,
+                               std::optional<PreparationOutcome> outcome,
                                std::size_t expected_ticks)
-    : feed_(feed), writer_(std::move(writer)) {
+    : feed_(feed), writer_(std::move(writer)), outcome_(std::move(outcome)) {
   statistics_.reserve(expected_ticks);
   thread_ = std::thread([this] { run(); });
 }
@@ -53,6 +54,11 @@ void RecorderThread::drain() {
     rows.push_back(report.record);
   }
   for (Edit edit; feed_.edits.try_dequeue(edit);) edits.push_back(edit);
+  if (outcome_) {
+    const std::uint64_t begin = steady_ns();
+    for (const Edit& edit : edits) outcome_->add(edit);
+    outcome_seconds_ += 1e-9 * static_cast<double>(steady_ns() - begin);
+  }
   if (!writer_) return;
   try {
     writer_->append_edits(edits);
