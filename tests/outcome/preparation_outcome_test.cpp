@@ -190,8 +190,9 @@ TEST(PreparationOutcome, ReachesAreThoseOfAllPairs) {
     EXPECT_EQ(figures.target_voxels, target.size());
     EXPECT_EQ(figures.excess_voxels, excess.size());
     EXPECT_EQ(figures.missing_voxels, missing.size());
-    EXPECT_NEAR(figures.dice,
-                2.0 * (target.size() - missing.size()) / (target.size() + removed.size()), 1e-12);
+    const auto both = static_cast<double>(target.size() - missing.size());
+    const auto sum = static_cast<double>(target.size() + removed.size());
+    EXPECT_NEAR(figures.dice, 2.0 * both / sum, 1e-12);
     expect_reach(figures.excess, plain_distances_m(excess, target));
     ASSERT_TRUE(figures.missing);
     expect_reach(*figures.missing, plain_distances_m(missing, outside));

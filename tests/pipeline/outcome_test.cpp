@@ -1,5 +1,6 @@
 // What summary.json says that a cut did to the tooth, against the recording of the same run.
 #include <cmath>
+#include <filesystem>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -121,25 +122,26 @@ TEST(Outcome, ForcesAreThoseOfTheTicksInContact) {
 TEST(Outcome, AGoalIsComparedWithWhatWent) {
   const ScratchFolder scratch;
   const std::string goal =
-      "[goal]\nshape = 'box'\nsize_mm = [2, 0.4, 0.2]\nposition_mm = [0, 0, 0.9]\n";
+      "[goal]\nshape = 'box'\nsize_mm = [0.6, 0.4, 0.2]\nposition_mm = [0, 0, 0.9]\n";
   const RecordedOutcome run(scratch, scratch.write("s.toml", test::kCutScene + goal));
-  std::uint64_t both = 0, target = 0;
+  double both = 0.0, target = 0.0;
   const auto wanted = [&](const Cell& c) {
     const Eigen::Vector3d p = run.start.grid.centre_world(c) - Eigen::Vector3d(0, 0, 0.9e-3);
-    return run.start.solid(c) && std::abs(p.x()) <= 1e-3 && std::abs(p.y()) <= 0.2e-3 &&
+    return run.start.solid(c) && std::abs(p.x()) <= 0.3e-3 && std::abs(p.y()) <= 0.2e-3 &&
            std::abs(p.z()) <= 0.1e-3;
   };
   for (std::uint32_t v = 0; v < run.start.grid.cell_count(); ++v) {
     target += wanted(run.start.grid.cell_of_linear(v));
   }
   for (const Edit& edit : run.edits) both += wanted(run.start.grid.cell_of_linear(edit.voxel));
-  ASSERT_GT(both, 0u);
+  ASSERT_GT(both, 0.0);
+  const auto removed = static_cast<double>(run.edits.size());
   const double voxel_mm3 = std::pow(0.05, 3);
   const nlohmann::json& figures = run.summary["goal"];
   EXPECT_NEAR(figures["target_mm3"].get<double>(), target * voxel_mm3, 1e-9);
   EXPECT_NEAR(figures["missing_mm3"].get<double>(), (target - both) * voxel_mm3, 1e-9);
-  EXPECT_NEAR(figures["excess_mm3"].get<double>(), (run.edits.size() - both) * voxel_mm3, 1e-9);
-  EXPECT_NEAR(figures["dice"].get<double>(), 2.0 * both / (target + run.edits.size()), 1e-9);
+  EXPECT_NEAR(figures["excess_mm3"].get<double>(), (removed - both) * voxel_mm3, 1e-9);
+  EXPECT_NEAR(figures["dice"].get<double>(), 2.0 * both / (target + removed), 1e-9);
   for (const char* reach : {"excess_beyond_mm", "missing_within_mm"}) {
     EXPECT_LE(figures[reach]["p95"], figures[reach]["max"]) << reach;
     EXPECT_GT(figures[reach]["max"], 0.0) << reach;
