@@ -47,7 +47,7 @@ TEST(VoxelSet, CountsVoxelsOfALeafOnce) {
 }
 
 TEST(VoxelSet, ATissueIsItsSolidVoxels) {
-  const auto label = [](const Cell& c) { return static_cast<std::uint8_t>(c.x() / 12); };
+  const auto label = [](const Cell& c) { return static_cast<std::uint8_t>((c.x() + c.z()) / 16); };
   const VoxelModel model = test::labelled(test::random_blobs({32, 32, 32}, 7), label);
   for (std::uint8_t tissue = 0; tissue < 4; ++tissue) {
     const VoxelSet set = voxels_of_tissue(model, tissue);
