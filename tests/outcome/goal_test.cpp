@@ -65,6 +65,9 @@ TEST(Goal, TurnsAboutXThenYThenZ) {
   const Goal goal(settings);
   EXPECT_TRUE(goal.contains(mm(0, 2.9, 0)));
   EXPECT_FALSE(goal.contains(mm(2.9, 0, 0)));
+  settings.rotation = Vector3d(90, 90, 0) * kDegree;  // x stays, then comes to -z
+  EXPECT_TRUE(Goal(settings).contains(mm(0, 0, 2.9)));
+  EXPECT_FALSE(Goal(settings).contains(mm(0, 2.9, 0)));
   settings = box_goal({1, 1, 6});
   settings.rotation = Vector3d(90, 0, 90) * kDegree;  // z to -y, then to x
   EXPECT_TRUE(Goal(settings).contains(mm(2.9, 0, 0)));
