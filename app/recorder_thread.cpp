@@ -9,11 +9,13 @@
 namespace sulcus {
 
 RecorderThread::RecorderThread(Feed& feed, PieceFeed* pieces, std::optional<RecordingWriter> writer,
+                               std::optional<PreparationOutcome> outcome,
                                std::size_t expected_ticks)
     : feed_(feed),
       pieces_(pieces),
       writer_(std::move(writer)),
-      cuts_(writer_ && writer_->has_cutting()) {
+      cuts_(writer_ && writer_->has_cutting()),
+      outcome_(std::move(outcome)) {
   statistics_.reserve(expected_ticks);
   thread_ = std::thread([this] { run(); });
 }
@@ -63,6 +65,11 @@ void RecorderThread::drain() {
     if (cuts_) cuts.push_back(report.cutting);
   }
   for (Edit edit; feed_.edits.try_dequeue(edit);) edits.push_back(edit);
+  if (outcome_) {
+    const std::uint64_t begin = steady_ns();
+    for (const Edit& edit : edits) outcome_->add(edit);
+    outcome_seconds_ += 1e-9 * static_cast<double>(steady_ns() - begin);
+  }
   if (!writer_) return;
   try {
     writer_->append_edits(edits);

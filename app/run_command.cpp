@@ -13,6 +13,7 @@
 #include "engine/core/units.hpp"
 #include "engine/import/build_workpiece.hpp"
 #include "engine/import/load_burr.hpp"
+#include "engine/outcome/goal.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/scene/trajectory.hpp"
 
@@ -51,6 +52,7 @@ void run(const RunOptions& options) {
   VoxelModel model = build_workpiece(scene, &cache);
   const bool workpiece_cached = cache.hits() > (burr_cached ? 1 : 0);
   check_start(scene, model, burr, trajectory.pose_at(0.0));
+  check_goal(scene, model);
   const bool clipped = model.clipped;
   Simulation simulation(scene, std::move(model), std::move(burr), StageClock(steady_ns));
   loading.push_back(

@@ -167,6 +167,17 @@ std::optional<RecordingWriter> open_recording(const Simulation& simulation,
       {.cutting = scene.cutting.has_value(), .pieces = scene.loose_pieces.has_value()});
 }
 
+std::optional<PreparationOutcome> start_outcome(const Simulation& simulation) {
+  const Scene& scene = simulation.scene();
+  if (!scene.cutting) return {};
+  return PreparationOutcome(simulation.workpiece().model(), scene.tissues, scene.goal);
+}
+
+/// After the last tick.
+OutcomeResult end_outcome(const PreparationOutcome& outcome, const VoxelModel& end) {
+  return {outcome.progress(), outcome.wall_over_pulp_m(), outcome.goal_figures(end)};
+}
+
 }  // namespace
 
 SessionResult run_session(Simulation& simulation, Device& device, const SessionOptions& options) {
@@ -176,13 +187,16 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
   std::filesystem::create_directories(options.folder);
 
   // Everything is made before the first tick, so that nothing is taken beside it.
-  const std::uint64_t record_begin = steady_ns();
   const std::string recording = options.folder + "/recording.h5";
+  const std::uint64_t outcome_begin = steady_ns();
+  std::optional<PreparationOutcome> outcome = start_outcome(simulation);
+  double outcome_s = 1e-9 * static_cast<double>(steady_ns() - outcome_begin);
+  const std::uint64_t record_begin = steady_ns();
   Feed record_feed(scene.haptics.rate_hz);
   std::optional<PieceFeed> record_pieces, render_pieces;
   if (scene.loose_pieces) record_pieces.emplace();
   RecorderThread recorder(record_feed, record_pieces ? &*record_pieces : nullptr,
-                          open_recording(simulation, recording), options.ticks);
+                          open_recording(simulation, recording), std::move(outcome), options.ticks);
   if (scene.record) {
     result.files.push_back(recording);
     result.parts.push_back(
@@ -248,6 +262,12 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
     if (result.frames > 0) result.files.push_back(options.folder + "/frames");
   }
   result.statistics = recorder.statistics();
+  if (recorder.outcome()) {
+    const std::uint64_t end_begin = steady_ns();
+    result.outcome = end_outcome(*recorder.outcome(), simulation.workpiece().model());
+    outcome_s += recorder.outcome_seconds() + 1e-9 * static_cast<double>(steady_ns() - end_begin);
+    result.parts.push_back({"outcome", outcome_s, recorder.outcome()->memory_bytes()});
+  }
   if (failure) std::rethrow_exception(failure);
   return result;
 }

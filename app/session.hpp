@@ -9,6 +9,7 @@
 #include "app/loose_schedule.hpp"
 #include "app/simulation.hpp"
 #include "app/statistics.hpp"
+#include "engine/outcome/preparation_outcome.hpp"
 
 namespace sulcus {
 
@@ -30,8 +31,16 @@ struct PartUse {
   std::optional<bool> cached = {};  // of what may come from the load cache: whether it did
 };
 
+/// What a cut did to the tooth, at the end of its run.
+struct OutcomeResult {
+  PreparationProgress progress;
+  std::optional<double> wall_over_pulp_m;
+  std::optional<GoalFigures> goal;
+};
+
 struct SessionResult {
   RunStatistics statistics;
+  std::optional<OutcomeResult> outcome;  // of a scene with [cutting]
   std::vector<PartUse> parts;
   std::uint64_t missed_ticks = 0;  // whole periods that late wakes cost
   bool interrupted = false;

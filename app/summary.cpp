@@ -83,6 +83,60 @@ Json removed_json(const Simulation& simulation) {
   return removed;
 }
 
+Json or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+/// What the tooth and the hand have had of a cut. A tissue that the scene does not name has no
+/// keys; what did not happen is null.
+Json outcome_json(const Scene& scene, const OutcomeResult& outcome, const RunStatistics& s,
+                  double voxel_mm3) {
+  const auto mm3 = [&](std::uint64_t voxels) { return static_cast<double>(voxels) * voxel_mm3; };
+  const PreparationProgress& progress = outcome.progress;
+  Json j;
+  for (const auto& [name, cause] :
+       {std::pair{"cut", EditCause::kCut}, std::pair{"loose", EditCause::kLoose}}) {
+    for (std::size_t t = 0; t < scene.tissues.size(); ++t) {
+      j["removed_mm3"][name][scene.tissues[t].name] = mm3(progress.removed_voxels(cause, t));
+    }
+  }
+  if (const auto left = progress.caries_left()) j["caries_left_mm3"] = mm3(*left);
+  if (progress.has_pulp()) {
+    const std::optional<std::uint64_t> tick = progress.pulp_exposed_tick();
+    j["pulp_exposed_tick"] = tick ? Json(*tick) : Json(nullptr);
+    j["pulp_exposed_s"] =
+        tick ? Json(static_cast<double>(*tick) / scene.haptics.rate_hz) : Json(nullptr);
+    j["pulp_removed_mm3"] = mm3(progress.pulp_removed());
+    std::optional<double> wall_mm = outcome.wall_over_pulp_m;
+    if (wall_mm) *wall_mm /= kMillimetre;
+    j["dentine_over_pulp_mm"] = or_null(wall_mm);
+  }
+  double force_sum_N = 0.0;
+  std::uint64_t ticks_in_contact = 0;
+  for (std::size_t tick = 0; tick < s.contacts.size(); ++tick) {
+    if (s.contacts[tick] == 0) continue;
+    force_sum_N += static_cast<double>(s.force_N[tick]);
+    ++ticks_in_contact;
+  }
+  const auto in_contact = static_cast<double>(ticks_in_contact);
+  j["peak_force_N"] = largest(s.force_N);
+  j["mean_force_N"] = ticks_in_contact > 0 ? force_sum_N / in_contact : 0.0;
+  j["contact_s"] = in_contact / scene.haptics.rate_hz;
+  return j;
+}
+
+Json reach_json(const Reach& reach) {
+  return {{"p95", reach.p95_m / kMillimetre}, {"max", reach.max_m / kMillimetre}};
+}
+
+Json goal_json(const GoalFigures& goal, double voxel_mm3) {
+  const auto mm3 = [&](std::uint64_t voxels) { return static_cast<double>(voxels) * voxel_mm3; };
+  return {{"target_mm3", mm3(goal.target_voxels)},
+          {"dice", goal.dice},
+          {"excess_mm3", mm3(goal.excess_voxels)},
+          {"missing_mm3", mm3(goal.missing_voxels)},
+          {"excess_beyond_mm", reach_json(goal.excess)},
+          {"missing_within_mm", goal.missing ? reach_json(*goal.missing) : Json(nullptr)}};
+}
+
 Json faults_json(const RunStatistics& statistics) {
   constexpr std::array<const char*, 4> kNames{"not_finite", "contacts_full", "cut_state_full",
                                               "rows_dropped"};
@@ -160,6 +214,11 @@ Json make_summary(const Simulation& simulation, const SessionResult& result, Pac
   j["removed_energy_J"] = removal ? removal->removed_J : 0.0;
   j["stored_energy_J"] = removal ? removal->stored_J() : 0.0;
   j["fragments"] = result.pieces;
+  if (result.outcome) {
+    const double voxel_mm3 = simulation.workpiece().grid().voxel_volume_m3() / kCubicMillimetre;
+    j["outcome"] = outcome_json(scene, *result.outcome, s, voxel_mm3);
+    if (result.outcome->goal) j["goal"] = goal_json(*result.outcome->goal, voxel_mm3);
+  }
   j["memory_MiB"] = memory;
   j["volume_hash"] = hex(simulation.workpiece().hash());
   j["force_hash"] = hex(s.force_hash);

@@ -118,6 +118,18 @@ struct CuttingSettings {
   int max_cut_voxels = 1 << 18;  // capacity of the part-cut state
 };
 
+enum class GoalShape : std::uint8_t { kBox, kCylinder };
+
+/// A target cavity: what of it is tooth is to be removed, and nothing else.
+struct GoalSettings {
+  GoalShape shape = GoalShape::kBox;
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  // box, half way up
+  double diameter_m = 0.0, depth_m = 0.0;            // cylinder, half way up and along its z
+  double taper = 0.0;  // rad, of each wall: how far it leans outward towards its own +z
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  // of its centre
+  Eigen::Vector3d rotation = Eigen::Vector3d::Zero();    // rad, about x, then y, then z
+};
+
 enum class Camera : std::uint8_t { kReview, kOcclusal, kBuccal, kMesial, kBurr };
 inline constexpr std::array<std::string_view, 5> kCameraNames{"review", "occlusal", "buccal",
                                                               "mesial", "burr"};
@@ -141,6 +153,7 @@ struct Scene {
   std::optional<CuttingSettings> cutting;
   std::optional<SpindleSettings> spindle;
   std::optional<LoosePiecesSettings> loose_pieces;
+  std::optional<GoalSettings> goal;  // only beside [cutting]
   std::optional<RenderSettings> render;
   std::optional<RecordSettings> record;
 

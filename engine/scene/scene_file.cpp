@@ -276,6 +276,38 @@ HapticsSettings read_haptics(TomlTable& root) {
   return h;
 }
 
+// --- [goal] -------------------------------------------------------------------------------------
+
+GoalSettings read_goal(TomlTable& table) {
+  GoalSettings g;
+  constexpr std::array<std::string_view, 2> kShapes{"box", "cylinder"};
+  const auto shape = table.choice("shape", kShapes);
+  if (!shape) table.fail("shape", "none", "box or cylinder");
+  g.shape = GoalShape(*shape);
+  const std::vector<double> size_mm = table.numbers("size_mm", 3, kSize_mm);
+  const auto diameter_mm = table.number("diameter_mm", kSize_mm);
+  const auto depth_mm = table.number("depth_mm", kSize_mm);
+  const bool is_box = g.shape == GoalShape::kBox;
+  if (is_box == size_mm.empty() || is_box == diameter_mm.has_value() ||
+      is_box == depth_mm.has_value()) {
+    table.fail("shape", is_box ? "a box with other sizes" : "a cylinder with other sizes",
+               is_box ? "size_mm, and it alone" : "diameter_mm and depth_mm, and them alone");
+  }
+  if (is_box) g.size_m = vector3(size_mm) * kMillimetre;
+  g.diameter_m = diameter_mm.value_or(0.0) * kMillimetre;
+  g.depth_m = depth_mm.value_or(0.0) * kMillimetre;
+  g.taper = table.number("taper_deg", {-45, 45}, 0.0) * kDegree;
+  const double height_m = is_box ? g.size_m.z() : g.depth_m;
+  const double width_m = is_box ? std::min(g.size_m.x(), g.size_m.y()) : g.diameter_m;
+  if (std::tan(std::abs(g.taper)) * height_m >= width_m) {
+    table.fail("taper_deg", "walls that meet inside", "a smaller angle for this size");
+  }
+  g.position_m = vector3_or(table, "position_mm", kAnyLength_mm, kMillimetre, g.position_m);
+  g.rotation = vector3_or(table, "rotation_deg", {-360, 360}, kDegree, g.rotation);
+  table.finish();
+  return g;
+}
+
 // --- The optional tables ------------------------------------------------------------------------
 
 void read_optional_tables(TomlTable& root, Scene& scene) {
@@ -302,6 +334,10 @@ void read_optional_tables(TomlTable& root, Scene& scene) {
       p.floor_m = *floor * kMillimetre;
     }
     table->finish();
+  }
+  if (auto table = root.table("goal")) {
+    if (!scene.cutting) root.fail("goal", "[goal] without [cutting]", "both of them");
+    scene.goal = read_goal(*table);
   }
   if (auto table = root.table("render")) {
     RenderSettings& r = scene.render.emplace();

@@ -32,9 +32,10 @@ TEST(Run, MinimalSceneRunsOnlyThePartsItNeeds) {
   ASSERT_EQ(result.status, 0) << result.err;
   const auto summary = summary_of(scratch.path("out"));
   EXPECT_EQ(parts_of(summary), (std::set<std::string>{"burr", "workpiece", "contact"}));
-  for (const char* part : {"cutting", "render", "record"}) {
+  for (const char* part : {"cutting", "outcome", "render", "record"}) {
     EXPECT_FALSE(summary["memory_MiB"].contains(part)) << part;
   }
+  for (const char* key : {"outcome", "goal"}) EXPECT_FALSE(summary.contains(key)) << key;
   EXPECT_FALSE(summary["stage_us"].contains("removal"));
   EXPECT_FALSE(std::filesystem::exists(scratch.path("out/recording.h5")));
   EXPECT_FALSE(std::filesystem::exists(scratch.path("out/frames")));
@@ -48,8 +49,8 @@ TEST(Run, NamedPartsAreListedWithTheirMemory) {
       sulcus_command("run " + scene + " -o " + scratch.path("out"), scratch.path("err"));
   ASSERT_EQ(result.status, 0) << result.err;
   const auto summary = summary_of(scratch.path("out"));
-  EXPECT_EQ(parts_of(summary),
-            (std::set<std::string>{"burr", "workpiece", "contact", "cutting", "record", "render"}));
+  EXPECT_EQ(parts_of(summary), (std::set<std::string>{"burr", "workpiece", "contact", "cutting",
+                                                      "outcome", "record", "render"}));
   for (const auto& part : summary["parts"]) EXPECT_GT(part["memory_MiB"], 0.0) << part;
   EXPECT_GT(summary["removed_voxels"], 100);
   EXPECT_GT(summary["frames"], 1);

@@ -1,0 +1,87 @@
+#include "engine/outcome/goal.hpp"
+
+#include <bit>
+#include <cmath>
+#include <sstream>
+
+#include "engine/core/error.hpp"
+#include "engine/core/units.hpp"
+
+namespace sulcus {
+
+namespace {
+
+/// Half of what the goal measures at the height of its centre, in its own space.
+Eigen::Vector3d half_size_m(const GoalSettings& goal) {
+  if (goal.shape == GoalShape::kBox) return 0.5 * goal.size_m;
+  return 0.5 * Eigen::Vector3d(goal.diameter_m, goal.diameter_m, goal.depth_m);
+}
+
+Eigen::Affine3d world_from_goal(const GoalSettings& goal) {
+  return Eigen::Translation3d(goal.position_m) *
+         Eigen::AngleAxisd(goal.rotation.z(), Eigen::Vector3d::UnitZ()) *
+         Eigen::AngleAxisd(goal.rotation.y(), Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(goal.rotation.x(), Eigen::Vector3d::UnitX());
+}
+
+}  // namespace
+
+Goal::Goal(const GoalSettings& settings)
+    : settings_(settings),
+      world_from_goal_(world_from_goal(settings)),
+      goal_from_world_(world_from_goal_.inverse(Eigen::Isometry)),
+      widening_(std::tan(settings.taper)) {}
+
+bool Goal::contains(const Eigen::Vector3d& p_world) const {
+  const Eigen::Vector3d p = goal_from_world_ * p_world;
+  const Eigen::Vector3d half = half_size_m(settings_);
+  if (std::abs(p.z()) > half.z()) return false;
+  const double wider = widening_ * p.z();
+  if (settings_.shape == GoalShape::kCylinder) {
+    return p.head<2>().squaredNorm() <= (half.x() + wider) * (half.x() + wider);
+  }
+  return std::abs(p.x()) <= half.x() + wider && std::abs(p.y()) <= half.y() + wider;
+}
+
+Eigen::AlignedBox3d Goal::bounds_world() const {
+  Eigen::Vector3d half = half_size_m(settings_);
+  half.head<2>().array() += std::abs(widening_) * half.z();
+  Eigen::AlignedBox3d bounds;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d sign(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
+    bounds.extend(world_from_goal_ * half.cwiseProduct(sign));
+  }
+  return bounds;
+}
+
+VoxelSet target_voxels(const Goal& goal, const VoxelModel& start) {
+  const VoxelGrid& grid = start.grid;
+  const Eigen::AlignedBox3d bounds = goal.bounds_world();
+  VoxelSet target(grid);
+  for (std::uint32_t leaf = 0; leaf < start.leaves.size(); ++leaf) {
+    if (start.leaves[leaf] == LeafBits{}) continue;
+    const Cell first = grid.leaf_origin(leaf), last = first + Cell::Constant(kLeafEdge - 1);
+    if (!bounds.intersects({grid.centre_world(first), grid.centre_world(last)})) continue;
+    LeafBits inside;
+    for (int k = 0; k < kLeafEdge; ++k) {
+      const auto word = static_cast<std::size_t>(k);
+      for (std::uint64_t rest = start.leaves[leaf].words[word]; rest != 0; rest &= rest - 1) {
+        const int bit = std::countr_zero(rest);
+        const Cell c = first + Cell(bit % kLeafEdge, bit / kLeafEdge, k);
+        if (goal.contains(grid.centre_world(c))) inside.words[word] |= std::uint64_t{1} << bit;
+      }
+    }
+    target.insert(leaf, inside);
+  }
+  return target;
+}
+
+void check_goal(const Scene& scene, const VoxelModel& start) {
+  if (!scene.goal || target_voxels(Goal(*scene.goal), start).count() > 0) return;
+  std::ostringstream found;
+  found << "a goal without a voxel of the tooth, around ("
+        << (scene.goal->position_m / kMillimetre).transpose() << ") mm";
+  throw InputError(scene.file, "[goal]", found.str(), "a target that the tooth reaches into");
+}
+
+}  // namespace sulcus

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "engine/outcome/voxel_set.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace sulcus {
+
+/// The cavity that a scene's [goal] asks for, in world space, whatever tooth there is. Immutable.
+class Goal {
+ public:
+  explicit Goal(const GoalSettings& settings);
+
+  bool contains(const Eigen::Vector3d& p_world) const;
+  Eigen::AlignedBox3d bounds_world() const;
+
+ private:
+  GoalSettings settings_;
+  Eigen::Affine3d world_from_goal_, goal_from_world_;
+  double widening_;  // of the half widths, per metre of height
+};
+
+/// The target: the solid voxels whose centres lie in the goal.
+VoxelSet target_voxels(const Goal& goal, const VoxelModel& start);
+
+/// Refuses a goal in which the tooth has no voxel: InputError of [goal]. A scene without one
+/// passes.
+void check_goal(const Scene& scene, const VoxelModel& start);
+
+}  // namespace sulcus

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "engine/outcome/voxel_set.hpp"
+#include "engine/scene/scene.hpp"
+#include "engine/volume/edit.hpp"
+#include "engine/volume/voxel_model.hpp"
+
+namespace sulcus {
+
+/// What can be told of a preparation edit by edit: volumes removed, caries left, and when the pulp
+/// was exposed. Tissues are known by their names, "caries" and "pulp"; nothing is kept or asked of
+/// one that the scene does not name. Used by one thread.
+class PreparationProgress {
+ public:
+  /// Walks the volume once where the scene names caries or pulp.
+  PreparationProgress(const VoxelModel& start, std::span<const TissueSettings> tissues);
+
+  /// The edits of a run in its order, each of a voxel that was solid. Those of other bodies than
+  /// the workpiece are left out.
+  void add(const Edit& edit);
+
+  /// Removed voxels of a tissue, by an index into the scene's tissues. `cause`: kCut or kLoose.
+  std::uint64_t removed_voxels(EditCause cause, std::size_t tissue) const {
+    return removed_[static_cast<std::size_t>(cause)][tissue];
+  }
+  /// None where the scene names no caries.
+  std::optional<std::uint64_t> caries_left() const;
+
+  /// Whether the scene names a pulp.
+  bool has_pulp() const { return pulp_.has_value(); }
+  /// The tick of the first edit that removed a voxel of the pulp or one with a face on it.
+  std::optional<std::uint64_t> pulp_exposed_tick() const { return pulp_exposed_tick_; }
+  /// 0 where the scene names none.
+  std::uint64_t pulp_removed() const;
+  /// As it was at the start; null where the scene names none.
+  const VoxelSet* pulp() const { return pulp_ ? &*pulp_ : nullptr; }
+
+  std::size_t memory_bytes() const { return pulp_ ? pulp_->memory_bytes() : 0; }
+
+ private:
+  bool touches_pulp(const Cell& c, std::uint8_t tissue) const;
+  std::uint64_t removed_voxels(std::size_t tissue) const;
+
+  VoxelGrid grid_;
+  std::shared_ptr<const TissueMap> tissues_;
+  std::array<std::vector<std::uint64_t>, 2> removed_;  // by cause, then tissue
+  std::optional<std::size_t> caries_label_, pulp_label_;
+  std::uint64_t caries_at_start_ = 0;
+  std::optional<VoxelSet> pulp_;
+  std::optional<std::uint64_t> pulp_exposed_tick_;
+};
+
+}  // namespace sulcus

@@ -1,0 +1,150 @@
+#include "engine/outcome/voxel_distance.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+
+#include <Eigen/Geometry>
+#include <oneapi/tbb/parallel_for.h>
+#include <unsupported/Eigen/BVH>
+
+namespace sulcus {
+
+namespace {
+
+// Whole numbers below 2^24, so that float is exact.
+using Box = Eigen::AlignedBox3f;
+using LeafTree = Eigen::KdBVH<float, 3, std::uint32_t>;
+
+/// Of the centres of a leaf's voxels, not only of those in the set: a little too large, and cheap.
+Box leaf_box(const VoxelGrid& grid, std::uint32_t leaf) {
+  const Cell first = grid.leaf_origin(leaf);
+  return {first.cast<float>(), (first + Cell::Constant(kLeafEdge - 1)).cast<float>()};
+}
+
+LeafTree leaf_tree(const VoxelSet& set) {
+  std::vector<Box> boxes;
+  boxes.reserve(set.leaves().size());
+  for (const std::uint32_t leaf : set.leaves()) boxes.push_back(leaf_box(set.grid(), leaf));
+  return LeafTree(set.leaves().begin(), set.leaves().end(), boxes.begin(), boxes.end());
+}
+
+constexpr int square(int v) { return v * v; }
+
+/// Steps from x to the nearest of a row of eight voxels, of which `row` (not 0) says which there
+/// are.
+int steps_along_row(unsigned row, int x) {
+  if (x <= 0) return std::countr_zero(row) - x;
+  if (x >= kLeafEdge - 1) return x - (std::bit_width(row) - 1);
+  const unsigned upper = row >> x;
+  const unsigned lower = row & ((2u << x) - 1);
+  const int up = upper != 0 ? std::countr_zero(upper) : kLeafEdge;
+  const int down = lower != 0 ? x - (std::bit_width(lower) - 1) : kLeafEdge;
+  return std::min(up, down);
+}
+
+/// The lesser of `best` and the squared distance of `c` to the nearest voxel of a leaf that begins
+/// at `first`.
+int nearer(const Cell& c, const Cell& first, const LeafBits& voxels, int best) {
+  const Cell from = c - first;
+  for (int k = 0; k < kLeafEdge; ++k) {
+    const std::uint64_t slice = voxels.words[static_cast<std::size_t>(k)];
+    const int dz2 = square(from.z() - k);
+    if (slice == 0 || dz2 >= best) continue;
+    for (int j = 0; j < kLeafEdge; ++j) {
+      const auto row = static_cast<unsigned>(slice >> (kLeafEdge * j) & 0xff);
+      const int dyz2 = dz2 + square(from.y() - j);
+      if (row == 0 || dyz2 >= best) continue;
+      best = std::min(best, dyz2 + square(steps_along_row(row, from.x())));
+    }
+  }
+  return best;
+}
+
+/// BVMinimize's question of one tree: how near does it come to a voxel?
+struct FromVoxel {
+  using Scalar = float;
+  const VoxelSet& to;
+  const Cell c;
+  int best = std::numeric_limits<int>::max();
+
+  float minimumOnVolume(const Box& box) const {  // NOLINT(readability-identifier-naming): Eigen's
+    return box.squaredExteriorDistance(c.cast<float>());
+  }
+  float minimumOnObject(std::uint32_t leaf) {  // NOLINT(readability-identifier-naming): Eigen's
+    best = nearer(c, to.grid().leaf_origin(leaf), to.voxels(leaf), best);
+    return static_cast<float>(best);
+  }
+};
+
+/// Its question of two trees: how near do they come to one another?
+struct Between {
+  using Scalar = float;
+  const VoxelSet &a, &b;
+  int best = std::numeric_limits<int>::max();
+
+  // NOLINTBEGIN(readability-identifier-naming): Eigen's
+  float minimumOnVolumeVolume(const Box& p, const Box& q) const {
+    return p.squaredExteriorDistance(q);
+  }
+  float minimumOnVolumeObject(const Box& p, std::uint32_t leaf_b) const {
+    return p.squaredExteriorDistance(leaf_box(b.grid(), leaf_b));
+  }
+  float minimumOnObjectVolume(std::uint32_t leaf_a, const Box& q) const {
+    return q.squaredExteriorDistance(leaf_box(a.grid(), leaf_a));
+  }
+  float minimumOnObjectObject(std::uint32_t leaf_a, std::uint32_t leaf_b) {
+    const Box box_b = leaf_box(b.grid(), leaf_b);
+    const auto too_far = [&](const auto& from) {
+      return box_b.squaredExteriorDistance(from) >= static_cast<float>(best);
+    };
+    if (too_far(leaf_box(a.grid(), leaf_a))) return static_cast<float>(best);
+    const Cell first_a = a.grid().leaf_origin(leaf_a), first_b = b.grid().leaf_origin(leaf_b);
+    for (int k = 0; k < kLeafEdge; ++k) {
+      std::uint64_t rest = a.voxels(leaf_a).words[static_cast<std::size_t>(k)];
+      for (; rest != 0; rest &= rest - 1) {
+        const int bit = std::countr_zero(rest);
+        const Cell c = first_a + Cell(bit % kLeafEdge, bit / kLeafEdge, k);
+        if (!too_far(Eigen::Vector3f(c.cast<float>()))) {
+          best = nearer(c, first_b, b.voxels(leaf_b), best);
+        }
+      }
+    }
+    return static_cast<float>(best);
+  }
+  // NOLINTEND(readability-identifier-naming)
+};
+
+}  // namespace
+
+std::vector<std::uint32_t> squared_distances(const VoxelSet& from, const VoxelSet& to) {
+  if (from.count() == 0 || to.count() == 0) return {};
+  const LeafTree tree = leaf_tree(to);
+  const std::span<const std::uint32_t> leaves = from.leaves();
+  std::vector<std::size_t> begin{0};  // of each leaf's distances
+  for (const std::uint32_t leaf : leaves) {
+    begin.push_back(begin.back() + static_cast<std::size_t>(count_voxels(from.voxels(leaf))));
+  }
+  std::vector<std::uint32_t> distances(begin.back());
+  tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t n) {
+    const Cell first = from.grid().leaf_origin(leaves[n]);
+    std::size_t at = begin[n];
+    for (int k = 0; k < kLeafEdge; ++k) {
+      std::uint64_t rest = from.voxels(leaves[n]).words[static_cast<std::size_t>(k)];
+      for (; rest != 0; rest &= rest - 1) {
+        const int bit = std::countr_zero(rest);
+        FromVoxel question{to, first + Cell(bit % kLeafEdge, bit / kLeafEdge, k)};
+        distances[at++] = static_cast<std::uint32_t>(Eigen::BVMinimize(tree, question));
+      }
+    }
+  });
+  return distances;
+}
+
+std::optional<std::uint32_t> least_squared_distance(const VoxelSet& a, const VoxelSet& b) {
+  if (a.count() == 0 || b.count() == 0) return {};
+  Between question{a, b};
+  return static_cast<std::uint32_t>(Eigen::BVMinimize(leaf_tree(a), leaf_tree(b), question));
+}
+
+}  // namespace sulcus

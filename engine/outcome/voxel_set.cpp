@@ -1,0 +1,96 @@
+#include "engine/outcome/voxel_set.hpp"
+
+#include <bit>
+
+namespace sulcus {
+
+namespace {
+
+/// Solid voxels of one leaf that are of a tissue.
+LeafBits leaf_of_tissue(const VoxelModel& model, std::uint32_t leaf, std::uint8_t label) {
+  const LeafBits& solid = model.leaves[leaf];
+  const LabelBlock* labels = model.tissues ? model.tissues->block(leaf) : nullptr;
+  if (!labels) {
+    const std::uint8_t all = model.tissues ? model.tissues->uniform_label(leaf) : std::uint8_t{0};
+    return all == label ? solid : LeafBits{};
+  }
+  LeafBits voxels;
+  for (std::size_t k = 0; k < voxels.words.size(); ++k) {
+    for (std::uint64_t rest = solid.words[k]; rest != 0; rest &= rest - 1) {
+      const auto bit = static_cast<std::size_t>(std::countr_zero(rest));
+      if ((*labels)[bit | k << 6] == label) voxels.words[k] |= std::uint64_t{1} << bit;
+    }
+  }
+  return voxels;
+}
+
+}  // namespace
+
+bool VoxelSet::insert(const Cell& c) {
+  std::uint64_t& word = block(grid_.leaf_of(c)).words[leaf_word(c.z())];
+  const std::uint64_t bit = std::uint64_t{1} << leaf_bit(c.x(), c.y());
+  if ((word & bit) != 0) return false;
+  word |= bit;
+  ++count_;
+  return true;
+}
+
+void VoxelSet::insert(std::uint32_t leaf, const LeafBits& voxels) {
+  if (voxels == LeafBits{}) return;
+  LeafBits& own = block(leaf);
+  for (std::size_t k = 0; k < own.words.size(); ++k) {
+    count_ += static_cast<std::uint64_t>(std::popcount(voxels.words[k] & ~own.words[k]));
+    own.words[k] |= voxels.words[k];
+  }
+}
+
+LeafBits& VoxelSet::block(std::uint32_t leaf) {
+  if (place_[leaf] == kNone) {
+    place_[leaf] = static_cast<std::uint32_t>(blocks_.size());
+    leaves_.push_back(leaf);
+    blocks_.emplace_back();
+  }
+  return blocks_[place_[leaf]];
+}
+
+std::size_t VoxelSet::memory_bytes() const {
+  return (place_.capacity() + leaves_.capacity()) * sizeof(std::uint32_t) +
+         blocks_.capacity() * sizeof(LeafBits);
+}
+
+int count_voxels(const LeafBits& voxels) {
+  int count = 0;
+  for (const std::uint64_t word : voxels.words) count += std::popcount(word);
+  return count;
+}
+
+LeafBits operator&(const LeafBits& a, const LeafBits& b) {
+  LeafBits both;
+  for (std::size_t k = 0; k < both.words.size(); ++k) both.words[k] = a.words[k] & b.words[k];
+  return both;
+}
+
+LeafBits without(const LeafBits& a, const LeafBits& b) {
+  LeafBits rest;
+  for (std::size_t k = 0; k < rest.words.size(); ++k) rest.words[k] = a.words[k] & ~b.words[k];
+  return rest;
+}
+
+VoxelSet without(const VoxelSet& a, const VoxelSet& b) {
+  VoxelSet rest(a.grid());
+  for (const std::uint32_t leaf : a.leaves()) {
+    rest.insert(leaf, without(a.voxels(leaf), b.voxels(leaf)));
+  }
+  return rest;
+}
+
+VoxelSet voxels_of_tissue(const VoxelModel& model, std::uint8_t label) {
+  VoxelSet voxels(model.grid);
+  for (std::uint32_t leaf = 0; leaf < model.leaves.size(); ++leaf) {
+    if (model.leaves[leaf] == LeafBits{}) continue;
+    voxels.insert(leaf, leaf_of_tissue(model, leaf, label));
+  }
+  return voxels;
+}
+
+}  // namespace sulcus

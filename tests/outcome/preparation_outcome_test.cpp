@@ -1,0 +1,203 @@
+#include "engine/outcome/preparation_outcome.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "engine/core/units.hpp"
+#include "engine/outcome/goal.hpp"
+#include "engine/shapes/build_shape.hpp"
+#include "tests/outcome/labelled_model.hpp"
+
+namespace sulcus {
+namespace {
+
+constexpr double kVoxel = 1e-4;
+constexpr std::uint8_t kDentine = 0, kPulp = 1;
+const std::vector<TissueSettings> kTissues = test::tissues_named({"dentine", "pulp"});
+
+/// A preparation of a tooth: its outcome, and the tooth afterwards.
+struct Prepared {
+  Prepared(const VoxelModel& start, const std::vector<Cell>& removed,
+           const std::vector<TissueSettings>& tissues,
+           const std::optional<GoalSettings>& goal = std::nullopt)
+      : outcome(start, tissues, goal), end(start) {
+    for (const Cell& c : removed) {
+      outcome.add(test::edit_of(start, c));
+      end.set(c, false);
+    }
+  }
+  PreparationOutcome outcome;
+  VoxelModel end;
+};
+
+/// A full block of 3.2 mm with pulp below z = 8.
+VoxelModel pulp_block() {
+  return test::labelled(test::block({32, 32, 32}, kVoxel, {0, 0, 0}, {32, 32, 32}),
+                        [](const Cell& c) { return c.z() < 8 ? kPulp : kDentine; });
+}
+
+TEST(PreparationOutcome, TheWallOverThePulpIsWhatStandsBetween) {
+  const VoxelModel model = pulp_block();
+  const auto wall_m = [&](const std::vector<Cell>& removed) {
+    return Prepared(model, removed, kTissues).outcome.wall_over_pulp_m();
+  };
+  EXPECT_FALSE(wall_m({})) << "nothing was removed";
+  EXPECT_NEAR(*wall_m({{5, 5, 20}, {9, 9, 11}, {9, 9, 12}}), 3 * kVoxel, 1e-12);
+  EXPECT_NEAR(*wall_m({{9, 9, 9}}), 1 * kVoxel, 1e-12);
+  EXPECT_EQ(*wall_m({{9, 9, 8}}), 0.0) << "exposed";
+  EXPECT_EQ(*wall_m({{9, 9, 3}}), 0.0) << "in the pulp";
+  EXPECT_FALSE(Prepared(model, {{9, 9, 9}}, test::tissues_named({"enamel", "dentine"}))
+                   .outcome.wall_over_pulp_m())
+      << "no pulp is named";
+}
+
+TEST(PreparationOutcome, TheWallOverThePulpIsThatOfAllPairs) {
+  Scene scene;
+  scene.workpiece.shape = ShapeKind::kMolar;
+  scene.workpiece.voxel_m = 0.2e-3;
+  scene.workpiece.cells = {64, 56, 104};
+  scene.tissues = test::tissues_named({"enamel", "dentine", "pulp"});
+  const VoxelModel molar = build_shape(scene);
+  // A slanting bore into the crown, and a notch at the neck.
+  const std::vector<Cell> solid = test::solid_cells(molar);
+  std::vector<Cell> bore, notch, pulp;
+  for (const Cell& c : solid) {
+    const Eigen::Vector3d p = molar.grid.centre_world(c) / kMillimetre;
+    const Eigen::Vector3d across = p - Eigen::Vector3d(0.3 + 0.4 * (p.z() - 4), -0.2, p.z());
+    if (p.z() > 3.3 && across.norm() < 0.8) bore.push_back(c);
+    if (p.y() < -3.4 && std::abs(p.z() - 1.0) < 0.5) notch.push_back(c);
+    if (molar.tissue(c) == 2) pulp.push_back(c);
+  }
+  for (const auto& removed : {bore, notch}) {
+    ASSERT_GT(removed.size(), 50u);
+    int least = std::numeric_limits<int>::max();
+    for (const Cell& a : removed) {
+      for (const Cell& b : pulp) least = std::min(least, (a - b).squaredNorm());
+    }
+    ASSERT_GT(least, 1);
+    const Prepared prepared(molar, removed, scene.tissues);
+    EXPECT_NEAR(*prepared.outcome.wall_over_pulp_m(),
+                scene.workpiece.voxel_m * (std::sqrt(least) - 1.0), 1e-12);
+  }
+}
+
+/// A goal of the whole voxels `lower` to `upper`, `upper` exclusive.
+GoalSettings goal_of(const VoxelGrid& grid, const Cell& lower, const Cell& upper) {
+  const Eigen::Vector3d size = (upper - lower).cast<double>();
+  GoalSettings goal;
+  goal.size_m = grid.voxel_m * size;
+  goal.position_m =
+      grid.world_from_index(lower.cast<double>() + 0.5 * size - Eigen::Vector3d::Constant(0.5));
+  return goal;
+}
+
+std::vector<Cell> cells_of(const Cell& lower, const Cell& upper) {
+  return test::solid_cells(test::block({32, 32, 32}, kVoxel, lower, upper));
+}
+
+TEST(PreparationOutcome, WithoutAGoalThereAreNoFiguresOfOne) {
+  const VoxelModel model = pulp_block();
+  const Prepared prepared(model, {{9, 9, 20}}, kTissues);
+  EXPECT_FALSE(prepared.outcome.goal_figures(prepared.end));
+}
+
+TEST(PreparationOutcome, AGoalThatIsMetHasADiceOfOne) {
+  const VoxelModel model = pulp_block();
+  const Cell lower(8, 8, 20), upper(20, 24, 32);
+  const Prepared prepared(model, cells_of(lower, upper), kTissues,
+                          goal_of(model.grid, lower, upper));
+  const GoalFigures figures = *prepared.outcome.goal_figures(prepared.end);
+  EXPECT_EQ(figures.target_voxels, 12u * 16 * 12);
+  EXPECT_EQ(figures.dice, 1.0);
+  EXPECT_EQ(figures.excess_voxels + figures.missing_voxels, 0u);
+  EXPECT_EQ(figures.excess.max_m, 0.0);
+  EXPECT_EQ(figures.missing->max_m, 0.0);
+}
+
+TEST(PreparationOutcome, AFloorTooDeepOrTooHighReachesThatFar) {
+  const VoxelModel model = pulp_block();
+  const Cell lower(8, 8, 20), upper(20, 24, 32);
+  const GoalSettings goal = goal_of(model.grid, lower, upper);
+  const Prepared deep(model, cells_of({8, 8, 17}, upper), kTissues, goal);
+  const GoalFigures too_deep = *deep.outcome.goal_figures(deep.end);
+  EXPECT_EQ(too_deep.excess_voxels, 12u * 16 * 3);
+  EXPECT_EQ(too_deep.missing_voxels, 0u);
+  EXPECT_NEAR(too_deep.excess.max_m, 3 * kVoxel, 1e-12);
+  EXPECT_NEAR(too_deep.dice, 2.0 * 12 / (12 + 15), 1e-12);
+
+  const Prepared high(model, cells_of({8, 8, 25}, upper), kTissues, goal);
+  const GoalFigures too_high = *high.outcome.goal_figures(high.end);
+  EXPECT_EQ(too_high.excess_voxels, 0u);
+  EXPECT_EQ(too_high.missing_voxels, 12u * 16 * 5);
+  EXPECT_NEAR(too_high.missing->max_m, 5 * kVoxel, 1e-12);
+  EXPECT_NEAR(too_high.dice, 2.0 * 7 / (12 + 7), 1e-12);
+}
+
+TEST(PreparationOutcome, ATargetOfTheWholeToothHasNoWalls) {
+  const VoxelModel model = pulp_block();
+  const Prepared prepared(model, cells_of({0, 0, 16}, {32, 32, 32}), kTissues,
+                          goal_of(model.grid, {0, 0, 0}, {32, 32, 32}));
+  const GoalFigures figures = *prepared.outcome.goal_figures(prepared.end);
+  EXPECT_EQ(figures.missing_voxels, 32u * 32 * 16);
+  EXPECT_FALSE(figures.missing);
+}
+
+/// Of each voxel of `from` to the nearest of `to`, over all pairs; rising.
+std::vector<double> plain_distances_m(const std::vector<Cell>& from, const std::vector<Cell>& to) {
+  std::vector<double> distances;
+  for (const Cell& a : from) {
+    int least = std::numeric_limits<int>::max();
+    for (const Cell& b : to) least = std::min(least, (a - b).squaredNorm());
+    distances.push_back(kVoxel * std::sqrt(least));
+  }
+  std::ranges::sort(distances);
+  return distances;
+}
+
+/// The part of `distances` up to p95 is 95 % of them, and no less would do.
+void expect_reach(const Reach& reach, const std::vector<double>& distances) {
+  EXPECT_NEAR(reach.max_m, distances.back(), 1e-12);
+  const auto up_to = [&](double limit) {
+    const auto end = std::ranges::upper_bound(distances, limit);
+    return static_cast<double>(end - distances.begin()) / static_cast<double>(distances.size());
+  };
+  EXPECT_GE(up_to(reach.p95_m + 1e-9), 0.95);
+  EXPECT_LT(up_to(reach.p95_m - 1e-9), 0.95);
+}
+
+TEST(PreparationOutcome, ReachesAreThoseOfAllPairs) {
+  for (std::uint32_t seed = 1; seed <= 3; ++seed) {
+    const VoxelModel model = test::random_blobs({32, 32, 32}, seed, kVoxel);
+    GoalSettings settings = goal_of(model.grid, {6, 4, 8}, {25, 22, 30});
+    settings.rotation = Eigen::Vector3d(10, 20, 30) * kDegree;
+    const Goal goal(settings);
+    const Eigen::Vector3d centre(14.0 + seed, 17, 18);
+    std::vector<Cell> removed, target, outside, excess, missing;
+    for (const Cell& c : test::solid_cells(model)) {
+      const bool wanted = goal.contains(model.grid.centre_world(c));
+      const bool gone = (c.cast<double>() - centre).norm() < 12;
+      (wanted ? target : outside).push_back(c);
+      if (gone) removed.push_back(c);
+      if (gone && !wanted) excess.push_back(c);
+      if (!gone && wanted) missing.push_back(c);
+    }
+    ASSERT_GT(excess.size(), 20u);
+    ASSERT_GT(missing.size(), 20u);
+    const Prepared prepared(model, removed, test::tissues_named({"enamel"}), settings);
+    const GoalFigures figures = *prepared.outcome.goal_figures(prepared.end);
+    EXPECT_EQ(figures.target_voxels, target.size());
+    EXPECT_EQ(figures.excess_voxels, excess.size());
+    EXPECT_EQ(figures.missing_voxels, missing.size());
+    const auto both = static_cast<double>(target.size() - missing.size());
+    const auto sum = static_cast<double>(target.size() + removed.size());
+    EXPECT_NEAR(figures.dice, 2.0 * both / sum, 1e-12);
+    expect_reach(figures.excess, plain_distances_m(excess, target));
+    ASSERT_TRUE(figures.missing);
+    expect_reach(*figures.missing, plain_distances_m(missing, outside));
+  }
+}
+
+}  // namespace
+}  // namespace sulcus
