@@ -18,10 +18,14 @@ namespace {
 // Lengths in Bullet are millimetres: its tolerances are made for bodies of about one unit. Masses
 // are milligrams.
 constexpr double kLength = 1.0 / kMillimetre;
-constexpr double kLongestStep_s = 1e-3;  // at which a piece that falls 10 mm moves 0.4 mm
-constexpr int kBlockVoxels = 4;          // edge of the tooth's blocks
-constexpr int kDirections = 96;          // in which a hull has its corners
-constexpr double kMargin = 0.4;          // of a voxel, of a hull; it reaches to the voxels' faces
+// In which a body falls by no more than a contact may part before Bullet forgets it, which is a
+// fiftieth of its size; at 1 ms small ones sank.
+constexpr double kLongestStep_s = 0.25e-3;
+constexpr double kSlow_mm_per_s = 3.0;  // below it for half a second a piece goes to sleep
+
+constexpr int kBlockVoxels = 4;  // edge of the tooth's blocks
+constexpr int kDirections = 96;  // in which a hull has its corners
+constexpr double kMargin = 0.4;  // of a voxel, of a hull; it reaches to the voxels' faces
 
 btVector3 bullet(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 Eigen::Vector3d eigen(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
@@ -146,6 +150,7 @@ struct DebrisWorld::World {
         tooth_shape(grid),
         floor_shape(btVector3(0, 0, 1),
                     kLength * settings.floor_m.value_or(-0.5 * grid.voxel_m * grid.cells.z())) {
+    gDeactivationTime = 0.5;  // s, of all of Bullet's worlds; nobody else here has one
     dynamics.setGravity({0, 0, -kLength * settings.gravity_m_per_s2});
     // Pieces start in their kerfs and may overlap the tooth's blocks: they are moved out of them
     // without being thrown.
@@ -201,6 +206,7 @@ struct DebrisWorld::Piece {
     info.m_startWorldTransform = bullet(start);
     info.m_friction = settings.friction;
     body = std::make_unique<btRigidBody>(info);
+    body->setSleepingThresholds(kSlow_mm_per_s, kSlow_mm_per_s / half_width_mm);
     // A piece that falls fast is swept, by a ball well inside it.
     body->setCcdMotionThreshold(half_width_mm);
     body->setCcdSweptSphereRadius(0.5 * half_width_mm);
@@ -241,6 +247,8 @@ struct DebrisWorld::Piece {
 
 DebrisWorld::DebrisWorld(const VoxelGrid& grid, const DebrisSettings& settings)
     : grid_(grid), settings_(settings), world_(std::make_unique<World>(grid, settings)) {}
+
+DebrisWorld::DebrisWorld(DebrisWorld&&) noexcept = default;
 
 DebrisWorld::~DebrisWorld() {
   for (const auto& piece : pieces_) world_->dynamics.removeRigidBody(piece->body.get());

@@ -55,6 +55,7 @@ class DebrisWorld {
 
   DebrisWorld(const VoxelGrid& grid, const DebrisSettings& settings);
   ~DebrisWorld();
+  DebrisWorld(DebrisWorld&&) noexcept;
 
   /// A piece, at rest where its voxels (at least one) are; its number, counted from 0.
   std::size_t add(std::span<const std::uint32_t> voxels);

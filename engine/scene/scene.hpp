@@ -78,7 +78,7 @@ struct TrajectorySettings {
 /// What cutting separates from the tooth falls as a body of its own. Without it, it stays in the
 /// air.
 struct LoosePiecesSettings {
-  double smallest_m3 = 1e-12;  // smaller ones vanish
+  double smallest_m3 = 1e-11;  // smaller ones vanish
   double friction = 0.4;
   std::optional<double> floor_m;  // height of the floor; none: the bottom of the grid
 };

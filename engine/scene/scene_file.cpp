@@ -328,7 +328,7 @@ void read_optional_tables(TomlTable& root, Scene& scene) {
       root.fail("loose_pieces", "[loose_pieces] without [cutting]", "both, or neither");
     }
     LoosePiecesSettings& p = scene.loose_pieces.emplace();
-    p.smallest_m3 = table->number("smallest_mm3", {0, 1e3}, 1e-3) * 1e-9;
+    p.smallest_m3 = table->number("smallest_mm3", {0, 1e3}, 0.01) * 1e-9;
     p.friction = table->number("friction", {0, 10}, p.friction);
     if (const auto floor = table->number("floor_mm", kAnyLength_mm)) {
       p.floor_m = *floor * kMillimetre;

@@ -214,5 +214,28 @@ TEST_F(Removal, NothingTouchedNothingDone) {
   EXPECT_EQ(state_.work_J, 0.0);
 }
 
+TEST_F(Removal, WhatIsLooseLeavesWithTheEnergyItHadStored) {
+  const Cell part_cut(3, 4, 15), other(4, 4, 15), gone(5, 4, 15);
+  touch(part_cut, 0.4 * needed_J(0) / kDt);
+  run();
+  workpiece_.remove(gone);
+  const std::uint64_t solid = workpiece_.solid_voxels();
+  std::vector<std::uint32_t> voxels;
+  for (const Cell& c : {part_cut, other, gone}) voxels.push_back(workpiece_.grid().linear(c));
+  edits_.clear();
+  remove_loose(workpiece_, voxels, 99, state_, edits_);
+  ASSERT_EQ(edits_.size(), 2u) << "what is gone already does not go again";
+  EXPECT_EQ(edits_[1].voxel, voxels[1]);
+  for (const Edit& edit : edits_) {
+    EXPECT_EQ(edit.tick, 99u);
+    EXPECT_EQ(edit.cause, EditCause::kLoose);
+  }
+  EXPECT_EQ(workpiece_.solid_voxels(), solid - 2);
+  EXPECT_EQ(state_.part_cut.size(), 0u);
+  EXPECT_NEAR(state_.carried_J, 0.4 * needed_J(0), kFloat * needed_J(0));
+  EXPECT_EQ(state_.removed_J, 0.0);
+  EXPECT_NEAR(state_.stored_J(), state_.work_J, 1e-12 * state_.work_J);
+}
+
 }  // namespace
 }  // namespace sulcus

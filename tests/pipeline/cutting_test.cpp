@@ -98,5 +98,62 @@ TEST_F(SideCutting, TissuesGoInTheRatioOfTheirSpecificEnergies) {
   EXPECT_GT(mm3["caries"], 1.2 * mm3["dentine"]);
 }
 
+/// A post that is cut through, so that its upper end falls on its stump.
+const std::string kPost = R"(
+[workpiece]
+shape = "box"
+voxel_mm = 0.05
+cells = [64, 64, 64]
+[workpiece.box]
+size_mm = [0.5, 0.5, 2.4]
+[burr]
+diameter_mm = 0.8
+speed_rpm = 150000
+field = [48, 192, 48]
+[trajectory]
+points_mm = [[-0.8, -0.4, 0.3]]
+axis = [0, 1, 0]
+hold_s = 2.5
+load_N = 0.5
+load_direction = [1, 0, 0]
+[haptics]
+normals = "ldm_fast"
+[cutting]
+[loose_pieces]
+[record]
+)";
+
+TEST(LoosePieces, WhatIsCutOffFallsAndComesToRestAndARunOfItReplaysExactly) {
+  const ScratchFolder scratch;
+  const std::string scene = scratch.write("post.toml", kPost);
+  for (const std::string pace : {"fast", "real"}) {
+    const std::string folder = scratch.path(pace);
+    const auto result =
+        sulcus_command("run " + scene + " --pace " + pace + " -o " + folder, scratch.path("err"));
+    ASSERT_EQ(result.status, 0) << result.err;
+    const auto summary = nlohmann::json::parse(test::read_file(folder + "/summary.json"));
+    EXPECT_EQ(summary["fragments"], 1);
+    const std::string recording = folder + "/recording.h5";
+    const auto again = sulcus_command("replay --verify " + recording, scratch.path("err"));
+    EXPECT_EQ(again.status, 0) << again.err;
+
+    const RecordingReader reader(recording);
+    ASSERT_EQ(reader.pieces().size(), 1u);
+    const PieceRow& piece = reader.pieces()[0];
+    // 0.5 x 0.5 x 0.5 mm are over the cut, and what of the cut the round burr leaves at its sides.
+    EXPECT_NEAR(static_cast<double>(piece.voxels) * 0.05 * 0.05 * 0.05, 0.125, 0.03);
+    // After it has gone nothing holds the burr that has passed through.
+    for (const TickRecord& row : reader.ticks()) {
+      if (row.tick > piece.tick) {
+        EXPECT_EQ(row.contacts, 0u) << row.tick;
+      }
+    }
+    ASSERT_FALSE(reader.piece_poses().empty());
+    const PiecePoseRow& last = reader.piece_poses().back();
+    EXPECT_LT(last.position_m[2], -0.4e-3) << "it has fallen";
+    EXPECT_LT(last.tick + 100, reader.ticks().back().tick) << "and rests: nothing more is told";
+  }
+}
+
 }  // namespace
 }  // namespace sulcus

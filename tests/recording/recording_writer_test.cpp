@@ -65,6 +65,31 @@ TEST_F(RecordingWriterTest, WhatWasCutIsReadTickByTick) {
   }
 }
 
+TEST_F(RecordingWriterTest, PiecesAreReadAsFarAsTheTicksGo) {
+  RecordingWriter writer(path(), header(), workpiece(), nullptr, {.pieces = true});
+  for (std::uint64_t t = 10; t <= 100; t += 10) {
+    PieceRow piece{t / 10 - 1, t, 3 * t, 7, 0};
+    PiecePoseRow pose{t, t / 10 - 1, {0, 0, 1e-3 * static_cast<double>(t)}, {1, 0, 0, 0}, 0};
+    LateAnswerRow late{t - 5, t, 0};
+    seal(piece);
+    seal(pose);
+    seal(late);
+    writer.append_piece(piece);
+    writer.append_piece_pose(pose);
+    writer.append_late_answer(late);
+  }
+  append(writer, 1, 65);
+  writer.close();
+  const RecordingReader reader(path());
+  EXPECT_EQ(reader.missing(), "");
+  ASSERT_EQ(reader.pieces().size(), 6u);
+  EXPECT_EQ(reader.pieces()[5].first_loose_edit, 180u);
+  ASSERT_EQ(reader.piece_poses().size(), 6u);
+  EXPECT_EQ(reader.piece_poses()[5].position_m[2], 0.06);
+  ASSERT_EQ(reader.late_answers().size(), 6u);
+  EXPECT_EQ(reader.late_answers()[5].asked, 55u);
+}
+
 TEST_F(RecordingWriterTest, RangesAreCutAtTheEnd) {
   const RecordingReader reader(write_whole(300));
   const auto rows = reader.ticks(200, 50);
