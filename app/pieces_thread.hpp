@@ -24,14 +24,14 @@ namespace sulcus {
 //        +------------------------------+
 //             what has come loose
 //
-// - Answers are a function of the edits before them, poses of the edits and the ticks: fast or slow,
+// - Answers are a function of the edits before them, poses of edits and ticks: fast or slow,
 //   a run gives the same. Nothing here is read by a tick but which voxels leave.
 // - The haptic thread waits for an answer only where it runs as fast as it can.
 
 /// Looks for pieces that were cut loose, beside the haptic thread, and moves them until they rest.
 class PiecesThread {
  public:
-  /// `start`: the workpiece before the first tick; it takes a copy of its own. The feeds outlive it.
+  /// `start`: the workpiece before the first tick, of which it takes a copy. The feeds outlive it.
   PiecesThread(Feed& feed, std::vector<PieceFeed*> consumers, const Scene& scene, VoxelModel start);
   ~PiecesThread();
   PiecesThread(const PiecesThread&) = delete;
