@@ -18,7 +18,7 @@ namespace sulcus {
 // order by tick, so that a run does not depend on how fast the search is. A run at real pace whose
 // answer is late takes it in the first tick that finds it there, and records which. The voxels then
 // leave the workpiece 8,192 a tick at most, so that no piece, however large, costs a tick more.
-inline constexpr std::uint64_t kAskEvery = 25, kAnswerAfter = 50;  // ticks
+inline constexpr std::uint64_t kAskEvery = 25, kAnswerAfter = 50;     // ticks
 inline constexpr std::size_t kLeavePerTick = TickScratch::kMaxLoose;  // voxels
 
 /// Whether it is asked after a tick.
