@@ -37,7 +37,7 @@ struct Feed {
   Queue<TickReport> reports;
   Queue<Edit> edits;
   Queue<StateHash> hashes;         // the recorder's only
-  Queue<LateAnswer> late;          // the recorder's only
+  Queue<TakenAnswer> taken;        // the recorder's only
   std::atomic<bool> ended{false};  // set after the last push
 };
 

@@ -1,6 +1,7 @@
 #include "app/loose_schedule.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace sulcus {
 
@@ -9,38 +10,39 @@ std::optional<LooseAnswer> LooseFinder::add_tick(std::uint64_t tick, std::span<c
   for (const Edit& edit : edits) removed_.push_back(edit.voxel);
   pieces_.remove(removed_);
   if (!asks_after(tick)) return {};
-  return LooseAnswer{tick, pieces_.take()};
-}
-
-LooseSchedule::LooseSchedule(std::span<const LateAnswer> late) {
-  for (const LateAnswer& answer : late) late_[answer.asked] = answer.taken;
-  find_due();
-}
-
-void LooseSchedule::find_due() {
-  const auto late = late_.find(asked_);
-  due_ = late == late_.end() ? asked_ + kAnswerAfter : late->second;
-}
-
-void LooseSchedule::add(const LooseAnswer& answer, std::uint64_t tick) {
-  if (tick > asked_ + kAnswerAfter) late_now_.push_back({asked_, tick});
-  for (const LoosePiece& piece : answer.pieces) {
-    leaving_.insert(leaving_.end(), piece.voxels.begin(), piece.voxels.end());
+  LooseAnswer answer;
+  answer.asked = tick;
+  const VoxelGrid& grid = model().grid;
+  for (LoosePiece& piece : pieces_.take()) {
+    std::ranges::stable_sort(piece.voxels, {}, [&](std::uint32_t voxel) {
+      return grid.leaf_of(grid.cell_of_linear(voxel));
+    });
+    answer.voxels.insert(answer.voxels.end(), piece.voxels.begin(), piece.voxels.end());
+    answer.ends.push_back(answer.voxels.size());
   }
-  asked_ += kAskEvery;
-  find_due();
+  return answer;
+}
+
+LooseSchedule::LooseSchedule(std::span<const TakenAnswer> played_back) : plays_back_(true) {
+  for (const TakenAnswer& answer : played_back) taken_by_asked_[answer.asked] = answer.taken;
+}
+
+std::uint64_t LooseSchedule::due() const {
+  if (!plays_back_) return asked_ + kAnswerAfter;
+  const auto found = taken_by_asked_.find(asked_);
+  return found == taken_by_asked_.end() ? std::numeric_limits<std::uint64_t>::max() : found->second;
 }
 
 std::span<const std::uint32_t> LooseSchedule::next_voxels() {
-  if (next_ == leaving_.size()) {
-    leaving_.clear();
+  while (!leaving_.empty() && next_ == leaving_.front().voxels.size()) {
+    leaving_.pop_front();
     next_ = 0;
-    return {};
   }
-  const std::size_t count = std::min(kLeavePerTick, leaving_.size() - next_);
-  const std::span<const std::uint32_t> voxels(leaving_.data() + next_, count);
-  next_ += count;
-  left_ += count;
+  if (leaving_.empty()) return {};
+  const std::span<const std::uint32_t> all(leaving_.front().voxels);
+  const auto voxels = all.subspan(next_, std::min(kLeavePerTick, all.size() - next_));
+  next_ += voxels.size();
+  left_ += voxels.size();
   return voxels;
 }
 

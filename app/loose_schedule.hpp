@@ -13,12 +13,13 @@
 
 namespace sulcus {
 
-// Pieces cut loose are looked for beside the haptic thread. Every 25 ticks, after tick 24, 49 and
-// so on, it is asked what has come loose, and the answer counts from 50 ticks later on: in a fixed
+// Pieces cut loose are looked for beside the haptic thread. Every 10 ticks, after tick 9, 19 and so
+// on, it is asked what has come loose, and the answer counts from 50 ticks later on: in a fixed
 // order by tick, so that a run does not depend on how fast the search is. A run at real pace whose
-// answer is late takes it in the first tick that finds it there, and records which. The voxels then
-// leave the workpiece 8,192 a tick at most, so that no piece, however large, costs a tick more.
-inline constexpr std::uint64_t kAskEvery = 25, kAnswerAfter = 50;     // ticks
+// answer is late takes it in the first tick that finds it there. Which tick took which answer is
+// recorded; a replay does the same. The voxels leave the workpiece leaf by leaf, 4,096 a tick at
+// most, so that what a piece costs a tick is bounded.
+inline constexpr std::uint64_t kAskEvery = 10, kAnswerAfter = 50;     // ticks
 inline constexpr std::size_t kLeavePerTick = TickScratch::kMaxLoose;  // voxels
 
 /// Whether it is asked after a tick.
@@ -26,8 +27,9 @@ constexpr bool asks_after(std::uint64_t tick) { return (tick + 1) % kAskEvery ==
 
 /// What had come loose after a tick.
 struct LooseAnswer {
-  std::uint64_t asked = 0;  // the tick
-  std::vector<LoosePiece> pieces;
+  std::uint64_t asked = 0;            // the tick
+  std::vector<std::uint32_t> voxels;  // piece after piece, each leaf by leaf
+  std::vector<std::size_t> ends;      // of the pieces, in `voxels`
 };
 
 /// Searches a copy of the workpiece. Free of threads: one at a time uses it.
@@ -46,45 +48,47 @@ class LooseFinder {
   std::vector<std::uint32_t> removed_;  // of a tick
 };
 
-/// An answer that was late, as a recording holds it.
-struct LateAnswer {
+/// That a tick took what had come loose after another.
+struct TakenAnswer {
   std::uint64_t asked = 0, taken = 0;  // ticks
 };
 
-/// Which voxels leave the workpiece in which tick. `Take` gives the next answer, in their order, or
-/// null where it is not there yet and the tick does not wait.
+/// Which voxels leave the workpiece in which tick. For one thread.
 class LooseSchedule {
  public:
-  /// `late`: of the recording that is played back.
-  explicit LooseSchedule(std::span<const LateAnswer> late = {});
+  /// Takes answers when they are due, or as soon as they are there.
+  LooseSchedule() = default;
+  /// As a recording did; an answer that it did not take is never taken.
+  explicit LooseSchedule(std::span<const TakenAnswer> played_back);
 
-  /// Once for every tick, before it. Valid until the next call.
+  /// Once for every tick, before it: its voxels, valid until the next call. `take` moves the next
+  /// answer, in their order, into what it is given; false where it is not there yet.
   template <class Take>
   std::span<const std::uint32_t> before_tick(std::uint64_t tick, const Take& take) {
-    late_now_.clear();
-    while (tick >= due_) {
-      const LooseAnswer* answer = take();
-      if (!answer) break;
-      add(*answer, tick);
+    taken_now_.clear();
+    for (LooseAnswer answer; tick >= due() && take(answer); answer = {}) {
+      taken_now_.push_back({answer.asked, tick});
+      leaving_.push_back(std::move(answer));
+      asked_ += kAskEvery;
     }
     return next_voxels();
   }
 
-  /// The answers that this tick took later than they were due.
-  std::span<const LateAnswer> late() const { return late_now_; }
-  /// Voxels that have left so far.
+  /// The answers that this tick took.
+  std::span<const TakenAnswer> taken() const { return taken_now_; }
+  /// Voxels that have left so far, or were gone when they should have.
   std::uint64_t left() const { return left_; }
 
  private:
-  void add(const LooseAnswer& answer, std::uint64_t tick);
+  std::uint64_t due() const;
   std::span<const std::uint32_t> next_voxels();
-  void find_due();
 
-  std::map<std::uint64_t, std::uint64_t> late_;    // of the recording: taken by asked
-  std::uint64_t asked_ = kAskEvery - 1, due_ = 0;  // of the next answer
-  std::vector<LateAnswer> late_now_;
-  std::vector<std::uint32_t> leaving_;
-  std::size_t next_ = 0;
+  bool plays_back_ = false;
+  std::map<std::uint64_t, std::uint64_t> taken_by_asked_;  // of the recording
+  std::uint64_t asked_ = kAskEvery - 1;                    // of the next answer
+  std::vector<TakenAnswer> taken_now_;
+  std::deque<LooseAnswer> leaving_;
+  std::size_t next_ = 0;  // voxel of the first of them
   std::uint64_t left_ = 0;
 };
 

@@ -43,12 +43,12 @@ void PiecesThread::finish() {
   if (failure_) std::rethrow_exception(failure_);
 }
 
-const LooseAnswer* PiecesThread::next_answer(bool wait) {
-  while (!answers_.try_dequeue(taken_)) {
-    if (!wait || failed_) return nullptr;
+bool PiecesThread::next_answer(LooseAnswer& answer, bool wait) {
+  while (!answers_.try_dequeue(answer)) {
+    if (!wait || failed_) return false;
     std::this_thread::sleep_for(std::chrono::microseconds(20));
   }
-  return &taken_;
+  return true;
 }
 
 void PiecesThread::run() {
@@ -81,17 +81,23 @@ void PiecesThread::add_tick(const TickReport& report, std::span<const Edit> edit
     if (edit.cause == EditCause::kLoose) note_loose(edit.voxel);
   }
   if (std::optional<LooseAnswer> answer = finder_.add_tick(tick, edits)) {
-    for (const LoosePiece& piece : answer->pieces) {
-      leaving_end_ += piece.voxels.size();
-      leaving_.push_back({piece.voxels, 0, leaving_end_, {}});
+    auto first = answer->voxels.begin();
+    for (const std::size_t end : answer->ends) {
+      const auto last = answer->voxels.begin() + static_cast<std::ptrdiff_t>(end);
+      leaving_end_ += static_cast<std::uint64_t>(last - first);
+      leaving_.push_back({{first, last}, 0, leaving_end_, {}});
+      first = last;
     }
     answers_.enqueue(std::move(*answer));
   }
   for (; !leaving_.empty() && leaving_.front().end <= report.loose_left; leaving_.pop_front()) {
     free_piece(leaving_.front(), tick);
   }
-  // Where a tick cuts, one voxel stands for the others: they lie within the burr.
-  if (!edits.empty()) world_.wake(grid.centre_world(grid.cell_of_linear(edits.front().voxel)));
+  if (!edits.empty() && pieces_ > 0) {
+    Eigen::AlignedBox3d cut;
+    for (const Edit& edit : edits) cut.extend(grid.centre_world(grid.cell_of_linear(edit.voxel)));
+    world_.wake(cut);
+  }
   world_.step(dt_s_, finder_.model());
   if (tick % kTellEvery == 0) tell_poses(tick);
   for (PieceFeed* consumer : consumers_) consumer->ticks_done = tick + 1;

@@ -37,9 +37,9 @@ class PiecesThread {
   PiecesThread(const PiecesThread&) = delete;
   PiecesThread& operator=(const PiecesThread&) = delete;
 
-  /// From the haptic thread: the next answer, or null where it is not there yet. With `wait` null
-  /// only where the search has failed. Valid until the next call.
-  const LooseAnswer* next_answer(bool wait);
+  /// From the haptic thread: the next answer; false where it is not there yet, with `wait` only
+  /// where the search has failed.
+  bool next_answer(LooseAnswer& answer, bool wait);
 
   /// After `feed.ended`: waits for the end; throws what went wrong.
   void finish();
@@ -70,7 +70,6 @@ class PiecesThread {
   LooseFinder finder_;
   DebrisWorld world_;
   Queue<LooseAnswer> answers_;
-  LooseAnswer taken_;  // the haptic thread's
   std::deque<Leaving> leaving_;
   std::uint64_t leaving_end_ = 0, loose_edits_ = 0;
   std::vector<bool> told_at_rest_;

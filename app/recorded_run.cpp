@@ -31,8 +31,8 @@ RecordedRun open_recorded_run(const std::string& path) {
     const double* q = row.device_orientation;
     poses.push_back({{p[0], p[1], p[2]}, Eigen::Quaterniond(q[0], q[1], q[2], q[3])});
   }
-  std::vector<LateAnswer> late;
-  for (const LateAnswerRow& row : reader.late_answers()) late.push_back({row.asked, row.taken});
+  std::vector<TakenAnswer> late;
+  for (const TakenAnswerRow& row : reader.taken_answers()) late.push_back({row.asked, row.taken});
   return {path, std::move(reader), std::move(simulation), std::move(poses), std::move(late)};
 }
 

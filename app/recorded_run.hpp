@@ -17,7 +17,7 @@ struct RecordedRun {
   RecordingReader reader;
   std::unique_ptr<Simulation> simulation;
   std::vector<Pose> poses;
-  std::vector<LateAnswer> late_answers;  // of loose pieces
+  std::vector<TakenAnswer> taken_answers;  // of loose pieces
 };
 
 /// Opens a recording; it needs neither the scan nor the burr's mesh that it was made from.

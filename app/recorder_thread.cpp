@@ -22,6 +22,7 @@ RecorderThread::RecorderThread(Feed& feed, PieceFeed* pieces, std::optional<Reco
 
 RecorderThread::~RecorderThread() {
   if (thread_.joinable()) {
+    if (pieces_) pieces_->ticks_done = ~std::uint64_t{0};  // nobody tells it any more
     feed_.ended = true;
     thread_.join();
   }
@@ -39,7 +40,8 @@ void RecorderThread::run() {
     ended = feed_.ended.load();
     // The news of the last ticks come when their thread has ended too.
     while (ended && pieces_ && pieces_->ticks_done != ~std::uint64_t{0}) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      drain();
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     drain();
     if (!ended) std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -90,10 +92,10 @@ void RecorderThread::drain() {
 }
 
 void RecorderThread::drain_pieces() {
-  for (LateAnswer late; feed_.late.try_dequeue(late);) {
-    LateAnswerRow row{late.asked, late.taken, 0};
+  for (TakenAnswer taken; feed_.taken.try_dequeue(taken);) {
+    TakenAnswerRow row{taken.asked, taken.taken, 0};
     seal(row);
-    writer_->append_late_answer(row);
+    writer_->append_taken_answer(row);
   }
   for (PieceNews news; pieces_->news.try_dequeue(news);) {
     if (news.voxels) {

@@ -72,9 +72,10 @@ void RenderThread::run() {
   };
   std::vector<Pose> piece_poses;
   std::optional<PieceNews> ahead;  // of a later tick than is drawn
-  const auto take_pieces = [&](std::uint64_t tick) {
-    // A run that does not drop frames waits, so that its pictures do not depend on who was faster.
-    while (!drop_frames_ && pieces_->ticks_done <= tick) {
+  const auto take_pieces = [&](std::uint64_t tick, bool last) {
+    // A run that does not drop frames waits, so that its pictures do not depend on who was faster;
+    // the last of any run does.
+    while ((!drop_frames_ || last) && pieces_->ticks_done <= tick) {
       std::this_thread::sleep_for(std::chrono::microseconds(100));
     }
     PieceNews news;
@@ -92,10 +93,10 @@ void RenderThread::run() {
       }
     }
   };
-  const auto draw = [&] {
+  const auto draw = [&](bool last = false) {
     const std::uint64_t begin = steady_ns();
     FrameState state = history.state();
-    if (pieces_) take_pieces(state.tick);
+    if (pieces_) take_pieces(state.tick, last);
     state.pieces = piece_poses;
     renderer.remove(removed);
     removed.clear();
@@ -125,7 +126,7 @@ void RenderThread::run() {
     if (due) draw();
     if (!ended && !due) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
-  if (!history.empty()) draw();  // the last picture is the result
+  if (!history.empty()) draw(true);  // the last picture is the result
   memory_bytes_ = renderer.memory_bytes();
 }
 

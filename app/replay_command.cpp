@@ -66,14 +66,13 @@ void verify(const RecordedRun& run) {
   }
   std::optional<LooseFinder> finder;
   if (simulation.scene().loose_pieces) finder.emplace(simulation.workpiece().model());
-  LooseSchedule loose(run.late_answers);
+  LooseSchedule loose(run.taken_answers);
   std::deque<LooseAnswer> answers;
-  LooseAnswer answer;
-  const auto next_answer = [&]() -> const LooseAnswer* {
-    if (answers.empty()) return nullptr;
+  const auto next_answer = [&](LooseAnswer& answer) {
+    if (answers.empty()) return false;
     answer = std::move(answers.front());
     answers.pop_front();
-    return &answer;
+    return true;
   };
   std::size_t edit = 0, hash = 0;
   for (const TickRecord& row : rows) {
@@ -89,6 +88,7 @@ void verify(const RecordedRun& run) {
       if (edit >= edits.size() || !same_edit(e, edits[edit])) fail(row.tick, "the voxels removed");
       ++edit;
     }
+    if (edit != row.edits_end) fail(row.tick, "the voxels removed");
     if (hash < hashes.size() && hashes[hash].tick == row.tick) {
       if (hashes[hash].volume != simulation.workpiece().hash()) fail(row.tick, "the volume");
       if (hashes[hash].state != simulation.state().hash()) fail(row.tick, "the state");
@@ -117,7 +117,7 @@ void replay(const ReplayOptions& options) {
           ? "out/" + std::filesystem::path(options.recording).stem().string() + "_replay"
           : options.folder;
   session.ticks = run.poses.size();
-  session.late_answers = run.late_answers;
+  session.played_back = run.taken_answers;
   open_log(session.folder);
   PlaybackDevice device(run.poses);
   const SessionResult result = run_session(*run.simulation, device, session);

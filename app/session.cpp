@@ -67,7 +67,7 @@ class HapticLoop {
         options_(options),
         feeds_(std::move(feeds)),
         pieces_(pieces),
-        loose_(options.late_answers),
+        loose_(options.played_back ? LooseSchedule(*options.played_back) : LooseSchedule()),
         pacer_(simulation.scene().haptics.rate_hz) {}
 
   void run() {
@@ -98,14 +98,14 @@ class HapticLoop {
   const std::vector<std::string>& refused() const { return refused_; }
 
  private:
-  /// The voxels of loose pieces that leave in the next tick. A run that plays back what was late
-  /// waits for it, however slow it is here.
+  /// The voxels of loose pieces that leave in the next tick.
   std::span<const std::uint32_t> loose_now() {
     if (!pieces_) return {};
-    const bool wait = options_.pace == Pace::kFast;
-    const auto voxels =
-        loose_.before_tick(simulation_.state().tick, [&] { return pieces_->next_answer(wait); });
-    for (const LateAnswer& late : loose_.late()) feeds_.front()->late.enqueue(late);
+    const bool wait = options_.pace == Pace::kFast || options_.played_back;
+    const auto voxels = loose_.before_tick(simulation_.state().tick, [&](LooseAnswer& answer) {
+      return pieces_->next_answer(answer, wait);
+    });
+    for (const TakenAnswer& taken : loose_.taken()) feeds_.front()->taken.enqueue(taken);
     return voxels;
   }
 

@@ -18,9 +18,10 @@ enum class Pace : std::uint8_t { kReal, kFast };
 struct SessionOptions {
   std::string folder;  // summary.json, forces.png, log.txt, recording.h5, frames/
   Pace pace = Pace::kFast;
-  std::uint64_t ticks = 0;                    // at most
-  bool render = true;                         // draw, where the scene has [render]
-  std::vector<LateAnswer> late_answers = {};  // of a recording that is run again
+  std::uint64_t ticks = 0;  // at most
+  bool render = true;       // draw, where the scene has [render]
+  /// When answers of loose pieces were taken in the recording that is run again; none: a new run.
+  std::optional<std::vector<TakenAnswer>> played_back = {};
 };
 
 /// A part of the program that ran, as the summary lists it.
@@ -56,9 +57,9 @@ struct SessionResult {
 extern std::atomic<bool> stop_requested;
 
 /// Runs a simulation against a device until its ticks are over, a stop is requested or a fault ends
-/// it: the haptic thread, and beside it the recorder and, where the scene asks, the renderer, each
-/// with a feed of its own. Returns after everything is on disk. Throws std::runtime_error when the
-/// recorder or the renderer failed; the rest has been written then.
+/// it: the haptic thread, and beside it the recorder and, where the scene asks, the renderer and
+/// the thread of loose pieces, each with a feed of its own. Returns after everything is on disk.
+/// Throws std::runtime_error when one of these failed; the rest has been written then.
 SessionResult run_session(Simulation& simulation, Device& device, const SessionOptions& options);
 
 }  // namespace sulcus

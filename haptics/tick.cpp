@@ -95,10 +95,11 @@ void cut(const TickContext& context, Workpiece& workpiece, SimulationState& stat
          TickScratch& scratch, ContactResult& contact) {
   const auto timed = scratch.contact.clock.time(Stage::kRemoval);
   const double dt_s = 1.0 / context.scene.haptics.rate_hz;
+  const std::size_t before = scratch.edits.size();  // of loose pieces
   contact.faults |= removal(workpiece, context.scene.tissues, dt_s, state.tick, scratch.contact,
                             *state.removal, scratch.edits);
   workpiece.switch_off(scratch.contact.hollow);
-  if (state.kept) state.kept->drop(scratch.edits);
+  if (state.kept) state.kept->drop(std::span(scratch.edits).subspan(before));
   scratch.cutting = make_cutting_record(context, state, contact.tangential);
   if (state.spindle_rad_per_s) turn_spindle(context, contact, dt_s, state);
 }
@@ -169,6 +170,7 @@ TickRecord tick(const TickContext& context, Device& device, Workpiece& workpiece
   } else {
     device_pose = state.tool;  // the tool stays; the fault stops the run
     contact.faults = kFaultNotFinite;
+    if (state.removal) scratch.cutting = make_cutting_record(context, state, {});
   }
   const Wrench sent = device_edge(contact);
   device.apply(sent);

@@ -28,7 +28,7 @@ struct TickScratch {
       : contact(scene.haptics, clock) {
     if (scene.cutting) edits.reserve(contact.capacity + (scene.loose_pieces ? kMaxLoose : 0));
   }
-  static constexpr std::size_t kMaxLoose = 8192;
+  static constexpr std::size_t kMaxLoose = 4096;
 
   ContactScratch contact;
   std::vector<Edit> edits;  // of this tick

@@ -200,9 +200,15 @@ struct DebrisWorld::Piece {
     add_hull(grid);
     start.position *= kMillimetre;
 
-    const double mass_mg = voxel_mg * static_cast<double>(voxels.size());
+    principal_mg_mm2 = principal.eigenvalues();
+    mass_mg = voxel_mg * static_cast<double>(voxels.size());
+    make_body(settings);
+  }
+
+  /// At rest where the piece came loose.
+  void make_body(const DebrisSettings& settings) {
     btRigidBody::btRigidBodyConstructionInfo info(mass_mg, nullptr, &hull,
-                                                  bullet(Eigen::Vector3d(principal.eigenvalues())));
+                                                  bullet(principal_mg_mm2));
     info.m_startWorldTransform = bullet(start);
     info.m_friction = settings.friction;
     body = std::make_unique<btRigidBody>(info);
@@ -240,7 +246,8 @@ struct DebrisWorld::Piece {
 
   std::vector<std::uint32_t> voxels;
   Pose start;  // of the body's axes, world
-  double half_width_mm = 0.0;
+  double half_width_mm = 0.0, mass_mg = 0.0;
+  Eigen::Vector3d principal_mg_mm2 = Eigen::Vector3d::Zero();  // moments of inertia
   btConvexHullShape hull;
   std::unique_ptr<btRigidBody> body;
 };
@@ -273,14 +280,15 @@ void DebrisWorld::step(double dt_s, const VoxelModel& tooth) {
   }
 }
 
-void DebrisWorld::wake(const Eigen::Vector3d& p_world) {
-  const btVector3 p = bullet(kLength * p_world);
-  const btVector3 reach(1, 1, 1);
+void DebrisWorld::wake(const Eigen::AlignedBox3d& cut_world) {
+  const btVector3 reach(0.5, 0.5, 0.5);
+  const btVector3 first = bullet(kLength * cut_world.min()) - reach;
+  const btVector3 last = bullet(kLength * cut_world.max()) + reach;
   for (const auto& piece : pieces_) {
     if (piece->body->isActive()) continue;
     btVector3 low, high;
     piece->body->getAabb(low, high);
-    if (TestAabbAgainstAabb2(low, high, p - reach, p + reach)) piece->body->activate(true);
+    if (TestAabbAgainstAabb2(low, high, first, last)) piece->body->activate(true);
   }
 }
 
@@ -315,12 +323,34 @@ DebrisWorld::State DebrisWorld::save() const {
 }
 
 void DebrisWorld::restore(const State& state) {
-  for (const auto& piece : pieces_) world_->dynamics.removeRigidBody(piece->body.get());
+  clear();
   pieces_.clear();
-  world_ = std::make_unique<World>(grid_, settings_);
-  steps_ = state.steps;
   for (const PieceState& saved : state.pieces) {
-    btRigidBody& body = *pieces_[add(saved.voxels)]->body;
+    pieces_.push_back(std::make_unique<Piece>(grid_, settings_, saved.voxels));
+  }
+  populate(state);
+}
+
+void DebrisWorld::rebuild() {
+  // As `restore` does, but for the hulls, which are the same.
+  const State state = save();
+  clear();
+  for (const auto& piece : pieces_) piece->make_body(settings_);
+  populate(state);
+}
+
+/// Takes the pieces out of the world, which is no more afterwards.
+void DebrisWorld::clear() {
+  for (const auto& piece : pieces_) world_->dynamics.removeRigidBody(piece->body.get());
+  world_ = std::make_unique<World>(grid_, settings_);
+}
+
+/// Puts the pieces into an empty world as they were.
+void DebrisWorld::populate(const State& state) {
+  steps_ = state.steps;
+  for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    const PieceState& saved = state.pieces[i];
+    btRigidBody& body = *pieces_[i]->body;
     btTransform at;
     at.setOrigin(bullet(saved.position_mm));
     const Eigen::Matrix3d& m = saved.axes;
@@ -328,13 +358,11 @@ void DebrisWorld::restore(const State& state) {
     body.setCenterOfMassTransform(at);
     body.setLinearVelocity(bullet(saved.velocity_mm_per_s));
     body.setAngularVelocity(bullet(saved.turning_rad_per_s));
+    world_->dynamics.addRigidBody(&body);
     body.forceActivationState(saved.activation);
     body.setDeactivationTime(saved.slow_s);
-    world_->dynamics.updateSingleAabb(&body);
   }
 }
-
-void DebrisWorld::rebuild() { restore(save()); }
 
 std::size_t DebrisWorld::memory_bytes() const {
   std::size_t bytes = sizeof(World);

@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "engine/core/pose.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/volume/voxel_model.hpp"
@@ -61,8 +63,8 @@ class DebrisWorld {
   std::size_t add(std::span<const std::uint32_t> voxels);
   /// A tick further.
   void step(double dt_s, const VoxelModel& tooth);
-  /// The tooth was cut here: pieces that lie within a millimetre of it may move again.
-  void wake(const Eigen::Vector3d& p_world);
+  /// The tooth was cut in this box: pieces that lie within half a millimetre may move again.
+  void wake(const Eigen::AlignedBox3d& cut_world);
 
   std::size_t size() const { return pieces_.size(); }
   /// World now from world where the piece was when it was added.
@@ -77,6 +79,8 @@ class DebrisWorld {
   struct World;
   struct Piece;
   void rebuild();
+  void clear();
+  void populate(const State& state);
 
   VoxelGrid grid_;
   DebrisSettings settings_;

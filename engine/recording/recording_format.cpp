@@ -93,11 +93,11 @@ Hdf5Handle piece_pose_type() {
   return row;
 }
 
-Hdf5Handle late_answer_type() {
-  Hdf5Handle row = compound(sizeof(LateAnswerRow));
-  field(row, "asked", offsetof(LateAnswerRow, asked), H5T_STD_U64LE);
-  field(row, "taken", offsetof(LateAnswerRow, taken), H5T_STD_U64LE);
-  field(row, "check", offsetof(LateAnswerRow, check), H5T_STD_U64LE);
+Hdf5Handle taken_answer_type() {
+  Hdf5Handle row = compound(sizeof(TakenAnswerRow));
+  field(row, "asked", offsetof(TakenAnswerRow, asked), H5T_STD_U64LE);
+  field(row, "taken", offsetof(TakenAnswerRow, taken), H5T_STD_U64LE);
+  field(row, "check", offsetof(TakenAnswerRow, check), H5T_STD_U64LE);
   return row;
 }
 

@@ -17,7 +17,7 @@ namespace sulcus {
 //   /workpiece   see recording_workpiece.hpp     /burr   only where the scene does not generate it
 //   /ticks  /edits  /state_hashes                one dimension, extensible, no filters
 //   /cutting     one row for each of /ticks, only where the scene cuts
-//   /pieces  /piece_poses  /late_answers        only where pieces may come loose
+//   /pieces  /piece_poses  /taken_answers        only where pieces may come loose
 //   /end         one row, written when the recording is closed: what it holds
 //
 // Texts are of fixed length: HDF5 keeps those of variable length in a heap without checksums, and
@@ -77,7 +77,7 @@ Hdf5Handle tick_type();
 Hdf5Handle cutting_type();
 Hdf5Handle piece_type();
 Hdf5Handle piece_pose_type();
-Hdf5Handle late_answer_type();
+Hdf5Handle taken_answer_type();
 Hdf5Handle edit_type();
 Hdf5Handle state_hash_type();
 Hdf5Handle end_type();

@@ -215,7 +215,7 @@ struct RecordingReader::File {
   std::vector<StateHash> state_hashes;
   std::vector<PieceRow> pieces;
   std::vector<PiecePoseRow> piece_poses;
-  std::vector<LateAnswerRow> late_answers;
+  std::vector<TakenAnswerRow> taken_answers;
   std::string missing;
 
   void open() {
@@ -232,11 +232,13 @@ struct RecordingReader::File {
     const std::string damage = scan_rows();
     std::string hash_damage = scan_state_hashes(hash_table);
     if (H5Lexists(file, "pieces", H5P_DEFAULT) > 0) {
-      hash_damage += scan_sealed("pieces", piece_type(), &PieceRow::tick, pieces);
-      hash_damage +=
-          scan_sealed("piece_poses", piece_pose_type(), &PiecePoseRow::tick, piece_poses);
-      hash_damage +=
-          scan_sealed("late_answers", late_answer_type(), &LateAnswerRow::taken, late_answers);
+      for (const std::string& small :
+           {scan_sealed("pieces", piece_type(), &PieceRow::tick, pieces),
+            scan_sealed("piece_poses", piece_pose_type(), &PiecePoseRow::tick, piece_poses),
+            scan_sealed("taken_answers", taken_answer_type(), &TakenAnswerRow::taken,
+                        taken_answers)}) {
+        if (!small.empty()) hash_damage.append(hash_damage.empty() ? "" : "; ").append(small);
+      }
     }
     missing = what_is_missing(end, damage, hash_damage);
   }
@@ -312,7 +314,7 @@ struct RecordingReader::File {
     const bool closed = end.check == check_of(end);
     const bool whole = closed && end.ticks == ticks && end.edits == edits &&
                        end.state_hashes == state_hashes.size();
-    if (whole) return "";
+    if (whole && hash_damage.empty()) return "";
     std::string text = ticks == 0 ? "recording holds no tick"
                                   : "recording ends at tick " + std::to_string(last_tick);
     if (closed) text += " (" + std::to_string(ticks) + " of " + std::to_string(end.ticks) + ")";
@@ -407,8 +409,8 @@ std::vector<Edit> RecordingReader::edits(std::size_t first, std::size_t count) c
 const std::vector<StateHash>& RecordingReader::state_hashes() const { return file_->state_hashes; }
 const std::vector<PieceRow>& RecordingReader::pieces() const { return file_->pieces; }
 const std::vector<PiecePoseRow>& RecordingReader::piece_poses() const { return file_->piece_poses; }
-const std::vector<LateAnswerRow>& RecordingReader::late_answers() const {
-  return file_->late_answers;
+const std::vector<TakenAnswerRow>& RecordingReader::taken_answers() const {
+  return file_->taken_answers;
 }
 const std::string& RecordingReader::missing() const { return file_->missing; }
 

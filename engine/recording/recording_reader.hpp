@@ -49,7 +49,7 @@ class RecordingReader {
   /// Of these ticks, rising; none where no pieces may come loose.
   const std::vector<PieceRow>& pieces() const;
   const std::vector<PiecePoseRow>& piece_poses() const;
-  const std::vector<LateAnswerRow>& late_answers() const;
+  const std::vector<TakenAnswerRow>& taken_answers() const;
   /// Of these ticks, rising.
   const std::vector<StateHash>& state_hashes() const;
 

@@ -124,7 +124,7 @@ struct RecordingWriter::File {
   // With RecordingTables::pieces.
   std::optional<Table<PieceRow>> pieces;
   std::optional<Table<PiecePoseRow>> piece_poses;
-  std::optional<Table<LateAnswerRow>> late_answers;
+  std::optional<Table<TakenAnswerRow>> taken_answers;
   Hdf5Handle end;
   std::string failure;  // of the first call that failed
 
@@ -139,7 +139,7 @@ struct RecordingWriter::File {
     if (tables.pieces) {
       pieces.emplace(file, "pieces", piece_type(), kPieceChunk);
       piece_poses.emplace(file, "piece_poses", piece_pose_type(), kPieceChunk);
-      late_answers.emplace(file, "late_answers", late_answer_type(), kPieceChunk);
+      taken_answers.emplace(file, "taken_answers", taken_answer_type(), kPieceChunk);
     }
     state_hashes.emplace(file, "state_hashes", state_hash_type(), kStateHashChunk);
     end = create_end(file);
@@ -149,8 +149,9 @@ struct RecordingWriter::File {
   void flush() {
     edits->flush();
     if (pieces) {
-      // Before the ticks that obey or show them.
-      late_answers->flush();
+      // Answers before the ticks that took them. News of pieces come from another thread, sooner or
+      // later than their ticks: readers go by the numbers in the rows.
+      taken_answers->flush();
       pieces->flush();
       piece_poses->flush();
     }
@@ -182,7 +183,7 @@ struct RecordingWriter::File {
     cutting.reset();
     pieces.reset();
     piece_poses.reset();
-    late_answers.reset();
+    taken_answers.reset();
     state_hashes.reset();
     end.close();
     if (!file.close()) throw Hdf5Error("close: " + hdf5_reason());
@@ -196,7 +197,7 @@ struct RecordingWriter::File {
     if (cutting) cutting->forget();
     if (pieces) pieces->forget();
     if (piece_poses) piece_poses->forget();
-    if (late_answers) late_answers->forget();
+    if (taken_answers) taken_answers->forget();
     if (state_hashes) state_hashes->forget();
     end.forget();
     file.forget();
@@ -270,8 +271,8 @@ void RecordingWriter::append_piece_pose(const PiecePoseRow& row) {
   file_->guarded([&] { file_->piece_poses.value().add(row); });
 }
 
-void RecordingWriter::append_late_answer(const LateAnswerRow& row) {
-  file_->guarded([&] { file_->late_answers.value().add(row); });
+void RecordingWriter::append_taken_answer(const TakenAnswerRow& row) {
+  file_->guarded([&] { file_->taken_answers.value().add(row); });
 }
 
 void RecordingWriter::append_state_hash(const StateHash& hash) {

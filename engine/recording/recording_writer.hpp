@@ -15,7 +15,7 @@ namespace sulcus {
 /// Data sets that a recording has only where the scene names what is in them.
 struct RecordingTables {
   bool cutting = false;  // /cutting
-  bool pieces = false;   // /pieces, /piece_poses, /late_answers
+  bool pieces = false;   // /pieces, /piece_poses, /taken_answers
 };
 
 /// Writes a recording that other processes may read while it grows, and that reads whole up to the
@@ -48,11 +48,11 @@ class RecordingWriter {
   /// One for each tick, in their order, before or after it; a tick waits for its row. Only with
   /// RecordingTables::cutting.
   void append_cutting(std::span<const CuttingRecord> rows);
-  /// After the edits of the piece's voxels, the piece before its poses. Only with
+  /// Pieces before their poses, answers before the tick that took them is flushed. Only with
   /// RecordingTables::pieces.
   void append_piece(const PieceRow& row);
   void append_piece_pose(const PiecePoseRow& row);
-  void append_late_answer(const LateAnswerRow& row);
+  void append_taken_answer(const TakenAnswerRow& row);
   /// After the tick it names was appended.
   void append_state_hash(const StateHash& hash);
 

@@ -69,9 +69,9 @@ struct PiecePoseRow {
   std::uint64_t check = 0;
 };
 
-/// One row of /late_answers: at real pace, what had come loose after a tick was taken later than it
-/// should have been; a replay takes it then.
-struct LateAnswerRow {
+/// One row of /taken_answers: in which tick the haptic thread took what had come loose after
+/// another. A replay takes it then, and never what has no row.
+struct TakenAnswerRow {
   std::uint64_t asked = 0;  // ticks
   std::uint64_t taken = 0;
   std::uint64_t check = 0;
@@ -80,10 +80,10 @@ struct LateAnswerRow {
 /// Sets `check`.
 void seal(PieceRow& row);
 void seal(PiecePoseRow& row);
-void seal(LateAnswerRow& row);
+void seal(TakenAnswerRow& row);
 bool is_sealed(const PieceRow& row);
 bool is_sealed(const PiecePoseRow& row);
-bool is_sealed(const LateAnswerRow& row);
+bool is_sealed(const TakenAnswerRow& row);
 
 /// Sets `check`.
 void seal(TickRecord& record);

@@ -7,41 +7,43 @@
 namespace sulcus {
 namespace {
 
-LooseAnswer answer(std::uint64_t asked, std::vector<std::size_t> sizes = {}) {
-  LooseAnswer a{asked, {}};
-  std::uint32_t voxel = 0;
-  for (const std::size_t size : sizes) {
-    LoosePiece& piece = a.pieces.emplace_back();
-    for (std::size_t i = 0; i < size; ++i) piece.voxels.push_back(voxel++);
-  }
+LooseAnswer answer(std::uint64_t asked, std::size_t size = 0) {
+  LooseAnswer a{asked, {}, {}};
+  for (std::uint32_t voxel = 0; voxel < size; ++voxel) a.voxels.push_back(voxel);
+  if (size > 0) a.ends.push_back(size);
   return a;
 }
 
 TEST(LooseSchedule, AnAnswerIsTakenFiftyTicksAfterItsQuestion) {
   LooseSchedule schedule;
-  std::vector<std::uint64_t> taken;
-  LooseAnswer now;
-  std::uint64_t asked = 24;
+  std::uint64_t asked = 9;
   for (std::uint64_t tick = 0; tick < 200; ++tick) {
-    schedule.before_tick(tick, [&] {
-      taken.push_back(tick);
+    schedule.before_tick(tick, [&](LooseAnswer& now) {
       now = answer(asked);
-      asked += 25;
-      return &now;
+      asked += 10;
+      return true;
     });
-    EXPECT_TRUE(schedule.late().empty());
+    const bool due = tick >= 59 && tick % 10 == 9;
+    ASSERT_EQ(schedule.taken().size(), due ? 1u : 0u) << tick;
+    if (due) {
+      EXPECT_EQ(schedule.taken()[0].asked, tick - 50);
+      EXPECT_EQ(schedule.taken()[0].taken, tick);
+    }
   }
-  EXPECT_EQ(taken, (std::vector<std::uint64_t>{74, 99, 124, 149, 174, 199}));
 }
 
 TEST(LooseSchedule, WhatIsLooseLeavesInItsOrderSoManyATick) {
   LooseSchedule schedule;
-  const LooseAnswer all = answer(24, {5000, 6000, 7000});
   std::vector<std::uint32_t> left;
+  bool given = false;
   for (std::uint64_t tick = 0; tick < 99; ++tick) {
-    const auto voxels = schedule.before_tick(tick, [&] { return &all; });
+    const auto voxels = schedule.before_tick(tick, [&](LooseAnswer& now) {
+      if (given) return false;
+      now = answer(9, 18000);
+      return given = true;
+    });
     EXPECT_LE(voxels.size(), kLeavePerTick);
-    if (tick < 74) {
+    if (tick < 59) {
       EXPECT_TRUE(voxels.empty());
     }
     left.insert(left.end(), voxels.begin(), voxels.end());
@@ -51,32 +53,38 @@ TEST(LooseSchedule, WhatIsLooseLeavesInItsOrderSoManyATick) {
   for (std::uint32_t i = 0; i < left.size(); ++i) EXPECT_EQ(left[i], i);
 }
 
-TEST(LooseSchedule, WhatWasLateIsToldAndPlayedBack) {
-  const LooseAnswer first = answer(24, {3}), second = answer(49);
-  const auto run = [&](LooseSchedule& schedule, std::uint64_t there_from) {
-    std::vector<std::pair<std::uint64_t, std::size_t>> left;
-    std::vector<LateAnswer> late;
-    int given = 0;
-    for (std::uint64_t tick = 0; tick < 120; ++tick) {
-      const auto voxels = schedule.before_tick(tick, [&]() -> const LooseAnswer* {
-        if (tick < there_from || given == 2) return nullptr;
-        return given++ == 0 ? &first : &second;
-      });
-      if (!voxels.empty()) left.push_back({tick, voxels.size()});
-      late.insert(late.end(), schedule.late().begin(), schedule.late().end());
-    }
-    return std::pair{left, late};
-  };
-  LooseSchedule slow;
-  const auto [left, late] = run(slow, 81);
-  ASSERT_EQ(left.size(), 1u);
-  EXPECT_EQ(left[0].first, 81u);
-  ASSERT_EQ(late.size(), 1u) << "the second comes in time";
-  EXPECT_EQ(late[0].asked, 24u);
-  EXPECT_EQ(late[0].taken, 81u);
+/// What left in which tick, and what was taken, with two answers that are there from a tick on.
+struct Left {
+  std::vector<std::pair<std::uint64_t, std::size_t>> voxels;
+  std::vector<TakenAnswer> taken;
+};
+Left run(LooseSchedule schedule, std::uint64_t there_from, std::uint64_t ticks = 120) {
+  Left left;
+  int given = 0;
+  for (std::uint64_t tick = 0; tick < ticks; ++tick) {
+    const auto voxels = schedule.before_tick(tick, [&](LooseAnswer& now) {
+      if (tick < there_from || given == 2) return false;
+      now = given++ == 0 ? answer(9, 3) : answer(19, 5);
+      return true;
+    });
+    if (!voxels.empty()) left.voxels.push_back({tick, voxels.size()});
+    left.taken.insert(left.taken.end(), schedule.taken().begin(), schedule.taken().end());
+  }
+  return left;
+}
 
-  LooseSchedule again(late);
-  EXPECT_EQ(run(again, 0).first, left) << "though the answer is there at once";
+TEST(LooseSchedule, ALateAnswerIsTakenWhenItIsThereAndPlayedBackSo) {
+  const Left slow = run(LooseSchedule(), 64);
+  ASSERT_EQ(slow.voxels.size(), 2u);
+  EXPECT_EQ(slow.voxels[0], std::pair(std::uint64_t{64}, std::size_t{3}));
+  EXPECT_EQ(slow.voxels[1], std::pair(std::uint64_t{69}, std::size_t{5})) << "this one is in time";
+  EXPECT_EQ(run(LooseSchedule(slow.taken), 0).voxels, slow.voxels) << "though it is there at once";
+}
+
+TEST(LooseSchedule, AnAnswerThatARunDidNotTakeIsNotTakenInItsReplay) {
+  const Left stopped = run(LooseSchedule(), 68, 66);
+  EXPECT_TRUE(stopped.taken.empty());
+  EXPECT_TRUE(run(LooseSchedule(stopped.taken), 0).voxels.empty());
 }
 
 TEST(LooseFinder, AnswersAfterTheTickThatAsks) {
@@ -89,14 +97,11 @@ TEST(LooseFinder, AnswersAfterTheTickThatAsks) {
   for (std::uint64_t tick = 0; tick < 50; ++tick) {
     const auto found =
         finder.add_tick(tick, tick == 3 ? std::span(&cut, 1) : std::span<const Edit>{});
-    ASSERT_EQ(found.has_value(), tick == 24 || tick == 49) << tick;
-    if (tick == 49) {
-      EXPECT_TRUE(found->pieces.empty());
-    }
-    if (tick != 24) continue;
-    EXPECT_EQ(found->asked, 24u);
-    ASSERT_EQ(found->pieces.size(), 1u);
-    EXPECT_EQ(found->pieces[0].voxels.size(), 6u);
+    ASSERT_EQ(found.has_value(), tick % 10 == 9) << tick;
+    if (!found) continue;
+    EXPECT_EQ(found->asked, tick);
+    EXPECT_EQ(found->voxels.size(), tick == 9 ? 6u : 0u);
+    EXPECT_EQ(found->ends.size(), tick == 9 ? 1u : 0u);
   }
   EXPECT_FALSE(finder.model().solid({16, 5, 5}));
 }

@@ -31,7 +31,8 @@ Resistance spring(double offset_m, double stiffness) {
 TEST(LoadBalance, OnASpringItStopsWhereTheForceIsTheLoad) {
   Wall wall{[](double x) { return spring(x, 30e3); }, {}};
   EXPECT_NEAR(wall.balance(0.0, 0.3), 0.3 / 30e3, 0.01 * 0.3 / 30e3);
-  EXPECT_EQ(wall.asked.back(), wall.balance(0.0, 0.3)) << "the last asked is where it is";
+  const double at_m = wall.balance(0.0, 0.3);
+  EXPECT_EQ(wall.asked.back(), at_m) << "the last asked is where it is";
 }
 
 TEST(LoadBalance, InBalanceItAsksOnce) {

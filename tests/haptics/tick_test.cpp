@@ -152,6 +152,31 @@ TEST(Tick, TheFirstTickAllocatesNothingEither) {
   EXPECT_GT(record.contacts, 50u);
 }
 
+TEST(Tick, NothingIsAllocatedForALoadASpindleOrLoosePiecesEither) {
+  TickRun run(true);
+  run.scene.trajectory.load_N = 0.5;
+  run.scene.spindle.emplace();
+  run.scene.loose_pieces.emplace();
+  run.scratch = TickScratch(run.scene);
+  run.state = initial_state(run.scene, run.workpiece.grid());
+  // As if all of the block's far corner had come loose.
+  std::vector<std::uint32_t> loose;
+  for (const Cell& c : test::solid_cells(run.workpiece.model())) {
+    if (loose.size() < TickScratch::kMaxLoose) loose.push_back(run.workpiece.grid().linear(c));
+  }
+  ListDevice device(path(60));
+  run.step(device);
+  const std::uint64_t before = test::allocation_count();
+  for (int i = 1; i < 60; ++i) {
+    tick(run.context, device, run.workpiece, run.state, run.scratch,
+         i == 40 ? std::span<const std::uint32_t>(loose) : std::span<const std::uint32_t>{});
+    if (i == 40) {
+      EXPECT_GE(run.scratch.edits.size(), loose.size());
+    }
+  }
+  EXPECT_EQ(test::allocation_count(), before);
+}
+
 TEST(Tick, NumbersRiseByOneFromNought) {
   TickRun run(true);
   ListDevice device(path(20));
@@ -346,6 +371,7 @@ TEST(Tick, APoseThatIsNotFiniteGivesNoForceAFaultAndLeavesTheToolWhereItWas) {
     const std::uint64_t hash = run.workpiece.hash();
     const TickRecord r = run.step(device);
     EXPECT_EQ(r.faults, kFaultNotFinite);
+    EXPECT_EQ(run.scratch.cutting.tick, r.tick) << "its row goes with the tick's";
     EXPECT_EQ(device.applied.back().force_N, Vector3d(0, 0, 0));
     EXPECT_EQ(device.applied.back().torque_Nm, Vector3d(0, 0, 0));
     EXPECT_EQ(vector(r.force_N), Vector3d(0, 0, 0));

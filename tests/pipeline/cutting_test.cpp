@@ -6,6 +6,7 @@
 
 #include "engine/core/pose.hpp"
 #include "engine/recording/recording_reader.hpp"
+#include "tests/pipeline/small_scenes.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
@@ -98,38 +99,13 @@ TEST_F(SideCutting, TissuesGoInTheRatioOfTheirSpecificEnergies) {
   EXPECT_GT(mm3["caries"], 1.2 * mm3["dentine"]);
 }
 
-/// A post that is cut through, so that its upper end falls on its stump.
-const std::string kPost = R"(
-[workpiece]
-shape = "box"
-voxel_mm = 0.05
-cells = [64, 64, 64]
-[workpiece.box]
-size_mm = [0.5, 0.5, 2.4]
-[burr]
-diameter_mm = 0.8
-speed_rpm = 150000
-field = [48, 192, 48]
-[trajectory]
-points_mm = [[-0.8, -0.4, 0.3]]
-axis = [0, 1, 0]
-hold_s = 2.5
-load_N = 0.5
-load_direction = [1, 0, 0]
-[haptics]
-normals = "ldm_fast"
-[cutting]
-[loose_pieces]
-[record]
-)";
-
 TEST(LoosePieces, WhatIsCutOffFallsAndComesToRestAndARunOfItReplaysExactly) {
   const ScratchFolder scratch;
-  const std::string scene = scratch.write("post.toml", kPost);
+  const std::string scene = scratch.write("post.toml", test::kPostScene);
   for (const std::string pace : {"fast", "real"}) {
     const std::string folder = scratch.path(pace);
-    const auto result =
-        sulcus_command("run " + scene + " --pace " + pace + " -o " + folder, scratch.path("err"));
+    const auto result = sulcus_command(
+        "run " + scene + " --duration 2.5 --pace " + pace + " -o " + folder, scratch.path("err"));
     ASSERT_EQ(result.status, 0) << result.err;
     const auto summary = nlohmann::json::parse(test::read_file(folder + "/summary.json"));
     EXPECT_EQ(summary["fragments"], 1);

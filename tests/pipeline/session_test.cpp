@@ -20,7 +20,8 @@ namespace {
 const tbb::global_control kNoWorkers(tbb::global_control::max_allowed_parallelism, 1);
 
 struct RecordedSession {
-  explicit RecordedSession(const std::string& text, const std::string& folder, Pace pace)
+  explicit RecordedSession(const std::string& text, const std::string& folder, Pace pace,
+                           std::uint64_t ticks = 400)
       : scene(parse_scene(text, "test.toml")),
         trajectory(make_trajectory(scene.trajectory)),
         simulation(scene, build_shape(scene), make_burr(scene.burr, scene.workpiece.voxel_m)),
@@ -28,7 +29,7 @@ struct RecordedSession {
     SessionOptions options;
     options.folder = folder;
     options.pace = pace;
-    options.ticks = 400;
+    options.ticks = ticks;
     result = run_session(simulation, device, options);
   }
   Scene scene;
@@ -51,6 +52,18 @@ TEST(SessionThreads, RecorderHasEveryTickAndEdit) {
     ASSERT_FALSE(reader.state_hashes().empty());
     EXPECT_EQ(reader.state_hashes().back().volume, run.simulation.workpiece().hash());
     EXPECT_EQ(reader.state_hashes().back().state, run.simulation.state().hash());
+  }
+}
+
+TEST(SessionThreads, PiecesComeLooseBesideThem) {
+  const ScratchFolder scratch;
+  for (const Pace pace : {Pace::kFast, Pace::kReal}) {
+    const RecordedSession run(test::kPostScene, scratch.path("out"), pace, 900);
+    EXPECT_EQ(run.result.pieces, 1u);
+    const RecordingReader reader(scratch.path("out/recording.h5"));
+    EXPECT_EQ(reader.missing(), "");
+    EXPECT_EQ(reader.pieces().size(), 1u);
+    EXPECT_EQ(reader.taken_answers().size(), (900u - 50u) / 10u);
   }
 }
 

@@ -35,4 +35,29 @@ size = [320, 240]
 fps = 4
 )";
 
+/// A post that is cut through, so that its upper end falls on its stump.
+inline const std::string kPostScene = R"(
+[workpiece]
+shape = "box"
+voxel_mm = 0.05
+cells = [64, 64, 64]
+[workpiece.box]
+size_mm = [0.5, 0.5, 2.4]
+[burr]
+diameter_mm = 0.8
+speed_rpm = 150000
+field = [48, 192, 48]
+[trajectory]
+points_mm = [[-0.8, -0.4, 0.3]]
+axis = [0, 1, 0]
+hold_s = 2.5
+load_N = 0.5
+load_direction = [1, 0, 0]
+[haptics]
+normals = "ldm_fast"
+[cutting]
+[loose_pieces]
+[record]
+)";
+
 }  // namespace sulcus::test

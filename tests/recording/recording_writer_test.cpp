@@ -70,13 +70,13 @@ TEST_F(RecordingWriterTest, PiecesAreReadAsFarAsTheTicksGo) {
   for (std::uint64_t t = 10; t <= 100; t += 10) {
     PieceRow piece{t / 10 - 1, t, 3 * t, 7, 0};
     PiecePoseRow pose{t, t / 10 - 1, {0, 0, 1e-3 * static_cast<double>(t)}, {1, 0, 0, 0}, 0};
-    LateAnswerRow late{t - 5, t, 0};
+    TakenAnswerRow late{t - 5, t, 0};
     seal(piece);
     seal(pose);
     seal(late);
     writer.append_piece(piece);
     writer.append_piece_pose(pose);
-    writer.append_late_answer(late);
+    writer.append_taken_answer(late);
   }
   append(writer, 1, 65);
   writer.close();
@@ -86,8 +86,8 @@ TEST_F(RecordingWriterTest, PiecesAreReadAsFarAsTheTicksGo) {
   EXPECT_EQ(reader.pieces()[5].first_loose_edit, 180u);
   ASSERT_EQ(reader.piece_poses().size(), 6u);
   EXPECT_EQ(reader.piece_poses()[5].position_m[2], 0.06);
-  ASSERT_EQ(reader.late_answers().size(), 6u);
-  EXPECT_EQ(reader.late_answers()[5].asked, 55u);
+  ASSERT_EQ(reader.taken_answers().size(), 6u);
+  EXPECT_EQ(reader.taken_answers()[5].asked, 55u);
 }
 
 TEST_F(RecordingWriterTest, RangesAreCutAtTheEnd) {
