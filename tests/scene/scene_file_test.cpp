@@ -9,33 +9,19 @@
 #include <unistd.h>
 
 #include "engine/core/error.hpp"
+#include "tests/support/scene_text.hpp"
 
 namespace sulcus {
 namespace {
 
 using Eigen::Vector3d;
 using Eigen::Vector3i;
+using test::error_of, test::kLeast, test::parse;
 namespace fs = std::filesystem;
-
-/// The least a scene must say, to which a test adds its own.
-const std::string kLeast = "[workpiece]\nshape = 'molar'\n[trajectory]\npoints_mm = [[0, 0, 9]]\n";
-
-Scene parse(const std::string& text, const std::vector<std::string>& overrides = {}) {
-  return parse_scene(text, "/scenes/s.toml", overrides);
-}
 
 /// The least scene with `more` keys in its [workpiece].
 Scene parse_workpiece(const std::string& more) {
   return parse("[workpiece]\n" + more + "\n[trajectory]\npoints_mm = [[0, 0, 9]]\n");
-}
-
-std::string error_of(const std::string& text, const std::vector<std::string>& overrides = {}) {
-  try {
-    parse(text, overrides);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(SceneFile, DefaultsAreThoseStated) {
@@ -316,87 +302,6 @@ TEST(SceneFile, AGoalIsForACut) {
   EXPECT_EQ(error_of(kLeast + "[goal]\nshape = 'box'\nsize_mm = [1, 1, 1]\n"),
             "/scenes/s.toml: line 5, column 1, goal: found [goal] without [cutting], expected "
             "both of them");
-}
-
-// --- --set --------------------------------------------------------------------------------------
-
-TEST(SceneFile, ASetValueIsTomlElseAString) {
-  const Scene s = parse(kLeast, {"workpiece.voxel_mm=0.1", "title=A burr, lifted",
-                                 "trajectory.points_mm=[[1, 2, 3], [4, 5, 6]]", "burr.shape=pear",
-                                 "haptics.scaling=\"none\""});
-  EXPECT_DOUBLE_EQ(s.workpiece.voxel_m, 1e-4);
-  EXPECT_EQ(s.title, "A burr, lifted");
-  EXPECT_EQ(s.trajectory.points_m.size(), 2u);
-  EXPECT_EQ(s.burr.shape, BurrShape::kPear);
-  EXPECT_EQ(s.haptics.scaling, Scaling::kNone);
-}
-
-TEST(SceneFile, ASetMakesTheTableItNeeds) {
-  EXPECT_EQ(parse(kLeast, {"cutting.max_cut_voxels=9"}).cutting->max_cut_voxels, 9);
-  EXPECT_DOUBLE_EQ(parse(kLeast, {"workpiece.sphere.radius_mm=2"}).workpiece.sphere_radius_m, 2e-3);
-}
-
-TEST(SceneFile, TheLastSetWins) { EXPECT_EQ(parse(kLeast, {"title=a", "title=b"}).title, "b"); }
-
-TEST(SceneFile, ASetAddressesATissueByName) {
-  const std::string two = kLeast + "[[tissue]]\nname = 'enamel'\n[[tissue]]\nname = 'dentine'\n";
-  const Scene s = parse(two, {"tissue.dentine.stiffness_N_per_mm=7"});
-  EXPECT_DOUBLE_EQ(s.tissues[0].stiffness_N_per_m, 30e3);
-  EXPECT_DOUBLE_EQ(s.tissues[1].stiffness_N_per_m, 7e3);
-  EXPECT_EQ(error_of(two, {"tissue.pulp.above=7"}),
-            "--set tissue.pulp.above=7: found no [[tissue]] named 'pulp', expected the name of a "
-            "tissue of the scene");
-}
-
-TEST(SceneFile, SettingTheFileDropsTheShape) {
-  const Scene s = parse(kLeast, {"workpiece.file=/a/tooth.nrrd"});
-  EXPECT_FALSE(s.workpiece.shape);
-  EXPECT_EQ(s.workpiece.file, "/a/tooth.nrrd");
-}
-
-TEST(SceneFile, PathsAreRelativeToTheFileInItAndToTheCurrentFolderInASet) {
-  const std::string text =
-      "[workpiece]\nfile = '../teeth/t.nrrd'\n[trajectory]\nfile = 'p.csv'\n[burr]\nfile = "
-      "'/abs/b.stl'\n";
-  const Scene s = parse(text);
-  EXPECT_EQ(s.workpiece.file, "/teeth/t.nrrd");
-  EXPECT_EQ(s.trajectory.file, "/scenes/p.csv");
-  EXPECT_EQ(s.burr.file, "/abs/b.stl");
-  EXPECT_EQ(s.burr.shape, BurrShape::kFile);
-
-  const Scene set = parse(text, {"workpiece.file=t2.nrrd", "burr.file='/abs/c.stl'"});
-  EXPECT_EQ(set.workpiece.file, (fs::current_path() / "t2.nrrd").string());
-  EXPECT_EQ(set.trajectory.file, "/scenes/p.csv");
-  EXPECT_EQ(set.burr.file, "/abs/c.stl");
-}
-
-TEST(SceneFile, ASetThatIsNoneIsRefused) {
-  EXPECT_EQ(error_of(kLeast, {"title"}), "--set title: found no '=', expected TABLE.KEY=VALUE");
-  EXPECT_EQ(error_of(kLeast, {"=3"}), "--set =3: found no '=', expected TABLE.KEY=VALUE");
-  EXPECT_EQ(error_of(kLeast, {"burr..shape=3"}),
-            "--set burr..shape=3: found an empty key, expected TABLE.KEY=VALUE");
-  EXPECT_EQ(error_of(kLeast, {"workpiece.shape.x=3"}),
-            "--set workpiece.shape.x=3: found 'shape', no table, expected a table");
-  EXPECT_EQ(error_of(kLeast, {"workpiece.voxel_mm=thin"}),
-            "/scenes/s.toml: --set workpiece.voxel_mm: found 'thin', expected a number, 0.001 to "
-            "10");
-  EXPECT_EQ(error_of(kLeast, {"burr.diametre_mm=1"}),
-            "/scenes/s.toml: --set burr.diametre_mm: found the unknown key 'diametre_mm', "
-            "expected 'diameter_mm'");
-}
-
-TEST(SceneFile, ASetOfBytesThatAreNoTextIsBadInput) {
-  EXPECT_THROW(parse(kLeast, {"title=\xff\xfe"}), InputError);
-}
-
-TEST(SceneFile, TheTextAsRunReadsBackTheSame) {
-  const Scene s = parse(
-      kLeast, {"workpiece.voxel_mm=0.0123456789012345", "title=x = 'y' \"z\"", "burr.shape=pear"});
-  const Scene again = parse(s.text);
-  EXPECT_EQ(again.workpiece.voxel_m, s.workpiece.voxel_m);
-  EXPECT_EQ(again.title, s.title);
-  EXPECT_EQ(again.burr.shape, BurrShape::kPear);
-  EXPECT_EQ(parse(kLeast).text, kLeast) << "without a set, byte for byte";
 }
 
 // --- Errors -------------------------------------------------------------------------------------

@@ -1,0 +1,95 @@
+#include "engine/scene/scene_overrides.hpp"
+
+#include <algorithm>
+#include <sstream>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/error.hpp"
+#include "engine/scene/toml_table.hpp"
+
+namespace sulcus {
+
+namespace {
+
+[[noreturn]] void refuse_override(const std::string& text, std::string_view found,
+                                  std::string_view expected) {
+  throw InputError("", std::string(kFromOverride) + " " + text, found, expected);
+}
+
+bool is_utf8(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  try {
+    (void)toml::parse("# " + text);  // a comment may hold any text, and nothing else
+    return true;
+  } catch (const toml::parse_error&) {
+    return false;
+  }
+}
+
+/// The value as TOML, else as a string.
+toml::table parse_override_value(const std::string& value) {
+  try {
+    return toml::parse("value = " + value, kFromOverride);
+  } catch (const toml::parse_error&) {
+    std::ostringstream quoted;
+    quoted << toml::value<std::string>(value);
+    return toml::parse("value = " + quoted.str(), kFromOverride);
+  }
+}
+
+/// The [[tissue]] of a name; names alone become tables that can be changed.
+toml::table& tissue_of(toml::table& root, const std::string& name, const std::string& text) {
+  if (toml::array* tissues = root["tissue"].as_array()) {
+    if (tissues->is_homogeneous<std::string>()) {
+      toml::array tables;
+      for (const toml::node& entry : *tissues) {
+        tables.push_back(toml::table{{"name", *entry.value<std::string>()}});
+      }
+      *tissues = std::move(tables);
+    }
+    for (toml::node& entry : *tissues) {
+      toml::table* table = entry.as_table();
+      if (table && (*table)["name"].value<std::string>() == name) return *table;
+    }
+  }
+  refuse_override(text, "no [[tissue]] named '" + name + "'", "the name of a tissue of the scene");
+}
+
+}  // namespace
+
+void apply_override(toml::table& root, const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    refuse_override(text, "no '='", "TABLE.KEY=VALUE");
+  }
+  std::vector<std::string> path;
+  std::istringstream parts(text.substr(0, equals));
+  for (std::string part; std::getline(parts, part, '.');) path.push_back(part);
+  for (const std::string& part : path) {
+    if (part.empty()) refuse_override(text, "an empty key", "TABLE.KEY=VALUE");
+  }
+  if (!is_utf8(text)) refuse_override(text.substr(0, equals), "bytes that are no UTF-8", "text");
+  toml::table parsed = parse_override_value(text.substr(equals + 1));
+
+  toml::table* table = &root;
+  std::size_t next = 0;
+  if (path[0] == "tissue" && path.size() == 3) {
+    table = &tissue_of(root, path[1], text);
+    next = 2;
+  }
+  for (; next + 1 < path.size(); ++next) {
+    toml::node* inner = table->get(path[next]);
+    if (!inner) {
+      table->insert(path[next], toml::table{});
+      inner = table->get(path[next]);
+    }
+    if (!inner->is_table()) refuse_override(text, "'" + path[next] + "', no table", "a table");
+    table = inner->as_table();
+  }
+  if (path == std::vector<std::string>{"workpiece", "file"}) table->erase("shape");
+  // Insert the node itself, not a copy of its value: it carries where it came from.
+  table->insert_or_assign(path.back(), std::move(*parsed.get("value")));
+}
+
+}  // namespace sulcus
