@@ -24,7 +24,7 @@ struct TickReport {
 // Threads and properties
 //
 //   haptic thread ---- edits, then the report of their tick ---->  one consumer each:
-//                      (one Feed per consumer)                     recorder, renderer
+//                      (one Feed per consumer)                     recorder, renderer, pieces
 //
 // - Single producer, single consumer, no lock. The producer never waits.
 // - A report is pushed after all its edits: who has popped a report finds its edits there.
@@ -36,8 +36,9 @@ struct Feed {
 
   Queue<TickReport> reports;
   Queue<Edit> edits;
-  Queue<StateHash> hashes;         // the recorder's only
-  Queue<TakenAnswer> taken;        // the recorder's only
+  // The recorder's only, and only of a run that is recorded.
+  Queue<StateHash> hashes;
+  Queue<TakenAnswer> taken;
   std::atomic<bool> ended{false};  // set after the last push
 };
 

@@ -11,12 +11,13 @@ namespace sulcus {
 FrameHistory::FrameHistory(const Scene& scene)
     : title_(scene.title),
       window_(static_cast<std::size_t>(std::max(2.0, 2.0 * scene.haptics.rate_hz))),
-      spindle_rad_per_s_(scene.cutting ? scene.burr.speed_rad_per_s : 0.0),
+      dt_s_(1.0 / scene.haptics.rate_hz),
+      set_speed_rad_per_s_(scene.cutting ? scene.burr.speed_rad_per_s : 0.0),
       voxel_mm3_(std::pow(scene.workpiece.voxel_m / kMillimetre, 3)),
       cutting_(scene.cutting.has_value()) {}
 
 void FrameHistory::add(const TickReport& report) {
-  add(report.record);
+  add(report.record, cutting_ ? &report.cutting : nullptr);
   for (std::size_t s = 0; s < stage_us_.size(); ++s) {
     const double us = static_cast<double>(report.stage_us[s]);
     stage_us_[s] = timed_ ? stage_us_[s] + 0.01 * (us - stage_us_[s]) : us;
@@ -24,8 +25,10 @@ void FrameHistory::add(const TickReport& report) {
   timed_ = true;
 }
 
-void FrameHistory::add(const TickRecord& record) {
+void FrameHistory::add(const TickRecord& record, const CuttingRecord* cutting) {
   latest_ = record;
+  const double speed_rad_per_s = cutting ? cutting->spindle_rad_per_s : set_speed_rad_per_s_;
+  turn_rad_ = std::fmod(turn_rad_ + speed_rad_per_s * dt_s_, 2.0 * std::numbers::pi);
   removed_ += record.removed;
   // Twice the window is kept, so that the front is cut off once in a window and not every tick.
   if (force_N_.size() >= 2 * window_) {
@@ -51,7 +54,7 @@ FrameState FrameHistory::state() const {
   const double* p = latest_.tool_position_m;
   const double* q = latest_.tool_orientation;
   state.world_from_tool = {{p[0], p[1], p[2]}, Eigen::Quaterniond(q[0], q[1], q[2], q[3])};
-  state.burr_turn_rad = std::fmod(spindle_rad_per_s_ * latest_.time_s, 2.0 * std::numbers::pi);
+  state.burr_turn_rad = turn_rad_;
   for (int a = 0; a < 3; ++a) {
     state.force_N[a] = latest_.force_N[a];
     state.torque_Nm[a] = latest_.torque_Nm[a];

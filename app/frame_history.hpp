@@ -17,7 +17,8 @@ class FrameHistory {
  public:
   explicit FrameHistory(const Scene& scene);
 
-  void add(const TickRecord& record);
+  /// `cutting`: the row of the same tick, where there is one.
+  void add(const TickRecord& record, const CuttingRecord* cutting);
   /// With the times of its stages, which a recording does not hold.
   void add(const TickReport& report);
   bool empty() const { return force_N_.empty(); }
@@ -26,8 +27,8 @@ class FrameHistory {
 
  private:
   std::string title_;
-  std::size_t window_;  // ticks
-  double spindle_rad_per_s_;
+  std::size_t window_;                                  // ticks
+  double dt_s_, set_speed_rad_per_s_, turn_rad_ = 0.0;  // of the spindle
   double voxel_mm3_;
   TickRecord latest_;
   std::uint64_t removed_ = 0;

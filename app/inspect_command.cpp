@@ -29,7 +29,11 @@ void inspect_recording(const std::string& file) {
   const std::vector<TickRecord> rows = reader.ticks();
   std::printf("ticks            %zu (%.3f s)\n", rows.size(),
               static_cast<double>(rows.size()) / header.rate_hz);
-  std::printf("removed voxels   %zu\n", reader.edit_count());
+  const std::vector<Edit> edits = reader.edits();
+  const auto loose = std::ranges::count(edits, EditCause::kLoose, &Edit::cause);
+  std::printf("removed voxels   %zd cut", static_cast<std::ptrdiff_t>(edits.size()) - loose);
+  if (scene.loose_pieces) std::printf(", %zd in pieces cut loose", loose);
+  std::printf("\n");
   const VoxelGrid& grid = reader.grid();
   std::printf("cells            %d x %d x %d of %g mm\n", grid.cells.x(), grid.cells.y(),
               grid.cells.z(), grid.voxel_m / kMillimetre);

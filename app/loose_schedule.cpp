@@ -12,11 +12,7 @@ std::optional<LooseAnswer> LooseFinder::add_tick(std::uint64_t tick, std::span<c
   if (!asks_after(tick)) return {};
   LooseAnswer answer;
   answer.asked = tick;
-  const VoxelGrid& grid = model().grid;
-  for (LoosePiece& piece : pieces_.take()) {
-    std::ranges::stable_sort(piece.voxels, {}, [&](std::uint32_t voxel) {
-      return grid.leaf_of(grid.cell_of_linear(voxel));
-    });
+  for (const LoosePiece& piece : pieces_.take()) {
     answer.voxels.insert(answer.voxels.end(), piece.voxels.begin(), piece.voxels.end());
     answer.ends.push_back(answer.voxels.size());
   }

@@ -19,7 +19,7 @@ PiecesThread::PiecesThread(Feed& feed, std::vector<PieceFeed*> consumers, const 
       dt_s_(1.0 / scene.haptics.rate_hz),
       smallest_m3_(scene.loose_pieces->smallest_m3),
       finder_(std::move(start)),
-      world_(finder_.model().grid, debris_settings(*scene.loose_pieces)) {
+      world_(finder_.model().grid, *scene.loose_pieces) {
   thread_ = std::thread([this] {
     try {
       run();
@@ -85,7 +85,7 @@ void PiecesThread::add_tick(const TickReport& report, std::span<const Edit> edit
     for (const std::size_t end : answer->ends) {
       const auto last = answer->voxels.begin() + static_cast<std::ptrdiff_t>(end);
       leaving_end_ += static_cast<std::uint64_t>(last - first);
-      leaving_.push_back({{first, last}, 0, leaving_end_, {}});
+      leaving_.push_back({{first, last}, 0, leaving_end_, {}, 0});
       first = last;
     }
     answers_.enqueue(std::move(*answer));
@@ -93,7 +93,7 @@ void PiecesThread::add_tick(const TickReport& report, std::span<const Edit> edit
   for (; !leaving_.empty() && leaving_.front().end <= report.loose_left; leaving_.pop_front()) {
     free_piece(leaving_.front(), tick);
   }
-  if (!edits.empty() && pieces_ > 0) {
+  if (!edits.empty() && world_.size() > 0) {
     Eigen::AlignedBox3d cut;
     for (const Edit& edit : edits) cut.extend(grid.centre_world(grid.cell_of_linear(edit.voxel)));
     world_.wake(cut);
@@ -104,11 +104,12 @@ void PiecesThread::add_tick(const TickReport& report, std::span<const Edit> edit
 }
 
 void PiecesThread::note_loose(std::uint32_t voxel) {
-  ++loose_edits_;
+  const std::uint64_t edit = loose_edits_++;
   // They come in the order of the pieces; those that were cut meanwhile do not come.
   for (Leaving& piece : leaving_) {
     while (piece.next < piece.voxels.size()) {
       if (piece.voxels[piece.next++] != voxel) continue;
+      if (piece.gone.empty()) piece.first_loose_edit = edit;
       piece.gone.push_back(voxel);
       return;
     }
@@ -123,12 +124,8 @@ void PiecesThread::free_piece(const Leaving& piece, std::uint64_t tick) {
   news.tick = tick;
   news.piece = static_cast<std::uint32_t>(world_.add(piece.gone));
   news.voxels = std::make_shared<std::vector<std::uint32_t>>(piece.gone);
-  // What of later pieces has left in this tick already comes after it.
-  std::uint64_t later = 0;
-  for (const Leaving& other : leaving_) later += &other == &piece ? 0 : other.gone.size();
-  news.first_loose_edit = loose_edits_ - later - piece.gone.size();
+  news.first_loose_edit = piece.first_loose_edit;
   told_at_rest_.push_back(false);
-  ++pieces_;
   tell(news);
 }
 

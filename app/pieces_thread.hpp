@@ -44,7 +44,7 @@ class PiecesThread {
   /// After `feed.ended`: waits for the end; throws what went wrong.
   void finish();
   // After `finish`.
-  std::size_t pieces() const { return pieces_; }
+  std::size_t pieces() const { return world_.size(); }
   double seconds() const { return seconds_; }
   std::size_t memory_bytes() const { return memory_bytes_; }
 
@@ -52,9 +52,10 @@ class PiecesThread {
   /// A piece on its way out of the workpiece.
   struct Leaving {
     std::vector<std::uint32_t> voxels;
-    std::size_t next = 0;             // that may come
-    std::uint64_t end = 0;            // voxels that have left once it has
-    std::vector<std::uint32_t> gone;  // its voxels that were not cut before
+    std::size_t next = 0;                // that may come
+    std::uint64_t end = 0;               // voxels that have left once it has
+    std::vector<std::uint32_t> gone;     // its voxels that were not cut before
+    std::uint64_t first_loose_edit = 0;  // number of its first among the edits of loose voxels
   };
 
   void run();
@@ -75,7 +76,7 @@ class PiecesThread {
   std::vector<bool> told_at_rest_;
   std::atomic<bool> failed_{false};
   std::exception_ptr failure_;
-  std::size_t pieces_ = 0, memory_bytes_ = 0;
+  std::size_t memory_bytes_ = 0;
   double seconds_ = 0.0;
   std::thread thread_;
 };

@@ -59,7 +59,6 @@ void RecorderThread::drain() {
   std::vector<TickRecord> rows;
   std::vector<CuttingRecord> cuts;
   std::vector<Edit> edits;
-  std::vector<StateHash> hashes;
   TickReport report;
   while (feed_.reports.try_dequeue(report)) {
     statistics_.add(report);

@@ -124,10 +124,13 @@ void render(RenderOptions options) {
 
   RecordedPieces pieces(reader);
   FrameHistory history(scene);
+  const std::vector<CuttingRecord> cutting = reader.cutting();
   std::size_t next = 0;
   std::uint64_t frame = 0;
   for (std::size_t row : rows_to_draw(shape, options)) {
-    for (; next <= row; ++next) history.add(shape.rows()[next]);
+    for (; next <= row; ++next) {
+      history.add(shape.rows()[next], next < cutting.size() ? &cutting[next] : nullptr);
+    }
     renderer.remove(shape.advance_to_row(row));
     FrameState state = history.state();
     for (const auto& voxels : pieces.advance_to_tick(state.tick)) {

@@ -68,6 +68,7 @@ class HapticLoop {
         feeds_(std::move(feeds)),
         pieces_(pieces),
         loose_(options.played_back ? LooseSchedule(*options.played_back) : LooseSchedule()),
+        records_(simulation.scene().record),
         pacer_(simulation.scene().haptics.rate_hz) {}
 
   void run() {
@@ -105,7 +106,9 @@ class HapticLoop {
     const auto voxels = loose_.before_tick(simulation_.state().tick, [&](LooseAnswer& answer) {
       return pieces_->next_answer(answer, wait);
     });
-    for (const TakenAnswer& taken : loose_.taken()) feeds_.front()->taken.enqueue(taken);
+    if (records_) {
+      for (const TakenAnswer& taken : loose_.taken()) feeds_.front()->taken.enqueue(taken);
+    }
     return voxels;
   }
 
@@ -124,7 +127,7 @@ class HapticLoop {
 
   void hash_state() {
     const std::uint64_t next = simulation_.state().tick;
-    if (next == 0 || next == hashed_) return;
+    if (!records_ || next == 0 || next == hashed_) return;
     hashed_ = next;
     feeds_.front()->hashes.enqueue(
         {next - 1, simulation_.workpiece().hash(), simulation_.state().hash()});
@@ -144,6 +147,7 @@ class HapticLoop {
   std::vector<Feed*> feeds_;  // the recorder's first
   PiecesThread* pieces_;      // null without [loose_pieces]
   LooseSchedule loose_;
+  bool records_;
   Pacer pacer_;
   std::uint64_t done_ = 0, edits_ = 0, hashed_ = 0;
   std::vector<std::string> refused_;
@@ -194,7 +198,7 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
   const std::uint64_t record_begin = steady_ns();
   Feed record_feed(scene.haptics.rate_hz);
   std::optional<PieceFeed> record_pieces, render_pieces;
-  if (scene.loose_pieces) record_pieces.emplace();
+  if (scene.loose_pieces && scene.record) record_pieces.emplace();
   RecorderThread recorder(record_feed, record_pieces ? &*record_pieces : nullptr,
                           open_recording(simulation, recording), std::move(outcome), options.ticks);
   if (scene.record) {
@@ -221,8 +225,10 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
     const std::uint64_t pieces_begin = steady_ns();
     pieces_feed.emplace(scene.haptics.rate_hz);
     feeds.push_back(&*pieces_feed);
-    std::vector<PieceFeed*> consumers{&*record_pieces};
-    if (render_pieces) consumers.push_back(&*render_pieces);
+    std::vector<PieceFeed*> consumers;
+    for (auto* consumer : {&record_pieces, &render_pieces}) {
+      if (*consumer) consumers.push_back(&**consumer);
+    }
     pieces.emplace(*pieces_feed, std::move(consumers), scene, simulation.workpiece().model());
     result.parts.push_back(
         {"loose_pieces", 1e-9 * static_cast<double>(steady_ns() - pieces_begin), 0});

@@ -5,7 +5,6 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
-#include "haptics/evaluate_contact.hpp"
 
 namespace sulcus {
 
@@ -27,14 +26,6 @@ Simulation::Simulation(const Scene& scene, VoxelModel start, Burr burr, StageClo
       state_(initial_state(scene_, workpiece_.grid())),
       scratch_(scene_, clock),
       context_{scene_, burr_, bodies_.query()} {}
-
-void Simulation::rehearse() noexcept {
-  if (!state_.has_pose) return;
-  const Twist still{.spindle_rad_per_s = state_.spindle_rad_per_s.value_or(burr_.speed_rad_per_s)};
-  evaluate_contact(workpiece_, scene_.tissues, burr_, state_.tool,
-                   state_.removal ? &still : nullptr, scene_.haptics,
-                   state_.kept ? &*state_.kept : nullptr, scratch_.contact);
-}
 
 std::size_t Simulation::cutting_bytes() const {
   if (!state_.removal) return 0;

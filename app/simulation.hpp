@@ -22,9 +22,8 @@ class Simulation {
   TickRecord step(Device& device, std::span<const std::uint32_t> loose = {}) noexcept {
     return tick(context_, device, workpiece_, state_, scratch_, loose);
   }
-  /// Evaluates the contact where the tool is, for nothing but to have touched what the next tick
-  /// will. Changes no state.
-  void rehearse() noexcept;
+  /// Touches what the next tick will. Changes no state.
+  void rehearse() noexcept { sulcus::rehearse(context_, workpiece_, state_, scratch_.contact); }
   std::span<const Edit> edits() const { return scratch_.edits; }
   const CuttingRecord& cutting() const { return scratch_.cutting; }
   const StageClock& clock() const { return scratch_.contact.clock; }

@@ -56,12 +56,13 @@ ContactResult move_tool(const TickContext& context, const Workpiece& workpiece, 
     const Eigen::Vector3d& along = settings.load_direction;
     const LoadSearch search{*settings.load_N, 0.5 * workpiece.grid().voxel_m,
                             kFastestAdvance_m_per_s / context.scene.haptics.rate_hz};
-    state.load_offset_m = balance_load(search, *state.load_offset_m, [&](double offset_m) {
+    const auto evaluate = [&](double offset_m, bool with_stiffness) {
       tool.position = device.position + offset_m * along;
-      contact = contact_with_bodies(context, workpiece, state, tool, true, scratch);
+      contact = contact_with_bodies(context, workpiece, state, tool, with_stiffness, scratch);
       return Resistance{-along.dot(contact.wrench.force_N),
                         along.dot(contact.stiffness.topLeftCorner<3, 3>() * along)};
-    });
+    };
+    state.load_offset_m = balance_load(search, *state.load_offset_m, evaluate);
   } else {
     contact = contact_with_bodies(context, workpiece, state, tool, false, scratch);
   }
@@ -150,12 +151,17 @@ TickRecord make_record(const SimulationState& state, const Pose& device_pose, do
 
 }  // namespace
 
+void rehearse(const TickContext& context, const Workpiece& workpiece, const SimulationState& state,
+              ContactScratch& scratch) noexcept {
+  if (!state.has_pose) return;
+  contact_with_bodies(context, workpiece, state, state.tool, false, scratch);
+}
+
 TickRecord tick(const TickContext& context, Device& device, Workpiece& workpiece,
                 SimulationState& state, TickScratch& scratch,
                 std::span<const std::uint32_t> loose) noexcept {
   const double dt_s = 1.0 / context.scene.haptics.rate_hz;
   scratch.edits.clear();
-  scratch.cutting = {};
   if (!loose.empty()) let_go(workpiece, loose, state, scratch);
 
   Pose device_pose = device.pose(state.tick);

@@ -44,4 +44,9 @@ TickRecord tick(const TickContext& context, Device& device, Workpiece& workpiece
                 SimulationState& state, TickScratch& scratch,
                 std::span<const std::uint32_t> loose = {}) noexcept;
 
+/// Evaluates the contact where the tool is, for nothing but to have touched what the next tick
+/// will. Changes nothing but the scratch.
+void rehearse(const TickContext& context, const Workpiece& workpiece, const SimulationState& state,
+              ContactScratch& scratch) noexcept;
+
 }  // namespace sulcus

@@ -18,6 +18,8 @@ namespace {
 // Lengths in Bullet are millimetres: its tolerances are made for bodies of about one unit. Masses
 // are milligrams.
 constexpr double kLength = 1.0 / kMillimetre;
+constexpr double kGravity_m_per_s2 = 9.81;     // along -z
+constexpr double kDensity_kg_per_m3 = 2500.0;  // between those of dentine and enamel
 // In which a body falls by no more than a contact may part before Bullet forgets it, which is a
 // fiftieth of its size; at 1 ms small ones sank.
 constexpr double kLongestStep_s = 0.25e-3;
@@ -136,22 +138,15 @@ class ToothShape final : public btConcaveShape {
 
 }  // namespace
 
-DebrisSettings debris_settings(const LoosePiecesSettings& settings) {
-  DebrisSettings debris;
-  debris.friction = settings.friction;
-  debris.floor_m = settings.floor_m;
-  return debris;
-}
-
 /// Bullet's world with what does not move in it.
 struct DebrisWorld::World {
-  World(const VoxelGrid& grid, const DebrisSettings& settings)
+  World(const VoxelGrid& grid, const LoosePiecesSettings& settings)
       : dynamics(&dispatcher, &pairs, &solver, &configuration),
         tooth_shape(grid),
         floor_shape(btVector3(0, 0, 1),
                     kLength * settings.floor_m.value_or(-0.5 * grid.voxel_m * grid.cells.z())) {
     gDeactivationTime = 0.5;  // s, of all of Bullet's worlds; nobody else here has one
-    dynamics.setGravity({0, 0, -kLength * settings.gravity_m_per_s2});
+    dynamics.setGravity({0, 0, -kLength * kGravity_m_per_s2});
     // Pieces start in their kerfs and may overlap the tooth's blocks: they are moved out of them
     // without being thrown.
     dynamics.getSolverInfo().m_splitImpulsePenetrationThreshold = 0.0;
@@ -179,14 +174,14 @@ struct DebrisWorld::World {
 };
 
 struct DebrisWorld::Piece {
-  Piece(const VoxelGrid& grid, const DebrisSettings& settings, std::span<const std::uint32_t> from)
+  Piece(const VoxelGrid& grid, double friction, std::span<const std::uint32_t> from)
       : voxels(from.begin(), from.end()) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (const std::uint32_t v : voxels) sum += centre_mm(grid, v);
     start.position = sum / static_cast<double>(voxels.size());
 
     const double edge = kLength * grid.voxel_m;
-    const double voxel_mg = settings.density_kg_per_m3 * grid.voxel_volume_m3() * 1e6;
+    const double voxel_mg = kDensity_kg_per_m3 * grid.voxel_volume_m3() * 1e6;
     Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
     for (const std::uint32_t v : voxels) {
       const Eigen::Vector3d r = centre_mm(grid, v) - start.position;
@@ -202,15 +197,15 @@ struct DebrisWorld::Piece {
 
     principal_mg_mm2 = principal.eigenvalues();
     mass_mg = voxel_mg * static_cast<double>(voxels.size());
-    make_body(settings);
+    make_body(friction);
   }
 
   /// At rest where the piece came loose.
-  void make_body(const DebrisSettings& settings) {
+  void make_body(double friction) {
     btRigidBody::btRigidBodyConstructionInfo info(mass_mg, nullptr, &hull,
                                                   bullet(principal_mg_mm2));
     info.m_startWorldTransform = bullet(start);
-    info.m_friction = settings.friction;
+    info.m_friction = friction;
     body = std::make_unique<btRigidBody>(info);
     body->setSleepingThresholds(kSlow_mm_per_s, kSlow_mm_per_s / half_width_mm);
     // A piece that falls fast is swept, by a ball well inside it.
@@ -252,7 +247,7 @@ struct DebrisWorld::Piece {
   std::unique_ptr<btRigidBody> body;
 };
 
-DebrisWorld::DebrisWorld(const VoxelGrid& grid, const DebrisSettings& settings)
+DebrisWorld::DebrisWorld(const VoxelGrid& grid, const LoosePiecesSettings& settings)
     : grid_(grid), settings_(settings), world_(std::make_unique<World>(grid, settings)) {}
 
 DebrisWorld::DebrisWorld(DebrisWorld&&) noexcept = default;
@@ -262,7 +257,7 @@ DebrisWorld::~DebrisWorld() {
 }
 
 std::size_t DebrisWorld::add(std::span<const std::uint32_t> voxels) {
-  pieces_.push_back(std::make_unique<Piece>(grid_, settings_, voxels));
+  pieces_.push_back(std::make_unique<Piece>(grid_, settings_.friction, voxels));
   world_->dynamics.addRigidBody(pieces_.back()->body.get());
   return pieces_.size() - 1;
 }
@@ -326,7 +321,7 @@ void DebrisWorld::restore(const State& state) {
   clear();
   pieces_.clear();
   for (const PieceState& saved : state.pieces) {
-    pieces_.push_back(std::make_unique<Piece>(grid_, settings_, saved.voxels));
+    pieces_.push_back(std::make_unique<Piece>(grid_, settings_.friction, saved.voxels));
   }
   populate(state);
 }
@@ -335,7 +330,7 @@ void DebrisWorld::rebuild() {
   // As `restore` does, but for the hulls, which are the same.
   const State state = save();
   clear();
-  for (const auto& piece : pieces_) piece->make_body(settings_);
+  for (const auto& piece : pieces_) piece->make_body(settings_.friction);
   populate(state);
 }
 

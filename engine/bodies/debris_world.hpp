@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -13,15 +12,6 @@
 #include "engine/volume/voxel_model.hpp"
 
 namespace sulcus {
-
-struct DebrisSettings {
-  double gravity_m_per_s2 = 9.81;  // along -z
-  double density_kg_per_m3 = 2500.0;
-  double friction = 0.4;
-  std::optional<double> floor_m;  // height of the floor; none: the bottom of the grid
-};
-
-DebrisSettings debris_settings(const LoosePiecesSettings& settings);
 
 /// Rigid motion of the pieces that were cut loose: they fall, collide with one another, with the
 /// tooth, which is still being cut, and with a floor, and come to rest. In Bullet, as the convex
@@ -55,7 +45,7 @@ class DebrisWorld {
     std::vector<PieceState> pieces;
   };
 
-  DebrisWorld(const VoxelGrid& grid, const DebrisSettings& settings);
+  DebrisWorld(const VoxelGrid& grid, const LoosePiecesSettings& settings);
   ~DebrisWorld();
   DebrisWorld(DebrisWorld&&) noexcept;
 
@@ -83,7 +73,7 @@ class DebrisWorld {
   void populate(const State& state);
 
   VoxelGrid grid_;
-  DebrisSettings settings_;
+  LoosePiecesSettings settings_;
   std::unique_ptr<World> world_;
   std::vector<std::unique_ptr<Piece>> pieces_;
   std::uint64_t steps_ = 0;

@@ -21,4 +21,11 @@ struct Pose {
   }
 };
 
+/// Turns about x, then y, then z, axes that stay; rad.
+inline Eigen::Quaterniond rotation_xyz(const Eigen::Vector3d& angles) {
+  return Eigen::AngleAxisd(angles.z(), Eigen::Vector3d::UnitZ()) *
+         Eigen::AngleAxisd(angles.y(), Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(angles.x(), Eigen::Vector3d::UnitX());
+}
+
 }  // namespace sulcus

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 
+#include "engine/core/pose.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace sulcus {
@@ -10,10 +11,7 @@ namespace sulcus {
 /// origin; there it is turned about x, then y, then z (axes of the world) and moved.
 inline Eigen::Affine3d placement(const Eigen::Vector3d& box_centre_file,
                                  const WorkpieceSettings& settings) {
-  return Eigen::Translation3d(settings.position_m) *
-         Eigen::AngleAxisd(settings.rotation.z(), Eigen::Vector3d::UnitZ()) *
-         Eigen::AngleAxisd(settings.rotation.y(), Eigen::Vector3d::UnitY()) *
-         Eigen::AngleAxisd(settings.rotation.x(), Eigen::Vector3d::UnitX()) *
+  return Eigen::Translation3d(settings.position_m) * rotation_xyz(settings.rotation) *
          Eigen::Translation3d(-box_centre_file);
 }
 

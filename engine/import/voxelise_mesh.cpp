@@ -118,15 +118,11 @@ class OpenVoxels {
   /// Adds the open voxels of a leaf that are inside to `solid`.
   void decide(std::uint32_t leaf, const LeafBits& open, LeafBits& solid) const {
     const Cell origin = grid_.leaf_origin(leaf);
-    int count = 0;
-    for (const std::uint64_t word : open.words) count += std::popcount(word);
     // With no triangle in the leaf the number changes smoothly across it: where its corners and
     // its middle are clear and agree, so does the rest. Worth it from more voxels than that.
-    if (touched_[leaf] == 0 && count > 9) {
+    if (touched_[leaf] == 0 && count_voxels(open) > 9) {
       if (const int all = clear_side(origin); all >= 0) {
-        if (all == 1) {
-          for (int k = 0; k < kLeafEdge; ++k) solid.words[k] |= open.words[k];
-        }
+        if (all == 1) solid |= open;
         return;
       }
     }

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "engine/core/error.hpp"
+#include "engine/core/pose.hpp"
 #include "engine/core/units.hpp"
 
 namespace sulcus {
@@ -18,10 +19,7 @@ Eigen::Vector3d half_size_m(const GoalSettings& goal) {
 }
 
 Eigen::Affine3d world_from_goal(const GoalSettings& goal) {
-  return Eigen::Translation3d(goal.position_m) *
-         Eigen::AngleAxisd(goal.rotation.z(), Eigen::Vector3d::UnitZ()) *
-         Eigen::AngleAxisd(goal.rotation.y(), Eigen::Vector3d::UnitY()) *
-         Eigen::AngleAxisd(goal.rotation.x(), Eigen::Vector3d::UnitX());
+  return Eigen::Translation3d(goal.position_m) * rotation_xyz(goal.rotation);
 }
 
 }  // namespace

@@ -36,12 +36,10 @@ bool VoxelSet::insert(const Cell& c) {
 }
 
 void VoxelSet::insert(std::uint32_t leaf, const LeafBits& voxels) {
-  if (voxels == LeafBits{}) return;
+  if (!any(voxels)) return;
   LeafBits& own = block(leaf);
-  for (std::size_t k = 0; k < own.words.size(); ++k) {
-    count_ += static_cast<std::uint64_t>(std::popcount(voxels.words[k] & ~own.words[k]));
-    own.words[k] |= voxels.words[k];
-  }
+  count_ += static_cast<std::uint64_t>(count_voxels(without(voxels, own)));
+  own |= voxels;
 }
 
 LeafBits& VoxelSet::block(std::uint32_t leaf) {
@@ -58,24 +56,6 @@ std::size_t VoxelSet::memory_bytes() const {
          blocks_.capacity() * sizeof(LeafBits);
 }
 
-int count_voxels(const LeafBits& voxels) {
-  int count = 0;
-  for (const std::uint64_t word : voxels.words) count += std::popcount(word);
-  return count;
-}
-
-LeafBits operator&(const LeafBits& a, const LeafBits& b) {
-  LeafBits both;
-  for (std::size_t k = 0; k < both.words.size(); ++k) both.words[k] = a.words[k] & b.words[k];
-  return both;
-}
-
-LeafBits without(const LeafBits& a, const LeafBits& b) {
-  LeafBits rest;
-  for (std::size_t k = 0; k < rest.words.size(); ++k) rest.words[k] = a.words[k] & ~b.words[k];
-  return rest;
-}
-
 VoxelSet without(const VoxelSet& a, const VoxelSet& b) {
   VoxelSet rest(a.grid());
   for (const std::uint32_t leaf : a.leaves()) {
@@ -87,7 +67,7 @@ VoxelSet without(const VoxelSet& a, const VoxelSet& b) {
 VoxelSet voxels_of_tissue(const VoxelModel& model, std::uint8_t label) {
   VoxelSet voxels(model.grid);
   for (std::uint32_t leaf = 0; leaf < model.leaves.size(); ++leaf) {
-    if (model.leaves[leaf] == LeafBits{}) continue;
+    if (!any(model.leaves[leaf])) continue;
     voxels.insert(leaf, leaf_of_tissue(model, leaf, label));
   }
   return voxels;

@@ -49,12 +49,6 @@ class VoxelSet {
   std::uint64_t count_ = 0;
 };
 
-/// Number of voxels of a leaf.
-int count_voxels(const LeafBits& voxels);
-LeafBits operator&(const LeafBits& a, const LeafBits& b);
-/// Voxels of a that are not in b.
-LeafBits without(const LeafBits& a, const LeafBits& b);
-
 /// Voxels of a that are not in b; both of one grid.
 VoxelSet without(const VoxelSet& a, const VoxelSet& b);
 

@@ -28,19 +28,12 @@ std::array<std::uint8_t, 4> part_labels(const Scene& scene) {
           label_of(scene, {"caries", "dentine", "enamel"})};
 }
 
-Pose placement(const WorkpieceSettings& w) {
-  const Eigen::Quaterniond turn = Eigen::AngleAxisd(w.rotation.z(), Eigen::Vector3d::UnitZ()) *
-                                  Eigen::AngleAxisd(w.rotation.y(), Eigen::Vector3d::UnitY()) *
-                                  Eigen::AngleAxisd(w.rotation.x(), Eigen::Vector3d::UnitX());
-  return {w.position_m, turn};
-}
-
 template <ImplicitShape S>
 VoxelModel voxelise_shape(const Scene& scene, const S& shape) {
   const VoxelGrid grid{scene.workpiece.cells, scene.workpiece.voxel_m};
   const std::array<std::uint8_t, 4> labels = part_labels(scene);
   return voxelise_implicit(shape, grid, scene.tissues.size() > 1 ? &labels : nullptr,
-                           placement(scene.workpiece));
+                           {scene.workpiece.position_m, rotation_xyz(scene.workpiece.rotation)});
 }
 
 }  // namespace

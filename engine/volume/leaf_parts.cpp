@@ -45,7 +45,7 @@ LeafBits flood_from_first(const LeafBits& within) {
 void append_parts(const LeafBits& bits, std::vector<LeafBits>& parts) {
   for (LeafBits rest = bits; any(rest);) {
     parts.push_back(flood_from_first(rest));
-    for (std::size_t k = 0; k < 8; ++k) rest.words[k] &= ~parts.back().words[k];
+    rest = without(rest, parts.back());
   }
 }
 

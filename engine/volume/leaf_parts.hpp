@@ -1,33 +1,14 @@
 #pragma once
 
-#include <bit>
 #include <cstdint>
 #include <vector>
 
-#include "engine/volume/voxel_model.hpp"
+#include "engine/volume/leaf_bits.hpp"
 
 namespace sulcus {
 
 /// The six faces of a leaf, and the leaves beyond: -x, +x, -y, +y, -z, +z.
 inline constexpr int kLeafFaces = 6;
-
-inline bool any(const LeafBits& bits) {
-  std::uint64_t all = 0;
-  for (std::uint64_t word : bits.words) all |= word;
-  return all != 0;
-}
-
-inline int count(const LeafBits& bits) {
-  int voxels = 0;
-  for (std::uint64_t word : bits.words) voxels += std::popcount(word);
-  return voxels;
-}
-
-inline bool meet(const LeafBits& a, const LeafBits& b) {
-  std::uint64_t all = 0;
-  for (std::size_t k = 0; k < 8; ++k) all |= a.words[k] & b.words[k];
-  return all != 0;
-}
 
 /// Voxels of the leaf beyond a face, solid or not, that share a face with one of `bits`.
 inline LeafBits across(const LeafBits& bits, int face) {

@@ -76,7 +76,7 @@ void LoosePieces::for_each_neighbour(Node node, const Visit& visit) const {
         static_cast<std::uint32_t>(static_cast<int>(node.leaf) + step * stride[axis]);
     const LeafBits touched = across(voxels(node), face);
     for_each_part(beyond, [&](std::uint32_t part, const LeafBits& bits) {
-      if (meet(touched, bits)) visit(Node{beyond, part});
+      if (any(touched & bits)) visit(Node{beyond, part});
     });
   }
 }
@@ -129,7 +129,7 @@ void LoosePieces::label_components() {
       while (!todo.empty()) {
         const Node node = todo.back();
         todo.pop_back();
-        component_voxels_.back() += static_cast<std::uint64_t>(count(voxels(node)));
+        component_voxels_.back() += static_cast<std::uint64_t>(count_voxels(voxels(node)));
         for_each_neighbour(node, [&](Node to) {
           if (label(to).component != kNone) return;
           label(to).component = component;
@@ -194,7 +194,7 @@ void LoosePieces::reach(std::uint32_t front, Node node) {
 bool LoosePieces::advance(std::uint32_t front) {
   if (fronts_[front].next == fronts_[front].todo.size()) return false;
   const Node node = fronts_[front].todo[fronts_[front].next++];
-  fronts_[front].voxels += static_cast<std::uint64_t>(count(voxels(node)));
+  fronts_[front].voxels += static_cast<std::uint64_t>(count_voxels(voxels(node)));
   for_each_neighbour(node, [&](Node to) { reach(front, to); });
   return true;
 }
@@ -269,46 +269,23 @@ std::vector<std::uint32_t> LoosePieces::first_voxels() {
   return first;
 }
 
-/// The voxels of nodes whose leaves rise, in the order of files.
-std::vector<std::uint32_t> LoosePieces::sorted_voxels(std::span<const Node> nodes) const {
-  const Eigen::Vector3i n = model_.grid.leaf_dims();
-  const auto in_row = static_cast<std::uint32_t>(n.x());
-  const auto in_layer = static_cast<std::uint32_t>(n.x() * n.y());
-  // Nodes from `first` on of the same row or layer of leaves.
-  const auto run_of = [&](std::size_t first, std::size_t end, std::uint32_t leaves) {
-    std::size_t last = first;
-    while (last < end && nodes[last].leaf / leaves == nodes[first].leaf / leaves) ++last;
-    return last;
-  };
-  std::vector<std::uint32_t> sorted;
-  std::size_t total = 0;
-  for (const Node& node : nodes) total += static_cast<std::size_t>(count(voxels(node)));
-  sorted.reserve(total);
-  for (std::size_t layer = 0, layer_end = 0; layer < nodes.size(); layer = layer_end) {
-    layer_end = run_of(layer, nodes.size(), in_layer);
-    for (std::size_t k = 0; k < 8; ++k) {
-      for (std::size_t row = layer, row_end = 0; row < layer_end; row = row_end) {
-        row_end = run_of(row, layer_end, in_row);
-        const Cell origin = model_.grid.leaf_origin(nodes[row].leaf);
-        for (int j = 0; j < kLeafEdge; ++j) {
-          const std::uint32_t first =
-              model_.grid.linear({0, origin.y() + j, origin.z() + static_cast<int>(k)});
-          for (std::size_t i = row; i < row_end; ++i) {
-            // Parts of one leaf may share a row of voxels: they are taken together.
-            std::uint64_t bits = voxels(nodes[i]).words[k];
-            for (; i + 1 < row_end && nodes[i + 1].leaf == nodes[i].leaf; ++i) {
-              bits |= voxels(nodes[i + 1]).words[k];
-            }
-            const std::uint32_t x = nodes[i].leaf % in_row * kLeafEdge;
-            for (bits = bits >> (8 * j) & 0xffu; bits != 0; bits &= bits - 1) {
-              sorted.push_back(first + x + static_cast<std::uint32_t>(std::countr_zero(bits)));
-            }
-          }
-        }
+/// The voxels of nodes that are sorted by leaf: leaf by leaf, rising in each.
+LoosePiece LoosePieces::piece_of(std::span<const Node> nodes) const {
+  LoosePiece piece;
+  for (std::size_t i = 0; i < nodes.size();) {
+    const std::uint32_t leaf = nodes[i].leaf;
+    LeafBits bits;
+    for (; i < nodes.size() && nodes[i].leaf == leaf; ++i) bits |= voxels(nodes[i]);
+    const Cell origin = model_.grid.leaf_origin(leaf);
+    for (int k = 0; k < kLeafEdge; ++k) {
+      for (std::uint64_t rest = bits.words[static_cast<std::size_t>(k)]; rest != 0;
+           rest &= rest - 1) {
+        const int bit = std::countr_zero(rest);
+        piece.voxels.push_back(model_.grid.linear(origin + Cell(bit & 7, bit >> 3, k)));
       }
     }
   }
-  return sorted;
+  return piece;
 }
 
 /// Empties nodes whose leaves rise.
@@ -324,11 +301,12 @@ void LoosePieces::erase(std::span<const Node> nodes) {
         kept.push_back({bits, label({leaf, part})});
         return;
       }
-      for (std::size_t k = 0; k < 8; ++k) erased.words[k] |= bits.words[k];
-      component_voxels_[label({leaf, part}).component] -= static_cast<std::uint64_t>(count(bits));
+      erased |= bits;
+      component_voxels_[label({leaf, part}).component] -=
+          static_cast<std::uint64_t>(count_voxels(bits));
       ++i;
     });
-    for (std::size_t k = 0; k < 8; ++k) model_.leaves[leaf].words[k] &= ~erased.words[k];
+    model_.leaves[leaf] = without(model_.leaves[leaf], erased);
     set_parts(leaf, kept);
   }
 }
@@ -357,12 +335,12 @@ std::vector<LoosePiece> LoosePieces::take() {
   }
 
   // Loose nodes by piece and leaf.
-  std::vector<std::uint32_t> piece_of(fronts_.size(), kNone);
-  for (std::uint32_t p = 0; p < loose.size(); ++p) piece_of[loose[p]] = p;
+  std::vector<std::uint32_t> number_of(fronts_.size(), kNone);
+  for (std::uint32_t p = 0; p < loose.size(); ++p) number_of[loose[p]] = p;
   std::vector<std::vector<Node>> nodes_of(loose.size());
   std::vector<Node> all;
   for (const Node& node : reached_) {
-    const std::uint32_t piece = piece_of[root(std::exchange(label(node).front, kNone))];
+    const std::uint32_t piece = number_of[root(std::exchange(label(node).front, kNone))];
     if (piece == kNone) continue;
     nodes_of[piece].push_back(node);
     all.push_back(node);
@@ -374,9 +352,10 @@ std::vector<LoosePiece> LoosePieces::take() {
   std::vector<LoosePiece> pieces;
   for (std::vector<Node>& nodes : nodes_of) {
     std::ranges::sort(nodes, {}, place);
-    pieces.push_back({sorted_voxels(nodes)});
+    pieces.push_back(piece_of(nodes));
   }
-  std::ranges::sort(pieces, {}, [](const LoosePiece& piece) { return piece.voxels.front(); });
+  std::ranges::sort(pieces, {},
+                    [](const LoosePiece& piece) { return std::ranges::min(piece.voxels); });
   std::ranges::sort(all, {}, place);
   erase(all);
   return pieces;

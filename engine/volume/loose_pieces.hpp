@@ -9,7 +9,7 @@
 
 namespace sulcus {
 
-/// Voxels that came loose together (VoxelGrid::linear), rising.
+/// Voxels that came loose together (VoxelGrid::linear), leaf by leaf, rising in each.
 struct LoosePiece {
   std::vector<std::uint32_t> voxels;
 };
@@ -38,7 +38,7 @@ class LoosePieces {
 
   /// Voxels that were cut, each below grid.cell_count(); those that are empty are passed over.
   void remove(std::span<const std::uint32_t> voxels);
-  /// The pieces that came loose since the last call, by their first voxel. They are removed from
+  /// The pieces that came loose since the last call, by their lowest voxel. They are removed from
   /// the copy. At once where nothing was removed.
   std::vector<LoosePiece> take();
 
@@ -91,7 +91,7 @@ class LoosePieces {
   void set_out();
   void search_component(std::vector<std::uint32_t> running, std::vector<std::uint32_t>& loose);
   std::vector<std::uint32_t> first_voxels();
-  std::vector<std::uint32_t> sorted_voxels(std::span<const Node> nodes) const;
+  LoosePiece piece_of(std::span<const Node> nodes) const;
   void erase(std::span<const Node> nodes);
 
   VoxelModel model_;

@@ -1,20 +1,14 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
 #include "engine/volume/grid.hpp"
+#include "engine/volume/leaf_bits.hpp"
 #include "engine/volume/tissue_map.hpp"
 
 namespace sulcus {
-
-/// 512 voxels of one leaf: word k holds the z slice k, bit x + 8 y a voxel of it.
-struct alignas(64) LeafBits {
-  std::array<std::uint64_t, 8> words{};
-  bool operator==(const LeafBits&) const = default;
-};
 
 /// What importers make, recordings keep and renderers copy: which voxels are solid, and the tissue
 /// of each. The tissues never change, so copies share them.

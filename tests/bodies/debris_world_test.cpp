@@ -63,7 +63,7 @@ TEST(DebrisWorld, ItComesToRestOnTheFloorAndSleeps) {
 }
 
 TEST(DebrisWorld, TheFloorMayBeHigher) {
-  DebrisSettings settings;
+  LoosePiecesSettings settings;
   settings.floor_m = -0.5e-3;
   DebrisWorld debris(no_tooth().grid, settings);
   debris.add(box({28, 28, 40}, {36, 36, 48}));

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/volume/grid.hpp"
+
 namespace sulcus {
 namespace {
 
@@ -102,10 +104,10 @@ TEST(LeafParts, CountAndMeet) {
   set(a, {7, 7, 7});
   set(b, {1, 2, 4});
   EXPECT_TRUE(any(a));
-  EXPECT_EQ(count(a), 2);
-  EXPECT_FALSE(meet(a, b));
+  EXPECT_EQ(count_voxels(a), 2);
+  EXPECT_FALSE(any(a & b));
   set(b, {7, 7, 7});
-  EXPECT_TRUE(meet(a, b));
+  EXPECT_TRUE(any(a & b));
 }
 
 }  // namespace

@@ -95,9 +95,18 @@ class PlainLoosePieces {
   std::vector<int> component_;
 };
 
+/// As files name them; they come leaf by leaf.
 Pieces taken(LoosePieces& pieces) {
+  const VoxelGrid& grid = pieces.model().grid;
+  const auto by_leaf = [&](std::uint32_t v) {
+    return std::pair(grid.leaf_of(grid.cell_of_linear(v)), v);
+  };
   Pieces voxels;
-  for (LoosePiece& piece : pieces.take()) voxels.push_back(std::move(piece.voxels));
+  for (LoosePiece& piece : pieces.take()) {
+    EXPECT_TRUE(std::ranges::is_sorted(piece.voxels, {}, by_leaf));
+    std::ranges::sort(piece.voxels);
+    voxels.push_back(std::move(piece.voxels));
+  }
   return voxels;
 }
 
