@@ -14,11 +14,12 @@
 #include "engine/graphics/drawn_surface.hpp"
 #include "engine/graphics/egl_context.hpp"
 #include "engine/graphics/frame_state.hpp"
+#include "engine/graphics/gl_body.hpp"
+#include "engine/graphics/gl_burr.hpp"
 #include "engine/graphics/gl_framebuffer.hpp"
 #include "engine/graphics/gl_program.hpp"
 #include "engine/graphics/hud.hpp"
 #include "engine/graphics/image.hpp"
-#include "engine/graphics/occlusion.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/volume/voxel_model.hpp"
 
@@ -43,7 +44,7 @@ class Renderer {
   Renderer& operator=(const Renderer&) = delete;
 
   /// Voxels (VoxelGrid::linear) that are no longer solid.
-  void remove(std::span<const std::uint32_t> voxels) { surface_.remove(voxels); }
+  void remove(std::span<const std::uint32_t> voxels) { workpiece_.remove(voxels); }
   /// A piece that was cut loose, by its voxels (VoxelGrid::linear), each once: a body of its own
   /// from now on, drawn where FrameState::pieces says. It is meshed here, once, by `piece_mesh`,
   /// which says what it throws. The caller also removes its voxels, in the same frame, before or
@@ -57,46 +58,23 @@ class Renderer {
 
   /// What draws, for the log.
   const std::string& device() const { return context_.description(); }
-  const DrawnSurface& surface() const { return surface_; }
+  const DrawnSurface& surface() const { return workpiece_.surface(); }
   /// Of the tooth and the pieces.
   std::size_t triangle_count() const;
   /// Of the volume, the meshes and the pictures, as far as they are ours.
   std::size_t memory_bytes() const;
 
  private:
-  /// A brick, a piece or the burr in the graphics card's memory.
-  struct Brick {
-    unsigned array = 0, vertices = 0, indices = 0;
-    int index_count = 0;
-    std::size_t bytes = 0;
-    Eigen::Vector3f centre_world = Eigen::Vector3f::Zero();
-  };
-
-  void upload(Brick& brick, const DrawnMesh& mesh);
-  void upload_burr(const TriangleMesh& mesh_tool);
-  void upload_occlusion(const Occlusion::Box& box);
-  void mesh_changes();
-  void use_tooth_program(const struct View& view, const Pose& world_now_from_start);
-  void draw_tooth(const struct View& view);
-  void draw_pieces(const struct View& view, std::span<const Pose> world_now_from_start);
-  void draw_burr(const struct View& view, const FrameState& state);
-
   EglContext context_;
   RenderSettings settings_;
   Camera camera_;
-  DrawnSurface surface_;
-  Occlusion occlusion_;
+  GlBody workpiece_;
   std::vector<Eigen::AlignedBox3d> solid_world_;  // of the start
-  double burr_head_length_m_;
-  double burr_radius_m_ = 0.0;  // of the head
+  GlBurr burr_;
   std::unique_ptr<GlFramebuffer> frame_;
   std::optional<Hud> hud_;
-  GlProgram background_program_, tooth_program_, burr_program_, smooth_program_;
-  std::vector<Brick> bricks_;
-  std::vector<Brick> pieces_;
-  Brick burr_;
+  GlProgram background_program_, tooth_program_, smooth_program_;
   unsigned background_array_ = 0;
-  unsigned occlusion_texture_ = 0;
 };
 
 }  // namespace sulcus

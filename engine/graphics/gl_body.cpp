@@ -1,0 +1,135 @@
+#include "engine/graphics/gl_body.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <Eigen/Core>
+#include <epoxy/gl.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include "engine/graphics/piece_mesh.hpp"
+
+namespace sulcus {
+namespace {
+
+constexpr std::size_t kBatch = 64;  // bricks meshed before they are handed over
+
+}  // namespace
+
+GlBody::GlBody(VoxelModel model, std::vector<TissueLook> looks)
+    : surface_(std::move(model), std::move(looks)),
+      occlusion_(surface_.model(), surface_.density()),
+      bricks_(surface_.brick_count()) {
+  glGenTextures(1, &occlusion_texture_);
+  glBindTexture(GL_TEXTURE_3D, occlusion_texture_);
+  glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R}) {
+    glTexParameteri(GL_TEXTURE_3D, axis, GL_CLAMP_TO_BORDER);  // nothing is solid out there
+  }
+  const Eigen::Vector3i& dims = occlusion_.dims();
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 2);
+  glTexImage3D(GL_TEXTURE_3D, 0, GL_R16, dims.x(), dims.y(), dims.z(), 0, GL_RED, GL_UNSIGNED_SHORT,
+               occlusion_.values().data());
+}
+
+GlBody::~GlBody() { glDeleteTextures(1, &occlusion_texture_); }
+
+void GlBody::add_piece(std::span<const std::uint32_t> voxels) {
+  const DrawnMesh mesh = piece_mesh(surface_, voxels);
+  occlusion_.add_piece(surface_.model().grid, voxels);
+  pieces_.emplace_back().upload(mesh);
+}
+
+void GlBody::upload_occlusion(const Occlusion::Box& box) {
+  const Eigen::Vector3i size = box.high - box.low;
+  if ((size.array() <= 0).any()) return;
+  const Eigen::Vector3i& dims = occlusion_.dims();
+  glBindTexture(GL_TEXTURE_3D, occlusion_texture_);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 2);
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, dims.x());
+  glPixelStorei(GL_UNPACK_IMAGE_HEIGHT, dims.y());
+  const std::size_t first =
+      static_cast<std::size_t>(box.low.x()) +
+      static_cast<std::size_t>(dims.x()) *
+          (static_cast<std::size_t>(box.low.y()) +
+           static_cast<std::size_t>(dims.y()) * static_cast<std::size_t>(box.low.z()));
+  glTexSubImage3D(GL_TEXTURE_3D, 0, box.low.x(), box.low.y(), box.low.z(), size.x(), size.y(),
+                  size.z(), GL_RED, GL_UNSIGNED_SHORT, occlusion_.values().data() + first);
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+  glPixelStorei(GL_UNPACK_IMAGE_HEIGHT, 0);
+}
+
+void GlBody::update(std::span<const Pose> pieces) {
+  upload_occlusion(
+      occlusion_.update(surface_.model(), surface_.density(), surface_.take_changed_leaves()));
+  const std::vector<int> changed = surface_.take_changed();
+  tbb::enumerable_thread_specific<DrawnSurface::Scratch> scratch;
+  std::vector<DrawnMesh> meshes(std::min(changed.size(), kBatch));
+  for (std::size_t first = 0; first < changed.size(); first += kBatch) {
+    const std::size_t count = std::min(kBatch, changed.size() - first);
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+      surface_.mesh(changed[first + i], scratch.local(), meshes[i]);
+    });
+    for (std::size_t i = 0; i < count; ++i) bricks_[changed[first + i]].upload(meshes[i]);
+  }
+  for (const Occlusion::Box& box : occlusion_.place_pieces(pieces)) upload_occlusion(box);
+}
+
+void GlBody::use(GlProgram& program, const View& view, const Pose& world_now_from_start) const {
+  const View seen = view_of_moved(view, world_now_from_start);
+  program.use();
+  program.set("clip_from_world", seen.clip_from_world);
+  program.set("eye_world", seen.eye_world);
+  program.set("right_world", seen.right_world);
+  program.set("up_world", seen.up_world);
+  program.set("back_world", seen.back_world);
+  const VoxelGrid& grid = surface_.model().grid;
+  const Eigen::Vector3d texture_m = occlusion_.dims().cast<double>() * occlusion_.cell_m();
+  const Eigen::Vector3d half_m = 0.5 * grid.voxel_m * grid.cells.cast<double>();
+  // A piece is shaded by what is solid where it is now.
+  Eigen::Matrix4d texture_from_now = Eigen::Matrix4d::Identity();
+  texture_from_now.diagonal().head<3>() = texture_m.cwiseInverse();
+  texture_from_now.topRightCorner<3, 1>() = half_m.cwiseQuotient(texture_m);
+  program.set("texture_from_world",
+              Eigen::Matrix4f((texture_from_now * matrix_of(world_now_from_start)).cast<float>()));
+  program.set("occlusion_cell", static_cast<float>(occlusion_.cell_m()));
+  program.set("occlusion", 0);
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_3D, occlusion_texture_);
+}
+
+void GlBody::draw(GlProgram& program, const View& view, std::span<const Pose> pieces) const {
+  use(program, view, {});
+  // Nearest first: what they hide is then never shaded.
+  std::vector<std::pair<float, const GlMesh*>> order;
+  for (const GlMesh& brick : bricks_) {
+    if (brick.empty()) continue;
+    order.emplace_back((brick.centre() - view.eye_world).squaredNorm(), &brick);
+  }
+  std::sort(order.begin(), order.end());
+  for (const auto& [distance, brick] : order) brick->draw();
+  for (std::size_t i = 0; i < std::min(pieces_.size(), pieces.size()); ++i) {
+    if (pieces_[i].empty()) continue;
+    use(program, view, pieces[i]);
+    pieces_[i].draw();
+  }
+}
+
+std::size_t GlBody::triangle_count() const {
+  std::size_t count = 0;
+  for (const GlMesh& brick : bricks_) count += brick.triangle_count();
+  for (const GlMesh& piece : pieces_) count += piece.triangle_count();
+  return count;
+}
+
+std::size_t GlBody::memory_bytes() const {
+  std::size_t bytes = surface_.memory_bytes() + bricks_.capacity() * sizeof(GlMesh) +
+                      occlusion_.memory_bytes() + 2 * occlusion_.values().size();  // the texture
+  for (const GlMesh& brick : bricks_) bytes += brick.bytes();
+  for (const GlMesh& piece : pieces_) bytes += sizeof(GlMesh) + piece.bytes();
+  return bytes;
+}
+
+}  // namespace sulcus
