@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "app/commands.hpp"
 #include "app/frame_history.hpp"
@@ -109,8 +111,9 @@ void render(RenderOptions options) {
   const Burr burr = recorded_burr(reader, scene);
   const RenderSettings settings = render_settings(scene, options);
   RecordedShape shape(reader);
-  Renderer renderer(settings, shape.model(), tissue_looks(scene), burr.mesh_tool,
-                    burr.head_length_m);
+  std::vector<RenderedBody> bodies;
+  bodies.push_back({shape.model(), tissue_looks(scene), {}});
+  Renderer renderer(settings, std::move(bodies), burr.mesh_tool, burr.head_length_m);
 
   std::unique_ptr<VideoWriter> writer;
   if (video) {
@@ -131,7 +134,7 @@ void render(RenderOptions options) {
     for (; next <= row; ++next) {
       history.add(shape.rows()[next], next < cutting.size() ? &cutting[next] : nullptr);
     }
-    renderer.remove(shape.advance_to_row(row));
+    renderer.remove(0, shape.advance_to_row(row));
     FrameState state = history.state();
     for (const auto& voxels : pieces.advance_to_tick(state.tick)) {
       if (!voxels.empty()) renderer.add_piece(voxels);

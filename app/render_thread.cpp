@@ -54,8 +54,9 @@ void RenderThread::run() {
   // Pinned before the context is made: the software rasteriser's threads inherit it.
   if (drop_frames_) leave_realtime_core();
   std::filesystem::create_directories(folder_ + "/frames");
-  Renderer renderer(*scene_.render, std::move(start_), tissue_looks(scene_), burr_.mesh_tool,
-                    burr_.head_length_m);
+  std::vector<RenderedBody> bodies;
+  bodies.push_back({std::move(start_), tissue_looks(scene_), {}});
+  Renderer renderer(*scene_.render, std::move(bodies), burr_.mesh_tool, burr_.head_length_m);
   is_ready_ = true;
   ready_.set_value();
 
@@ -98,7 +99,7 @@ void RenderThread::run() {
     FrameState state = history.state();
     if (pieces_) take_pieces(state.tick, last);
     state.pieces = piece_poses;
-    renderer.remove(removed);
+    renderer.remove(0, removed);
     removed.clear();
     const Image image = renderer.draw(state);
     char name[32];

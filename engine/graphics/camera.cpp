@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kFieldOfView = 22.0 * kDegree;  // of the height: little perspective
 constexpr double kFill = 0.93;                   // of the frame that the box takes
+constexpr double kNearest = 0.5 * kMillimetre;   // nothing nearer to the eye is drawn
 
 /// From the point looked at towards the eye. Crown +z, buccal -y, mesial +x.
 Eigen::Vector3d towards_eye(Camera camera) {
@@ -31,7 +32,8 @@ Eigen::Vector3d towards_eye(Camera camera) {
 }  // namespace
 
 View make_view(Camera camera, std::span<const Eigen::AlignedBox3d> solid_world,
-               const Eigen::Vector3d& tip_world, double burr_radius_m, int width, int height) {
+               const Eigen::Vector3d& tip_world, double burr_radius_m, int width, int height,
+               std::span<const Eigen::AlignedBox3d> others_world) {
   const Eigen::AlignedBox3d centimetre(Eigen::Vector3d::Constant(-5.0 * kMillimetre),
                                        Eigen::Vector3d::Constant(5.0 * kMillimetre));
   if (solid_world.empty()) solid_world = {&centimetre, 1};
@@ -73,8 +75,17 @@ View make_view(Camera camera, std::span<const Eigen::AlignedBox3d> solid_world,
   }
   const Eigen::Vector3d eye = focus + distance * back;
   // The burr's shank may reach far behind the box and towards the eye.
-  const double far = distance + box.diagonal().norm() + 60.0 * kMillimetre;
-  const double near = std::max(0.05 * distance, 0.5 * kMillimetre);
+  double far = distance + box.diagonal().norm() + 60.0 * kMillimetre;
+  double near = std::max(0.05 * distance, kNearest);
+  for (const Eigen::AlignedBox3d& other : others_world) {
+    if (other.isEmpty()) continue;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Eigen::Vector3d p = other.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner));
+      const double depth = (eye - p).dot(back);
+      far = std::max(far, 1.01 * depth);
+      near = std::max(std::min(near, 0.99 * depth), kNearest);
+    }
+  }
 
   Eigen::Matrix4d view = Eigen::Matrix4d::Identity();
   view.block<1, 3>(0, 0) = right.transpose();

@@ -20,9 +20,12 @@ struct View {
 
 /// The view of a named camera. `solid_world`: boxes that hold all that is solid at the start; every
 /// camera but kBurr frames them whole; none are taken as a box of 1 cm round the origin. kBurr
-/// follows the burr's tip at a scale set by the burr's radius (m).
+/// follows the burr's tip at a scale set by the burr's radius (m). `others_world`: boxes of what
+/// else is drawn; they do not change what the frame takes in, but none of them is cut off for being
+/// far away, nor for being near beyond 0.5 mm from the eye.
 View make_view(Camera camera, std::span<const Eigen::AlignedBox3d> solid_world,
-               const Eigen::Vector3d& tip_world, double burr_radius_m, int width, int height);
+               const Eigen::Vector3d& tip_world, double burr_radius_m, int width, int height,
+               std::span<const Eigen::AlignedBox3d> others_world = {});
 
 /// The view of a body that has moved, as if it had stayed and camera and lights had moved instead:
 /// what is drawn where the body was shows where it is now. `world_now_from_start`: its motion.

@@ -17,8 +17,10 @@ constexpr std::size_t kBatch = 64;  // bricks meshed before they are handed over
 
 }  // namespace
 
-GlBody::GlBody(VoxelModel model, std::vector<TissueLook> looks)
-    : surface_(std::move(model), std::move(looks)),
+GlBody::GlBody(RenderedBody body)
+    : surface_(std::move(body.model), std::move(body.looks)),
+      world_from_grid_(body.world_from_grid),
+      solid_at_start_(solid_slabs(surface_.model())),
       occlusion_(surface_.model(), surface_.density()),
       bricks_(surface_.brick_count()) {
   glGenTextures(1, &occlusion_texture_);
@@ -100,7 +102,8 @@ void GlBody::use(GlProgram& program, const View& view, const Pose& world_now_fro
   glBindTexture(GL_TEXTURE_3D, occlusion_texture_);
 }
 
-void GlBody::draw(GlProgram& program, const View& view, std::span<const Pose> pieces) const {
+void GlBody::draw(GlProgram& program, const View& view_world, std::span<const Pose> pieces) const {
+  const View view = view_of_moved(view_world, world_from_grid_);
   use(program, view, {});
   // Nearest first: what they hide is then never shaded.
   std::vector<std::pair<float, const GlMesh*>> order;
@@ -115,6 +118,17 @@ void GlBody::draw(GlProgram& program, const View& view, std::span<const Pose> pi
     use(program, view, pieces[i]);
     pieces_[i].draw();
   }
+}
+
+Eigen::AlignedBox3d GlBody::box_world() const {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::AlignedBox3d& slab : solid_at_start_) {
+    for (int corner = 0; corner < 8; ++corner) {
+      box.extend(world_from_grid_.point(
+          slab.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner))));
+    }
+  }
+  return box;
 }
 
 std::size_t GlBody::triangle_count() const {

@@ -6,21 +6,24 @@
 #include <span>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "engine/core/pose.hpp"
 #include "engine/graphics/camera.hpp"
 #include "engine/graphics/drawn_surface.hpp"
 #include "engine/graphics/gl_mesh.hpp"
 #include "engine/graphics/gl_program.hpp"
 #include "engine/graphics/occlusion.hpp"
+#include "engine/graphics/rendered_body.hpp"
 
 namespace sulcus {
 
 /// A body as OpenGL draws it: its surface in bricks, what was cut loose from it, and how much light
-/// falls on them. Made, used and destroyed with the same OpenGL context current.
+/// falls on them: it and its pieces shade each other, other bodies do not shade it. Made, used and
+/// destroyed with the same OpenGL context current.
 class GlBody {
  public:
-  /// `looks`: one per tissue label.
-  GlBody(VoxelModel model, std::vector<TissueLook> looks);
+  explicit GlBody(RenderedBody body);
   ~GlBody();
   GlBody(const GlBody&) = delete;
   GlBody& operator=(const GlBody&) = delete;
@@ -31,12 +34,17 @@ class GlBody {
   void add_piece(std::span<const std::uint32_t> voxels);
 
   /// Meshes and shades anew what has changed. `pieces`: how the pieces have moved, as
-  /// FrameState::pieces.
+  /// FrameState::pieces, in the space of the body.
   void update(std::span<const Pose> pieces);
   /// What was last made of it. `program`: of kToothVertex and kToothFragment.
-  void draw(GlProgram& program, const View& view, std::span<const Pose> pieces) const;
+  void draw(GlProgram& program, const View& view_world, std::span<const Pose> pieces) const;
 
   const DrawnSurface& surface() const { return surface_; }
+  const Pose& world_from_grid() const { return world_from_grid_; }
+  /// The solid at the start, by `solid_slabs`, in the space of the body.
+  const std::vector<Eigen::AlignedBox3d>& solid_at_start() const { return solid_at_start_; }
+  /// A box, world, that holds it; empty where nothing was solid.
+  Eigen::AlignedBox3d box_world() const;
   /// With its pieces.
   std::size_t triangle_count() const;
   std::size_t memory_bytes() const;
@@ -46,6 +54,8 @@ class GlBody {
   void use(GlProgram& program, const View& view, const Pose& world_now_from_start) const;
 
   DrawnSurface surface_;
+  Pose world_from_grid_;
+  std::vector<Eigen::AlignedBox3d> solid_at_start_;
   Occlusion occlusion_;
   std::vector<GlMesh> bricks_;
   std::deque<GlMesh> pieces_;

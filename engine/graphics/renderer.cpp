@@ -1,24 +1,46 @@
 #include "engine/graphics/renderer.hpp"
 
+#include <stdexcept>
 #include <utility>
 
 #include <epoxy/gl.h>
 
 #include "engine/graphics/camera.hpp"
 #include "engine/graphics/shaders.hpp"
+#include "engine/graphics/sight.hpp"
 
 namespace sulcus {
+namespace {
 
-Renderer::Renderer(const RenderSettings& settings, VoxelModel model, std::vector<TissueLook> looks,
+// Of the points to see, before a body is left out. Teeth that stand in a row hide a sixth of each
+// other's crowns from the review camera, and all of them from mesial.
+constexpr double kHiddenShare = 1.0 / 3.0;
+
+std::vector<std::unique_ptr<GlBody>> gl_bodies(std::vector<RenderedBody> bodies) {
+  if (bodies.empty()) throw std::invalid_argument("a renderer needs a workpiece");
+  const Pose& workpiece = bodies.front().world_from_grid;
+  if (!workpiece.position.isZero(0.0) ||
+      !workpiece.orientation.coeffs().isApprox(Pose{}.orientation.coeffs(), 0.0)) {
+    throw std::invalid_argument("the workpiece's grid is not where the world is");
+  }
+  std::vector<std::unique_ptr<GlBody>> made;
+  made.reserve(bodies.size());
+  for (RenderedBody& body : bodies) made.push_back(std::make_unique<GlBody>(std::move(body)));
+  return made;
+}
+
+}  // namespace
+
+Renderer::Renderer(const RenderSettings& settings, std::vector<RenderedBody> bodies,
                    const TriangleMesh& burr_mesh_tool, double burr_head_length_m)
     : settings_(settings),
       camera_(settings.camera),
-      workpiece_(std::move(model), std::move(looks)),
-      solid_world_(solid_slabs(workpiece_.surface().model())),
+      bodies_(gl_bodies(std::move(bodies))),
       burr_(burr_mesh_tool, burr_head_length_m),
       background_program_("background", kBackgroundVertex, kBackgroundFragment),
       tooth_program_("tooth", kToothVertex, kToothFragment),
       smooth_program_("smooth", kBackgroundVertex, kSmoothFragment) {
+  for (std::size_t i = 1; i < bodies_.size(); ++i) others_world_.push_back(bodies_[i]->box_world());
   set_size(settings.width, settings.height);
   glGenVertexArrays(1, &background_array_);
 }
@@ -37,14 +59,17 @@ void Renderer::set_size(int width, int height) {
 
 void Renderer::add_piece(std::span<const std::uint32_t> voxels) {
   context_.make_current();
-  workpiece_.add_piece(voxels);
+  bodies_.front()->add_piece(voxels);
 }
 
 Image Renderer::draw(const FrameState& state) {
   context_.make_current();
-  workpiece_.update(state.pieces);
-  const View view = make_view(camera_, solid_world_, state.world_from_tool.position,
-                              burr_.radius_m(), frame_->width(), frame_->height());
+  GlBody& workpiece = *bodies_.front();
+  workpiece.update(state.pieces);
+  for (std::size_t i = 1; i < bodies_.size(); ++i) bodies_[i]->update({});
+  const Eigen::Vector3d& tip_world = state.world_from_tool.position;
+  const View view = make_view(camera_, workpiece.solid_at_start(), tip_world, burr_.radius_m(),
+                              frame_->width(), frame_->height(), others_world_);
   frame_->begin();
   glDisable(GL_BLEND);
   glDisable(GL_SCISSOR_TEST);
@@ -59,7 +84,17 @@ Image Renderer::draw(const FrameState& state) {
   glEnable(GL_CULL_FACE);
   glFrontFace(GL_CCW);
   burr_.draw(view, state.world_from_tool, state.burr_turn_rad);
-  workpiece_.draw(tooth_program_, view, state.pieces);
+  workpiece.draw(tooth_program_, view, state.pieces);
+  if (bodies_.size() > 1) {
+    const std::vector<Eigen::Vector3d> points =
+        points_to_see(camera_, workpiece.solid_at_start(), tip_world);
+    for (std::size_t i = 1; i < bodies_.size(); ++i) {
+      const GlBody& body = *bodies_[i];
+      const double hidden = hidden_share(view.eye_world.cast<double>(), points,
+                                         body.solid_at_start(), body.world_from_grid());
+      if (hidden < kHiddenShare) body.draw(tooth_program_, view, {});
+    }
+  }
   glDisable(GL_CULL_FACE);
   glDisable(GL_DEPTH_TEST);
   frame_->begin_overlay();
@@ -71,11 +106,17 @@ Image Renderer::draw(const FrameState& state) {
   return frame_->read();
 }
 
-std::size_t Renderer::triangle_count() const { return workpiece_.triangle_count(); }
+std::size_t Renderer::triangle_count() const {
+  std::size_t count = 0;
+  for (const auto& body : bodies_) count += body->triangle_count();
+  return count;
+}
 
 std::size_t Renderer::memory_bytes() const {
   const std::size_t pixels = static_cast<std::size_t>(frame_->width()) * frame_->height();
-  return workpiece_.memory_bytes() + burr_.bytes() + pixels * 12;
+  std::size_t bytes = burr_.bytes() + pixels * 12;
+  for (const auto& body : bodies_) bytes += body->memory_bytes();
+  return bytes;
 }
 
 }  // namespace sulcus

@@ -20,35 +20,46 @@
 #include "engine/graphics/gl_program.hpp"
 #include "engine/graphics/hud.hpp"
 #include "engine/graphics/image.hpp"
+#include "engine/graphics/rendered_body.hpp"
 #include "engine/scene/scene.hpp"
-#include "engine/volume/voxel_model.hpp"
 
 namespace sulcus {
 
-/// Draws a tooth, what was cut loose from it, the burr and the figures into pictures, with no
-/// display:
+/// Draws the workpiece, what was cut loose from it, other bodies, the burr and the figures into
+/// pictures, with no display:
 ///
-///   removals -> bricks of the surface meshed again -> burr, tooth, pieces -> edges smoothed ->
-///   figures -> Image
+///   removals -> bricks of the surfaces meshed again -> burr, workpiece, pieces, other bodies that
+///   are not in the way -> edges smoothed -> figures -> Image
 ///
-/// It has its own copy of the volume and its own OpenGL context, and belongs to the thread that
+/// The workpiece is what is reviewed: cameras frame it alone, and a body that would hide a third or
+/// more of what they are there to show of it (`points_to_see`, `hidden_share`, by the boxes of what
+/// was solid at the start) is left out of the picture: so the mesial neighbour from mesial, and in
+/// close-ups of the burr whatever stands before its tip. Bodies do not shade each other.
+///
+/// It has its own copy of the volumes and its own OpenGL context, and belongs to the thread that
 /// made it. The same calls give the same pictures, bit for bit, on the same machine.
 class Renderer {
  public:
-  /// `looks`: one per tissue label. `burr_mesh_tool`: tool space, m; blades are shown up to
-  /// `burr_head_length_m` from the tip. Throws std::runtime_error where nothing can be drawn.
-  Renderer(const RenderSettings& settings, VoxelModel model, std::vector<TissueLook> looks,
+  /// `bodies`: the first is the workpiece, whose grid is the world's; throws std::invalid_argument
+  /// where there is none or it is placed elsewhere. `burr_mesh_tool`: tool space, m; blades are
+  /// shown up to `burr_head_length_m` from the tip. Throws std::runtime_error where nothing can be
+  /// drawn.
+  Renderer(const RenderSettings& settings, std::vector<RenderedBody> bodies,
            const TriangleMesh& burr_mesh_tool, double burr_head_length_m);
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  /// Voxels (VoxelGrid::linear) that are no longer solid.
-  void remove(std::span<const std::uint32_t> voxels) { workpiece_.remove(voxels); }
-  /// A piece that was cut loose, by its voxels (VoxelGrid::linear), each once: a body of its own
-  /// from now on, drawn where FrameState::pieces says. It is meshed here, once, by `piece_mesh`,
-  /// which says what it throws. The caller also removes its voxels, in the same frame, before or
-  /// after: the piece comes out the same. Tooth and pieces shade each other where they are.
+  /// Voxels (VoxelGrid::linear) of a body that are no longer solid. `body`: its place in what the
+  /// renderer was made with, 0 the workpiece; throws std::out_of_range beyond.
+  void remove(std::size_t body, std::span<const std::uint32_t> voxels) {
+    bodies_.at(body)->remove(voxels);
+  }
+  /// A piece that was cut loose from the workpiece, by its voxels (VoxelGrid::linear), each once: a
+  /// body of its own from now on, drawn where FrameState::pieces says. It is meshed here, once, by
+  /// `piece_mesh`, which says what it throws. The caller also removes its voxels, in the same
+  /// frame, before or after: the piece comes out the same. Workpiece and pieces shade each other
+  /// where they are.
   void add_piece(std::span<const std::uint32_t> voxels);
   void set_camera(Camera camera) { camera_ = camera; }
   /// Pixels. Throws std::runtime_error beyond what OpenGL here can draw; the size then stays.
@@ -58,18 +69,19 @@ class Renderer {
 
   /// What draws, for the log.
   const std::string& device() const { return context_.description(); }
-  const DrawnSurface& surface() const { return workpiece_.surface(); }
-  /// Of the tooth and the pieces.
+  /// Of the workpiece.
+  const DrawnSurface& surface() const { return bodies_.front()->surface(); }
+  /// Of the bodies and the pieces, in the last picture or left out.
   std::size_t triangle_count() const;
-  /// Of the volume, the meshes and the pictures, as far as they are ours.
+  /// Of the volumes, the meshes and the pictures, as far as they are ours.
   std::size_t memory_bytes() const;
 
  private:
   EglContext context_;
   RenderSettings settings_;
   Camera camera_;
-  GlBody workpiece_;
-  std::vector<Eigen::AlignedBox3d> solid_world_;  // of the start
+  std::vector<std::unique_ptr<GlBody>> bodies_;    // the first: the workpiece
+  std::vector<Eigen::AlignedBox3d> others_world_;  // a box for each of the others
   GlBurr burr_;
   std::unique_ptr<GlFramebuffer> frame_;
   std::optional<Hud> hud_;

@@ -8,6 +8,39 @@
 namespace sulcus {
 namespace {
 
+TEST(MakeView, OtherBodiesDoNotChangeTheFrameAndAreNotCutOffInDepth) {
+  const Eigen::Vector3d tip = Eigen::Vector3d::Zero();
+  auto boxes = [](double x) {
+    const Eigen::Vector3d p(x, 0, 0);
+    const Eigen::Vector3d half = Eigen::Vector3d::Constant(1e-3);
+    return std::vector<Eigen::AlignedBox3d>{{p - half, p + half}};
+  };
+  auto depth = [](const View& view, const Eigen::Vector3d& p) {  // within -1 to 1: seen
+    const Eigen::Vector4f clip = view.clip_from_world * p.cast<float>().homogeneous().eval();
+    return clip.z() / clip.w();
+  };
+  const View alone = make_view(Camera::kMesial, {}, tip, 1e-3, 320, 180);
+  const double eye_x = alone.eye_world.x();
+  const Eigen::Vector3d far(-0.2, 0, 0);
+  const Eigen::Vector3d near(eye_x - 1.1e-3, 0, 0);
+  EXPECT_GT(depth(alone, far), 1.0f);
+  EXPECT_LT(depth(alone, near), -1.0f);
+  const View with_far = make_view(Camera::kMesial, {}, tip, 1e-3, 320, 180, boxes(far.x()));
+  EXPECT_LT(depth(with_far, far), 1.0f);
+  const View with_near =
+      make_view(Camera::kMesial, {}, tip, 1e-3, 320, 180, boxes(near.x() - 1e-3));
+  EXPECT_GT(depth(with_near, near), -1.0f);
+  for (const View* view : {&with_far, &with_near}) {
+    EXPECT_EQ(view->eye_world, alone.eye_world);
+    EXPECT_EQ(view->metres_per_pixel, alone.metres_per_pixel);
+    EXPECT_EQ(view->clip_from_world.topRows<2>(), alone.clip_from_world.topRows<2>());
+  }
+  // The eye is in the midst of it: what is left of it is drawn all the same.
+  const View within = make_view(Camera::kMesial, {}, tip, 1e-3, 320, 180, boxes(eye_x));
+  EXPECT_GT(depth(within, near), -1.0f);
+  EXPECT_TRUE(within.clip_from_world.allFinite());
+}
+
 TEST(ViewOfMoved, ShowsTheOldPlaceWhereTheBodyIsNow) {
   const View view = make_view(Camera::kReview, {}, Eigen::Vector3d::Zero(), 1e-3, 320, 180);
   Pose moved;
