@@ -123,6 +123,23 @@ View view_of_moved(const View& view, const Pose& world_now_from_start) {
   return moved;
 }
 
+bool may_be_in_frame(const View& view, const Eigen::AlignedBox3f& box_world) {
+  constexpr float kRounding = 1.001f;
+  bool left = true, right = true, below = true, above = true, behind = true;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector4f clip =
+        view.clip_from_world *
+        box_world.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner)).homogeneous().eval();
+    const float side = kRounding * clip.w();
+    left = left && clip.x() < -side;
+    right = right && clip.x() > side;
+    below = below && clip.y() < -side;
+    above = above && clip.y() > side;
+    behind = behind && clip.w() < 0.0f;
+  }
+  return !(left || right || below || above || behind);
+}
+
 Eigen::Matrix4d matrix_of(const Pose& pose) {
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
   matrix.topLeftCorner<3, 3>() = pose.orientation.toRotationMatrix();

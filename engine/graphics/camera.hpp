@@ -31,6 +31,10 @@ View make_view(Camera camera, std::span<const Eigen::AlignedBox3d> solid_world,
 /// what is drawn where the body was shows where it is now. `world_now_from_start`: its motion.
 View view_of_moved(const View& view, const Pose& world_now_from_start);
 
+/// Whether anything inside a box may show: false only where the whole box lies beyond one side of
+/// the frame, or behind the eye. `box_world`: not empty.
+bool may_be_in_frame(const View& view, const Eigen::AlignedBox3f& box_world);
+
 /// A pose as a matrix for points (x, y, z, 1).
 Eigen::Matrix4d matrix_of(const Pose& pose);
 

@@ -108,8 +108,8 @@ void GlBody::draw(GlProgram& program, const View& view_world, std::span<const Po
   // Nearest first: what they hide is then never shaded.
   std::vector<std::pair<float, const GlMesh*>> order;
   for (const GlMesh& brick : bricks_) {
-    if (brick.empty()) continue;
-    order.emplace_back((brick.centre() - view.eye_world).squaredNorm(), &brick);
+    if (brick.empty() || !may_be_in_frame(view, brick.box())) continue;
+    order.emplace_back((brick.box().center() - view.eye_world).squaredNorm(), &brick);
   }
   std::sort(order.begin(), order.end());
   for (const auto& [distance, brick] : order) brick->draw();

@@ -1,6 +1,5 @@
 #include "engine/graphics/gl_mesh.hpp"
 
-#include <Eigen/Geometry>
 #include <epoxy/gl.h>
 
 namespace sulcus {
@@ -42,11 +41,10 @@ void GlMesh::upload(const DrawnMesh& mesh) {
                mesh.vertices.data(), GL_STATIC_DRAW);
   glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.indices.size() * 4),
                mesh.indices.data(), GL_STATIC_DRAW);
-  Eigen::AlignedBox3f box;
+  box_.setEmpty();
   for (const DrawnVertex& v : mesh.vertices) {
-    box.extend(Eigen::Vector3f(v.position_m[0], v.position_m[1], v.position_m[2]));
+    box_.extend(Eigen::Vector3f(v.position_m[0], v.position_m[1], v.position_m[2]));
   }
-  centre_ = box.center();
 }
 
 void GlMesh::draw() const {

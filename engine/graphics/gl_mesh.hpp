@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "engine/graphics/drawn_surface.hpp"
 
@@ -22,8 +22,8 @@ class GlMesh {
   bool empty() const { return index_count_ == 0; }
   void draw() const;
 
-  /// Middle of its box, in the space of its vertices, m; of the last that was not empty.
-  const Eigen::Vector3f& centre() const { return centre_; }
+  /// Its box, in the space of its vertices, m; of the last that was not empty.
+  const Eigen::AlignedBox3f& box() const { return box_; }
   std::size_t triangle_count() const { return static_cast<std::size_t>(index_count_) / 3; }
   std::size_t bytes() const { return bytes_; }
 
@@ -31,7 +31,7 @@ class GlMesh {
   unsigned array_ = 0, vertices_ = 0, indices_ = 0;
   int index_count_ = 0;
   std::size_t bytes_ = 0;
-  Eigen::Vector3f centre_ = Eigen::Vector3f::Zero();
+  Eigen::AlignedBox3f box_;
 };
 
 }  // namespace sulcus

@@ -41,6 +41,30 @@ TEST(MakeView, OtherBodiesDoNotChangeTheFrameAndAreNotCutOffInDepth) {
   EXPECT_TRUE(within.clip_from_world.allFinite());
 }
 
+TEST(MayBeInFrame, OnlyWhatIsWhollyBeyondASideIsNot) {
+  // 2 cm wide and 1 cm high at the origin, seen along -x with +y to the right.
+  const View view = make_view(Camera::kMesial, {}, Eigen::Vector3d::Zero(), 1e-3, 400, 200);
+  const double half_m = 100.0 * view.metres_per_pixel;  // of the height
+  auto shown = [&](double x, double y, double z, double radius) {
+    const Eigen::Vector3f p = Eigen::Vector3d(x, y, z).cast<float>();
+    const Eigen::Vector3f r = Eigen::Vector3f::Constant(static_cast<float>(radius));
+    return may_be_in_frame(view, {p - r, p + r});
+  };
+  EXPECT_TRUE(shown(0, 0, 0, 1e-3));
+  for (const double sign : {-1.0, 1.0}) {
+    EXPECT_TRUE(shown(0, sign * 1.9 * half_m, 0, 1e-4));
+    EXPECT_FALSE(shown(0, sign * 2.1 * half_m, 0, 1e-4));
+    EXPECT_TRUE(shown(0, sign * 2.1 * half_m, 0, 0.2 * half_m));
+    EXPECT_TRUE(shown(0, 0, sign * 0.9 * half_m, 1e-4));
+    EXPECT_FALSE(shown(0, 0, sign * 1.1 * half_m, 1e-4));
+    EXPECT_TRUE(shown(0, 0, sign * 1.1 * half_m, 0.2 * half_m));
+  }
+  const double eye_x = view.eye_world.x();
+  EXPECT_FALSE(shown(eye_x + 5e-3, 0, 0, 1e-3));  // behind
+  EXPECT_TRUE(shown(eye_x, 0, 0, 1e-3));          // round the eye
+  EXPECT_TRUE(shown(0, 0, 0, 1.0));
+}
+
 TEST(ViewOfMoved, ShowsTheOldPlaceWhereTheBodyIsNow) {
   const View view = make_view(Camera::kReview, {}, Eigen::Vector3d::Zero(), 1e-3, 320, 180);
   Pose moved;
