@@ -2,19 +2,71 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 #include "engine/core/units.hpp"
 
 namespace sulcus {
 
-FrameHistory::FrameHistory(const Scene& scene)
+namespace {
+
+double voxel_mm3(const WorkpieceSettings& solid) {
+  return std::pow(solid.voxel_m / kMillimetre, 3);
+}
+
+std::string mm3(double value) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.3f mm\xC2\xB3", value);
+  return text;
+}
+
+/// A name of a scene's in the room that there is for it.
+std::string shortened(const std::string& name) {
+  constexpr std::size_t kMost = 18;
+  return name.size() <= kMost ? name : name.substr(0, kMost - 2) + "..";
+}
+
+}  // namespace
+
+FrameHistory::FrameHistory(const Scene& scene, const VoxelModel& start)
     : title_(scene.title),
       window_(static_cast<std::size_t>(std::max(2.0, 2.0 * scene.haptics.rate_hz))),
       dt_s_(1.0 / scene.haptics.rate_hz),
       set_speed_rad_per_s_(scene.cutting ? scene.burr.speed_rad_per_s : 0.0),
-      voxel_mm3_(std::pow(scene.workpiece.voxel_m / kMillimetre, 3)),
-      cutting_(scene.cutting.has_value()) {}
+      voxel_mm3_(voxel_mm3(scene.workpiece)),
+      cutting_(scene.cutting.has_value()) {
+  if (cutting_) progress_.emplace(start, scene.tissues);
+  for (const BodySettings& body : scene.bodies) {
+    damage_.push_back({shortened(body.name), voxel_mm3(body.solid), 0});
+  }
+}
+
+void FrameHistory::add(const Edit& edit) {
+  if (progress_) progress_->add(edit);
+  if (edit.body > 0) ++damage_[edit.body - 1u].removed;
+}
+
+std::vector<OutcomeLine> FrameHistory::outcome() const {
+  std::vector<OutcomeLine> lines;
+  if (progress_) {
+    if (const auto left = progress_->caries_left()) {
+      lines.push_back({"Caries left", mm3(static_cast<double>(*left) * voxel_mm3_)});
+    }
+    if (progress_->has_pulp()) {
+      const std::optional<std::uint64_t> tick = progress_->pulp_exposed_tick();
+      char text[32];
+      std::snprintf(text, sizeof(text), "exposed at %.1f s",
+                    static_cast<double>(tick.value_or(0)) * dt_s_);
+      lines.push_back({"Pulp", tick ? text : "covered"});
+    }
+  }
+  for (const Damage& body : damage_) {
+    if (body.removed == 0) continue;
+    lines.push_back({body.name, mm3(static_cast<double>(body.removed) * body.voxel_mm3)});
+  }
+  return lines;
+}
 
 void FrameHistory::add(const TickReport& report) {
   add(report.record, cutting_ ? &report.cutting : nullptr);
@@ -62,6 +114,7 @@ FrameState FrameHistory::state() const {
   state.contacts = latest_.contacts;
   state.tick_us = latest_.step_us;
   state.removed_mm3 = static_cast<double>(removed_) * voxel_mm3_;
+  state.outcome = outcome();
   for (std::size_t s = 0; timed_ && s < stage_us_.size(); ++s) {
     if (Stage(s) == Stage::kRemoval && !cutting_) continue;  // was not there
     state.stages.push_back({kStageNames[s], stage_us_[s]});

@@ -31,8 +31,11 @@ void inspect_recording(const std::string& file) {
               static_cast<double>(rows.size()) / header.rate_hz);
   const std::vector<Edit> edits = reader.edits();
   const auto loose = std::ranges::count(edits, EditCause::kLoose, &Edit::cause);
-  std::printf("removed voxels   %zd cut", static_cast<std::ptrdiff_t>(edits.size()) - loose);
+  const auto others = std::ranges::count_if(edits, [](const Edit& e) { return e.body != 0; });
+  std::printf("removed voxels   %zd cut",
+              static_cast<std::ptrdiff_t>(edits.size()) - loose - others);
   if (scene.loose_pieces) std::printf(", %zd in pieces cut loose", loose);
+  if (!scene.bodies.empty()) std::printf(", %zd of other bodies", others);
   std::printf("\n");
   const VoxelGrid& grid = reader.grid();
   std::printf("cells            %d x %d x %d of %g mm\n", grid.cells.x(), grid.cells.y(),
@@ -55,6 +58,9 @@ void inspect_scene(const std::string& file) {
     std::printf("tissue           %s: %g N/mm, %g J/mm3\n", t.name.c_str(),
                 t.stiffness_N_per_m / kNewtonPerMillimetre,
                 t.specific_energy_J_per_m3 / kJoulePerMm3);
+  }
+  for (const BodySettings& body : scene.bodies) {
+    std::printf("body             %s%s\n", body.name.c_str(), body.cuttable ? ", cuttable" : "");
   }
   std::printf("trajectory       %.3f s, %.0f ticks\n", trajectory.duration_s(),
               trajectory.duration_s() * scene.haptics.rate_hz);

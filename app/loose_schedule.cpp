@@ -7,7 +7,9 @@ namespace sulcus {
 
 std::optional<LooseAnswer> LooseFinder::add_tick(std::uint64_t tick, std::span<const Edit> edits) {
   removed_.clear();
-  for (const Edit& edit : edits) removed_.push_back(edit.voxel);
+  for (const Edit& edit : edits) {
+    if (edit.body == 0) removed_.push_back(edit.voxel);
+  }
   pieces_.remove(removed_);
   if (!asks_after(tick)) return {};
   LooseAnswer answer;

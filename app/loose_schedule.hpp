@@ -37,7 +37,8 @@ class LooseFinder {
  public:
   explicit LooseFinder(VoxelModel start) : pieces_(std::move(start)) {}
 
-  /// The edits of a tick, each once, in their order. The answer where it is asked after the tick.
+  /// The edits of a tick, each once, in their order; those of other bodies than the workpiece are
+  /// passed over. The answer where it is asked after the tick.
   std::optional<LooseAnswer> add_tick(std::uint64_t tick, std::span<const Edit> edits);
   /// What stays.
   const VoxelModel& model() const { return pieces_.model(); }

@@ -13,13 +13,15 @@ constexpr std::uint64_t kTellEvery = 10;  // ticks between the poses of a piece 
 }  // namespace
 
 PiecesThread::PiecesThread(Feed& feed, std::vector<PieceFeed*> consumers, const Scene& scene,
-                           VoxelModel start)
+                           VoxelModel start, std::vector<VoxelModel> bodies)
     : feed_(feed),
       consumers_(std::move(consumers)),
       dt_s_(1.0 / scene.haptics.rate_hz),
       smallest_m3_(scene.loose_pieces->smallest_m3),
+      scene_(scene),
+      bodies_(std::move(bodies)),
       finder_(std::move(start)),
-      world_(finder_.model().grid, *scene.loose_pieces) {
+      world_(finder_.model().grid, *scene.loose_pieces, still_bodies()) {
   thread_ = std::thread([this] {
     try {
       run();
@@ -76,7 +78,6 @@ void PiecesThread::run() {
 
 void PiecesThread::add_tick(const TickReport& report, std::span<const Edit> edits) {
   const std::uint64_t tick = report.record.tick;
-  const VoxelGrid& grid = finder_.model().grid;
   for (const Edit& edit : edits) {
     if (edit.cause == EditCause::kLoose) note_loose(edit.voxel);
   }
@@ -93,14 +94,35 @@ void PiecesThread::add_tick(const TickReport& report, std::span<const Edit> edit
   for (; !leaving_.empty() && leaving_.front().end <= report.loose_left; leaving_.pop_front()) {
     free_piece(leaving_.front(), tick);
   }
-  if (!edits.empty() && world_.size() > 0) {
-    Eigen::AlignedBox3d cut;
-    for (const Edit& edit : edits) cut.extend(grid.centre_world(grid.cell_of_linear(edit.voxel)));
-    world_.wake(cut);
-  }
+  if (!edits.empty()) apply(edits);
   world_.step(dt_s_, finder_.model());
   if (tick % kTellEvery == 0) tell_poses(tick);
   for (PieceFeed* consumer : consumers_) consumer->ticks_done = tick + 1;
+}
+
+std::vector<DebrisWorld::StillBody> PiecesThread::still_bodies() const {
+  std::vector<DebrisWorld::StillBody> still;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    still.push_back({&bodies_[i], scene_.bodies[i].world_from_grid});
+  }
+  return still;
+}
+
+/// What was cut may have held a piece.
+void PiecesThread::apply(std::span<const Edit> edits) {
+  Eigen::AlignedBox3d cut;
+  for (const Edit& edit : edits) {
+    if (edit.body == 0) {
+      const VoxelGrid& grid = finder_.model().grid;
+      cut.extend(grid.centre_world(grid.cell_of_linear(edit.voxel)));
+      continue;
+    }
+    VoxelModel& body = bodies_[edit.body - 1u];
+    const Cell cell = body.grid.cell_of_linear(edit.voxel);
+    body.set(cell, false);
+    cut.extend(scene_.bodies[edit.body - 1u].world_from_grid.point(body.grid.centre_world(cell)));
+  }
+  if (world_.size() > 0) world_.wake(cut);
 }
 
 void PiecesThread::note_loose(std::uint32_t voxel) {

@@ -31,8 +31,10 @@ namespace sulcus {
 /// Looks for pieces that were cut loose, beside the haptic thread, and moves them until they rest.
 class PiecesThread {
  public:
-  /// `start`: the workpiece before the first tick, of which it takes a copy. The feeds outlive it.
-  PiecesThread(Feed& feed, std::vector<PieceFeed*> consumers, const Scene& scene, VoxelModel start);
+  /// `start`, `bodies`: the workpiece and the others before the first tick, of which it takes
+  /// copies. Feeds and scene outlive it.
+  PiecesThread(Feed& feed, std::vector<PieceFeed*> consumers, const Scene& scene, VoxelModel start,
+               std::vector<VoxelModel> bodies);
   ~PiecesThread();
   PiecesThread(const PiecesThread&) = delete;
   PiecesThread& operator=(const PiecesThread&) = delete;
@@ -60,7 +62,9 @@ class PiecesThread {
 
   void run();
   void add_tick(const TickReport& report, std::span<const Edit> edits);
+  std::vector<DebrisWorld::StillBody> still_bodies() const;
   void note_loose(std::uint32_t voxel);
+  void apply(std::span<const Edit> edits);
   void free_piece(const Leaving& piece, std::uint64_t tick);
   void tell(const PieceNews& news);
   void tell_poses(std::uint64_t tick);
@@ -68,6 +72,8 @@ class PiecesThread {
   Feed& feed_;
   std::vector<PieceFeed*> consumers_;
   double dt_s_, smallest_m3_;
+  const Scene& scene_;
+  std::vector<VoxelModel> bodies_;  // besides the workpiece, as they are now
   LooseFinder finder_;
   DebrisWorld world_;
   Queue<LooseAnswer> answers_;

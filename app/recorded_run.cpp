@@ -18,12 +18,21 @@ Burr recorded_burr(const RecordingReader& reader, const Scene& scene) {
   return make_burr(scene.burr, scene.workpiece.voxel_m, scene.file);
 }
 
+std::vector<VoxelModel> recorded_bodies(const RecordingReader& reader, const Scene& scene) {
+  std::vector<VoxelModel> bodies = reader.bodies();
+  if (bodies.size() != scene.bodies.size()) {
+    throw InputError(scene.file, "/bodies", std::to_string(bodies.size()) + " bodies",
+                     std::to_string(scene.bodies.size()) + ", as in its scene");
+  }
+  return bodies;
+}
+
 RecordedRun open_recorded_run(const std::string& path) {
   RecordingReader reader(path);
   if (reader.tick_count() == 0) throw InputError(path, "/ticks", "no rows", "at least one tick");
   const Scene scene = recorded_scene(reader, path);
-  auto simulation =
-      std::make_unique<Simulation>(scene, reader.workpiece(), recorded_burr(reader, scene));
+  auto simulation = std::make_unique<Simulation>(
+      scene, reader.workpiece(), recorded_bodies(reader, scene), recorded_burr(reader, scene));
   std::vector<Pose> poses;
   poses.reserve(reader.tick_count());
   for (const TickRecord& row : reader.ticks()) {
@@ -39,14 +48,14 @@ RecordedRun open_recorded_run(const std::string& path) {
 RecordedShape::RecordedShape(const RecordingReader& reader)
     : model_(reader.workpiece()), rows_(reader.ticks()), edits_(reader.edits()) {}
 
-std::span<const std::uint32_t> RecordedShape::advance_to_row(std::size_t row) {
-  removed_.clear();
+std::span<const Edit> RecordedShape::advance_to_row(std::size_t row) {
+  const std::size_t first = applied_;
   const std::uint64_t end = std::min<std::uint64_t>(rows_[row].edits_end, edits_.size());
   for (; applied_ < end; ++applied_) {
-    model_.set(model_.grid.cell_of_linear(edits_[applied_].voxel), false);
-    removed_.push_back(edits_[applied_].voxel);
+    const Edit& edit = edits_[applied_];
+    if (edit.body == 0) model_.set(model_.grid.cell_of_linear(edit.voxel), false);
   }
-  return removed_;
+  return std::span(edits_).subspan(first, applied_ - first);
 }
 
 RecordedPieces::RecordedPieces(const RecordingReader& reader)

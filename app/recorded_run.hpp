@@ -26,17 +26,19 @@ RecordedRun open_recorded_run(const std::string& path);
 
 /// The scene that a recording carries.
 Scene recorded_scene(const RecordingReader& reader, const std::string& path);
+/// The bodies besides the workpiece that it carries. InputError where its scene names others.
+std::vector<VoxelModel> recorded_bodies(const RecordingReader& reader, const Scene& scene);
 /// The burr that a recording carries or its scene generates.
 Burr recorded_burr(const RecordingReader& reader, const Scene& scene);
 
-/// The recorded shape over time: the model at the start, and the edits applied up to a time.
+/// The recorded workpiece over time: the model at the start, and the edits applied up to a time.
 class RecordedShape {
  public:
   explicit RecordedShape(const RecordingReader& reader);
 
-  /// Applies the edits of all rows up to and with that row; forward only. Returns the voxels that
-  /// it removed.
-  std::span<const std::uint32_t> advance_to_row(std::size_t row);
+  /// Applies the edits of all rows up to and with that row; forward only. Returns those it passed,
+  /// of all bodies.
+  std::span<const Edit> advance_to_row(std::size_t row);
   const VoxelModel& model() const { return model_; }
   const std::vector<TickRecord>& rows() const { return rows_; }
   /// Last row at or before a time; the first where none is.
@@ -46,7 +48,6 @@ class RecordedShape {
   VoxelModel model_;
   std::vector<TickRecord> rows_;
   std::vector<Edit> edits_;
-  std::vector<std::uint32_t> removed_;
   std::size_t applied_ = 0;
 };
 

@@ -111,9 +111,9 @@ void render(RenderOptions options) {
   const Burr burr = recorded_burr(reader, scene);
   const RenderSettings settings = render_settings(scene, options);
   RecordedShape shape(reader);
-  std::vector<RenderedBody> bodies;
-  bodies.push_back({shape.model(), tissue_looks(scene), {}});
-  Renderer renderer(settings, std::move(bodies), burr.mesh_tool, burr.head_length_m);
+  FrameHistory history(scene, shape.model());
+  Renderer renderer(settings, rendered_bodies(scene, shape.model(), recorded_bodies(reader, scene)),
+                    burr.mesh_tool, burr.head_length_m);
 
   std::unique_ptr<VideoWriter> writer;
   if (video) {
@@ -125,8 +125,8 @@ void render(RenderOptions options) {
   }
   if (!video) std::filesystem::create_directories(options.folder);
 
+  std::vector<std::vector<std::uint32_t>> removed(1 + scene.bodies.size());  // by body
   RecordedPieces pieces(reader);
-  FrameHistory history(scene);
   const std::vector<CuttingRecord> cutting = reader.cutting();
   std::size_t next = 0;
   std::uint64_t frame = 0;
@@ -134,7 +134,12 @@ void render(RenderOptions options) {
     for (; next <= row; ++next) {
       history.add(shape.rows()[next], next < cutting.size() ? &cutting[next] : nullptr);
     }
-    renderer.remove(0, shape.advance_to_row(row));
+    for (std::vector<std::uint32_t>& voxels : removed) voxels.clear();
+    for (const Edit& edit : shape.advance_to_row(row)) {
+      removed[edit.body].push_back(edit.voxel);
+      history.add(edit);
+    }
+    for (std::size_t body = 0; body < removed.size(); ++body) renderer.remove(body, removed[body]);
     FrameState state = history.state();
     for (const auto& voxels : pieces.advance_to_tick(state.tick)) {
       if (!voxels.empty()) renderer.add_piece(voxels);

@@ -11,18 +11,27 @@
 
 namespace sulcus {
 
-std::vector<TissueLook> tissue_looks(const Scene& scene) {
+std::vector<RenderedBody> rendered_bodies(const Scene& scene, VoxelModel workpiece,
+                                          std::vector<VoxelModel> bodies) {
   std::vector<TissueLook> looks;
   for (const TissueSettings& tissue : scene.tissues) looks.push_back({tissue.name, tissue.colour});
-  return looks;
+  std::vector<RenderedBody> rendered{{std::move(workpiece), looks, {}}};
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const BodySettings& body = scene.bodies[i];
+    rendered.push_back({std::move(bodies[i]),
+                        body.tissue ? std::vector{looks[*body.tissue]} : looks,
+                        body.world_from_grid});
+  }
+  return rendered;
 }
 
 RenderThread::RenderThread(Feed& feed, PieceFeed* pieces, const Scene& scene, VoxelModel start,
-                           const Burr& burr, std::string folder, bool drop_frames)
+                           std::vector<VoxelModel> bodies, const Burr& burr, std::string folder,
+                           bool drop_frames)
     : feed_(feed),
       pieces_(pieces),
       scene_(scene),
-      start_(std::move(start)),
+      bodies_(rendered_bodies(scene, std::move(start), std::move(bodies))),
       burr_(burr),
       folder_(std::move(folder)),
       drop_frames_(drop_frames) {
@@ -54,19 +63,18 @@ void RenderThread::run() {
   // Pinned before the context is made: the software rasteriser's threads inherit it.
   if (drop_frames_) leave_realtime_core();
   std::filesystem::create_directories(folder_ + "/frames");
-  std::vector<RenderedBody> bodies;
-  bodies.push_back({std::move(start_), tissue_looks(scene_), {}});
-  Renderer renderer(*scene_.render, std::move(bodies), burr_.mesh_tool, burr_.head_length_m);
+  FrameHistory history(scene_, bodies_.front().model);
+  Renderer renderer(*scene_.render, std::move(bodies_), burr_.mesh_tool, burr_.head_length_m);
   is_ready_ = true;
   ready_.set_value();
 
-  FrameHistory history(scene_);
-  std::vector<std::uint32_t> removed;
+  std::vector<std::vector<std::uint32_t>> removed(1 + scene_.bodies.size());  // by body
   std::uint64_t edits_taken = 0;
 
   const auto take = [&](const TickReport& report) {
     for (Edit edit; edits_taken < report.record.edits_end && feed_.edits.try_dequeue(edit);) {
-      removed.push_back(edit.voxel);
+      removed[edit.body].push_back(edit.voxel);
+      history.add(edit);
       ++edits_taken;
     }
     history.add(report);
@@ -99,8 +107,10 @@ void RenderThread::run() {
     FrameState state = history.state();
     if (pieces_) take_pieces(state.tick, last);
     state.pieces = piece_poses;
-    renderer.remove(0, removed);
-    removed.clear();
+    for (std::size_t body = 0; body < removed.size(); ++body) {
+      renderer.remove(body, removed[body]);
+      removed[body].clear();
+    }
     const Image image = renderer.draw(state);
     char name[32];
     std::snprintf(name, sizeof(name), "/frames/%06llu.png",

@@ -15,7 +15,7 @@
 
 namespace sulcus {
 
-/// Draws the run from its own copy of the volume: a frame each 1 / fps of the run's time, into
+/// Draws the run from its own copies of the volumes: a frame each 1 / fps of the run's time, into
 /// frames/%06d.png. It reads its feed and nothing else of the haptic thread. A renderer that fails
 /// does not stop the run; `finish` then throws what it said.
 class RenderThread {
@@ -25,7 +25,8 @@ class RenderThread {
   /// the picture keeps up with a run at real pace. Scene and burr outlive the thread.
   /// `pieces` is null where none may come loose.
   RenderThread(Feed& feed, PieceFeed* pieces, const Scene& scene, VoxelModel start,
-               const Burr& burr, std::string folder, bool drop_frames);
+               std::vector<VoxelModel> bodies, const Burr& burr, std::string folder,
+               bool drop_frames);
   ~RenderThread();
   RenderThread(const RenderThread&) = delete;
   RenderThread& operator=(const RenderThread&) = delete;
@@ -42,7 +43,7 @@ class RenderThread {
   Feed& feed_;
   PieceFeed* pieces_;
   const Scene& scene_;
-  VoxelModel start_;
+  std::vector<RenderedBody> bodies_;
   const Burr& burr_;
   std::string folder_;
   bool drop_frames_;
@@ -55,7 +56,8 @@ class RenderThread {
   std::thread thread_;
 };
 
-/// How the renderer draws the tissues of a scene.
-std::vector<TissueLook> tissue_looks(const Scene& scene);
+/// The workpiece and the other bodies of a scene, as the renderer takes them.
+std::vector<RenderedBody> rendered_bodies(const Scene& scene, VoxelModel workpiece,
+                                          std::vector<VoxelModel> bodies);
 
 }  // namespace sulcus

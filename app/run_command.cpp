@@ -51,12 +51,25 @@ void run(const RunOptions& options) {
   begin = steady_ns();
   VoxelModel model = build_workpiece(scene, &cache);
   const bool workpiece_cached = cache.hits() > (burr_cached ? 1 : 0);
-  check_start(scene, model, burr, trajectory.pose_at(0.0));
+  const double workpiece_s = seconds_since(begin);
+  begin = steady_ns();
+  std::vector<VoxelModel> bodies = build_bodies(scene, &cache);
+  const double bodies_s = seconds_since(begin);
+  check_start(scene, model, bodies, burr, trajectory.pose_at(0.0));
   check_goal(scene, model);
-  const bool clipped = model.clipped;
-  Simulation simulation(scene, std::move(model), std::move(burr), StageClock(steady_ns));
-  loading.push_back(
-      {"workpiece", seconds_since(begin), simulation.workpiece().memory_bytes(), workpiece_cached});
+  std::vector<std::pair<std::string, const WorkpieceSettings*>> clipped;
+  if (model.clipped) clipped.emplace_back("the solid", &scene.workpiece);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (bodies[i].clipped) clipped.emplace_back(scene.bodies[i].name, &scene.bodies[i].solid);
+  }
+  begin = steady_ns();
+  Simulation simulation(scene, std::move(model), std::move(bodies), std::move(burr),
+                        StageClock(steady_ns));
+  loading.push_back({"workpiece", workpiece_s + seconds_since(begin),
+                     simulation.workpiece().memory_bytes(), workpiece_cached});
+  if (!scene.bodies.empty()) {
+    loading.push_back({"bodies", bodies_s, simulation.neighbours_bytes()});
+  }
 
   SessionOptions session;
   session.folder = options.folder.empty()
@@ -70,12 +83,10 @@ void run(const RunOptions& options) {
 
   open_log(session.folder);
   if (!cache.note().empty()) spdlog::info("{}", cache.note());
-  if (clipped) {
+  for (const auto& [name, solid] : clipped) {
     spdlog::warn(
-        "the solid reaches beyond the grid of {} x {} x {} voxels of {} mm and is cut "
-        "flat at its faces",
-        scene.workpiece.cells.x(), scene.workpiece.cells.y(), scene.workpiece.cells.z(),
-        scene.workpiece.voxel_m / kMillimetre);
+        "{} reaches beyond the grid of {} x {} x {} voxels of {} mm and is cut flat at its faces",
+        name, solid->cells.x(), solid->cells.y(), solid->cells.z(), solid->voxel_m / kMillimetre);
   }
   if (const HapticsSettings& h = scene.haptics; h.normal_error_deg) {
     spdlog::info("normal_error_deg = {}: normals by {}, neighbourhood {}, trace {}",

@@ -77,7 +77,7 @@ class HapticLoop {
       const float late_us =
           options_.pace == Pace::kReal ? pacer_.wait([&] { simulation_.rehearse(); }) : 0.0f;
       const auto loose = loose_now();
-      simulation_.reset_clock();
+      simulation_.reset_clocks();
       const std::uint64_t begin = thread_cpu_ns();
       TickReport report{simulation_.step(device_, loose), simulation_.cutting(), {}, loose_.left()};
       report.record.step_us =
@@ -85,7 +85,7 @@ class HapticLoop {
       report.record.late_us = late_us;
       for (int s = 0; s < kStageCount; ++s) {
         report.stage_us[s] =
-            static_cast<float>(1e-3 * static_cast<double>(simulation_.clock().ns(Stage(s))));
+            static_cast<float>(1e-3 * static_cast<double>(simulation_.stage_ns(Stage(s))));
       }
       publish(report);
       if (report.record.faults & kFaultNotFinite) break;
@@ -165,10 +165,23 @@ std::optional<RecordingWriter> open_recording(const Simulation& simulation,
   header.rate_hz = scene.haptics.rate_hz;
   header.workpiece_hash = simulation.workpiece().hash_with_tissues();
   const bool from_file = scene.burr.shape == BurrShape::kFile;
+  std::vector<const VoxelModel*> bodies;
+  for (const Neighbour& neighbour : simulation.state().neighbours) {
+    bodies.push_back(&neighbour.solid.model());
+  }
   return RecordingWriter(
       path, header, simulation.workpiece().model(),
       from_file ? &simulation.burr().mesh_tool : nullptr,
-      {.cutting = scene.cutting.has_value(), .pieces = scene.loose_pieces.has_value()});
+      {.cutting = scene.cutting.has_value(), .pieces = scene.loose_pieces.has_value()}, bodies);
+}
+
+/// Copies of the bodies besides the workpiece.
+std::vector<VoxelModel> copy_bodies(const Simulation& simulation) {
+  std::vector<VoxelModel> bodies;
+  for (const Neighbour& neighbour : simulation.state().neighbours) {
+    bodies.push_back(neighbour.solid.model());
+  }
+  return bodies;
 }
 
 std::optional<PreparationOutcome> start_outcome(const Simulation& simulation) {
@@ -215,8 +228,8 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
     feeds.push_back(&*render_feed);
     if (scene.loose_pieces) render_pieces.emplace();
     renderer.emplace(*render_feed, render_pieces ? &*render_pieces : nullptr, scene,
-                     simulation.workpiece().model(), simulation.burr(), options.folder,
-                     options.pace == Pace::kReal);
+                     simulation.workpiece().model(), copy_bodies(simulation), simulation.burr(),
+                     options.folder, options.pace == Pace::kReal);
   }
 
   std::optional<Feed> pieces_feed;
@@ -229,7 +242,8 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
     for (auto* consumer : {&record_pieces, &render_pieces}) {
       if (*consumer) consumers.push_back(&**consumer);
     }
-    pieces.emplace(*pieces_feed, std::move(consumers), scene, simulation.workpiece().model());
+    pieces.emplace(*pieces_feed, std::move(consumers), scene, simulation.workpiece().model(),
+                   copy_bodies(simulation));
     result.parts.push_back(
         {"loose_pieces", 1e-9 * static_cast<double>(steady_ns() - pieces_begin), 0});
   }

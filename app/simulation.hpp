@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "engine/bodies/body_tree.hpp"
 #include "engine/scene/scene.hpp"
@@ -14,7 +15,9 @@ namespace sulcus {
 /// one thread.
 class Simulation {
  public:
-  Simulation(const Scene& scene, VoxelModel start, Burr burr, StageClock clock = StageClock{});
+  /// `start`: the workpiece; `bodies`: one for each [[body]], as build_bodies makes them.
+  Simulation(const Scene& scene, VoxelModel start, std::vector<VoxelModel> bodies, Burr burr,
+             StageClock clock = StageClock{});
   Simulation(const Simulation&) = delete;  // the context refers into it
   Simulation& operator=(const Simulation&) = delete;
 
@@ -23,21 +26,21 @@ class Simulation {
     return tick(context_, device, workpiece_, state_, scratch_, loose);
   }
   /// Touches what the next tick will. Changes no state.
-  void rehearse() noexcept { sulcus::rehearse(context_, workpiece_, state_, scratch_.contact); }
+  void rehearse() noexcept { sulcus::rehearse(context_, workpiece_, state_, scratch_); }
   std::span<const Edit> edits() const { return scratch_.edits; }
   const CuttingRecord& cutting() const { return scratch_.cutting; }
-  const StageClock& clock() const { return scratch_.contact.clock; }
-  void reset_clock() noexcept { scratch_.contact.clock.reset(); }
+  std::uint64_t stage_ns(Stage stage) const noexcept { return scratch_.stage_ns(stage); }
+  void reset_clocks() noexcept { scratch_.reset_clocks(); }
 
   const Scene& scene() const { return scene_; }
   const Burr& burr() const { return burr_; }
   const Workpiece& workpiece() const { return workpiece_; }
   const SimulationState& state() const { return state_; }
 
-  /// With the normals that are kept.
-  std::size_t contact_bytes() const {
-    return scratch_.contact.memory_bytes() + (state_.kept ? state_.kept->memory_bytes() : 0);
-  }
+  /// With the normals that are kept, of all bodies.
+  std::size_t contact_bytes() const;
+  /// Of the bodies besides the workpiece.
+  std::size_t neighbours_bytes() const;
   /// 0 without [cutting].
   std::size_t cutting_bytes() const;
 
@@ -45,14 +48,15 @@ class Simulation {
   Scene scene_;
   Workpiece workpiece_;
   Burr burr_;
-  BodyTree bodies_;
   SimulationState state_;
+  BodyTree bodies_;
   TickScratch scratch_;
   TickContext context_;
 };
 
-/// Refuses a tool that starts with its head's middle inside the solid: only surface voxels are
-/// tested, so it would feel nothing.
-void check_start(const Scene& scene, const VoxelModel& model, const Burr& burr, const Pose& start);
+/// Refuses a tool that starts with its head's middle inside the workpiece or another body: only
+/// surface voxels are tested, so it would feel nothing.
+void check_start(const Scene& scene, const VoxelModel& model, std::span<const VoxelModel> bodies,
+                 const Burr& burr, const Pose& start);
 
 }  // namespace sulcus

@@ -71,16 +71,50 @@ Json times_json(const std::vector<float>& us) {
           {"max", largest(us)}};
 }
 
-Json removed_json(const Simulation& simulation) {
+/// mm^3 of each tissue; the voxels' label 0 is the first of them.
+Json removed_json(const std::optional<RemovalState>& removal, const VoxelGrid& grid,
+                  std::span<const TissueSettings> tissues) {
   Json removed = Json::object();
-  const auto& tissues = simulation.scene().tissues;
-  const double voxel_mm3 = simulation.workpiece().grid().voxel_volume_m3() / kCubicMillimetre;
+  const double voxel_mm3 = grid.voxel_volume_m3() / kCubicMillimetre;
   for (std::size_t t = 0; t < tissues.size(); ++t) {
-    const auto& state = simulation.state().removal;
     removed[tissues[t].name] =
-        state ? static_cast<double>(state->removed_voxels[t]) * voxel_mm3 : 0.0;
+        removal ? static_cast<double>(removal->removed_voxels[t]) * voxel_mm3 : 0.0;
   }
   return removed;
+}
+
+/// What was done to the bodies besides the workpiece.
+Json bodies_json(const Simulation& simulation) {
+  const Scene& scene = simulation.scene();
+  Json bodies = Json::array();
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const Neighbour& body = simulation.state().neighbours[i];
+    const std::span tissues = std::span(scene.tissues).subspan(body.first_tissue);
+    const std::size_t count = scene.bodies[i].tissue ? 1 : tissues.size();
+    bodies.push_back(
+        {{"name", scene.bodies[i].name},
+         {"solid_voxels", body.solid.solid_voxels()},
+         {"contact_s", static_cast<double>(body.touched_ticks) / scene.haptics.rate_hz},
+         {"peak_force_N", body.peak_force_N},
+         {"removed_mm3", removed_json(body.removal, body.solid.grid(), tissues.first(count))},
+         {"volume_hash", hex(body.solid.hash())}});
+  }
+  return bodies;
+}
+
+/// Of all bodies.
+void add_energies(const SimulationState& state, Json& j) {
+  double removed_J = 0.0, stored_J = 0.0;
+  const auto add = [&](const std::optional<RemovalState>& removal) {
+    if (!removal) return;
+    removed_J += removal->removed_J;
+    stored_J += removal->stored_J();
+  };
+  add(state.removal);
+  for (const Neighbour& neighbour : state.neighbours) add(neighbour.removal);
+  j["tangential_work_J"] = state.work_J();
+  j["removed_energy_J"] = removed_J;
+  j["stored_energy_J"] = stored_J;
 }
 
 Json or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
@@ -154,7 +188,6 @@ Json make_summary(const Simulation& simulation, const SessionResult& result, Pac
   const Scene& scene = simulation.scene();
   const RunStatistics& s = result.statistics;
   const double ticks = std::max<double>(1.0, static_cast<double>(s.tick_us.size()));
-  const auto& removal = simulation.state().removal;
   std::vector<PartUse> parts = loading;
   parts.push_back({"contact", 1e-6 * mean(s.tick_us) * ticks, simulation.contact_bytes()});
   if (scene.cutting) {
@@ -209,10 +242,10 @@ Json make_summary(const Simulation& simulation, const SessionResult& result, Pac
   j["force_step_N"] = {{"max", s.force_step_max_N}};
   j["torque_mNm"] = {{"mean", mean(s.torque_mNm)}, {"max", largest(s.torque_mNm)}};
   j["removed_voxels"] = s.removed;
-  j["removed_mm3"] = removed_json(simulation);
-  j["tangential_work_J"] = removal ? removal->work_J : 0.0;
-  j["removed_energy_J"] = removal ? removal->removed_J : 0.0;
-  j["stored_energy_J"] = removal ? removal->stored_J() : 0.0;
+  j["removed_mm3"] =
+      removed_json(simulation.state().removal, simulation.workpiece().grid(), scene.tissues);
+  add_energies(simulation.state(), j);
+  if (!scene.bodies.empty()) j["bodies"] = bodies_json(simulation);
   j["fragments"] = result.pieces;
   if (result.outcome) {
     const double voxel_mm3 = simulation.workpiece().grid().voxel_volume_m3() / kCubicMillimetre;

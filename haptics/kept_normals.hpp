@@ -7,12 +7,18 @@
 #include <span>
 #include <vector>
 
+#include "engine/normals/normal_method.hpp"
 #include "engine/normals/surface_estimate.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/volume/edit.hpp"
 #include "engine/volume/voxel_model.hpp"
 
 namespace sulcus {
+
+/// Whether normals are kept under these settings.
+inline bool keeps_normals(const HapticsSettings& settings) {
+  return settings.keep_normals && use_tool(settings.normals);
+}
 
 /// Normals that stand from one tick to the next, leaf by leaf, without what the tool has to say:
 /// they depend on the workpiece alone, so keeping them changes no result. Under `ldm` they come in

@@ -1,5 +1,8 @@
 #include "haptics/removal.hpp"
 
+#include <array>
+
+#include "engine/core/hash.hpp"
 #include "engine/recording/tick_record.hpp"
 
 namespace sulcus {
@@ -9,6 +12,11 @@ namespace {
 constexpr double kLittle = 0.01;  // of a tick's work
 
 }  // namespace
+
+std::uint64_t RemovalState::hash() const {
+  const std::array<double, 4> values{pool_J, work_J, removed_J, carried_J};
+  return hash_bytes(values.data(), sizeof(values), part_cut.hash());
+}
 
 std::uint32_t removal(Workpiece& workpiece, std::span<const TissueSettings> tissues, double dt_s,
                       std::uint64_t tick, const ContactScratch& scratch, RemovalState& state,

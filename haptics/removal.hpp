@@ -26,6 +26,7 @@ struct RemovalState {
   /// In part-cut voxels, those of loose pieces too, and the pool, counted there: with removed_J it
   /// makes up work_J. Walks all part-cut voxels.
   double stored_J() const { return part_cut.total_energy() + carried_J + pool_J; }
+  std::uint64_t hash() const;
 };
 
 /// Volume removal [Kim and Park 2019, eq. 6] as conservation of energy: the work of each contact's

@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "engine/core/pose.hpp"
 #include "haptics/kept_normals.hpp"
+#include "haptics/neighbour.hpp"
 #include "haptics/removal.hpp"
 
 namespace sulcus {
@@ -21,10 +23,15 @@ struct SimulationState {
   std::optional<double> load_offset_m;      // with trajectory.load_N only: of the tool from the
                                             // device, along the load
 
+  std::vector<Neighbour> neighbours;  // one for each [[body]]
+
+  /// Of the tangential forces on all bodies, all ticks.
+  double work_J() const;
   std::uint64_t hash() const;
 };
 
-/// The state before the first tick, with what the scene names.
+/// The state before the first tick, with what the scene names but its neighbours, whose voxels the
+/// caller has.
 SimulationState initial_state(const Scene& scene, const VoxelGrid& grid);
 
 }  // namespace sulcus

@@ -25,30 +25,43 @@ double spindle_speed_now(const TickContext& context, const SimulationState& stat
   return state.spindle_rad_per_s.value_or(context.burr.speed_rad_per_s);
 }
 
-/// Contact with the bodies that the burr, moved to a pose, is near: the workpiece, so far.
+/// Contact with the bodies that the burr, moved to a pose, is near.
 ContactResult contact_with_bodies(const TickContext& context, const Workpiece& workpiece,
                                   const SimulationState& state, const Pose& tool,
-                                  bool with_stiffness, ContactScratch& scratch) {
+                                  bool with_stiffness, TickScratch& scratch) {
   const double dt_s = 1.0 / context.scene.haptics.rate_hz;
   const Twist twist = motion_between(state.has_pose ? state.tool : tool, tool, dt_s,
                                      spindle_speed_now(context, state));
-  std::array<std::uint16_t, 1> near{};
+  const Twist* const cutting = state.removal ? &twist : nullptr;
+  std::array<std::uint16_t, 1 + kMaxBodies> near{};
+  std::size_t bodies = 0;
   scratch.forget();
   {
-    const auto timed = scratch.clock.time(Stage::kBroadPhase);
+    const auto timed = scratch.contact.clock.time(Stage::kBroadPhase);
     const Eigen::AlignedBox3d box =
         capsule_bounds(context.burr.capsule, tool, workpiece.grid().voxel_m);
-    if (context.bodies.find(context.bodies.bodies, box, near) == 0) return {};
+    bodies = context.bodies.find(context.bodies.bodies, box, near);
   }
-  return evaluate_contact(workpiece, context.scene.tissues, context.burr, tool,
-                          state.removal ? &twist : nullptr, context.scene.haptics,
-                          state.kept ? &*state.kept : nullptr, scratch, with_stiffness);
+  ContactResult sum;
+  for (const std::uint16_t body : std::span(near).first(bodies)) {
+    if (body == 0) {
+      add(sum, evaluate_contact(workpiece, context.scene.tissues, context.burr, tool, cutting,
+                                context.scene.haptics, state.kept ? &*state.kept : nullptr,
+                                scratch.contact, with_stiffness));
+      continue;
+    }
+    auto& [contact, found] = scratch.neighbours[body - 1u];
+    found = evaluate_neighbour(state.neighbours[body - 1u], context.scene.tissues, context.burr,
+                               tool, cutting, context.scene.haptics, contact, with_stiffness);
+    add(sum, found);
+  }
+  return sum;
 }
 
 /// Takes the tool to the device's pose; with a load on along its direction until the contact holds
 /// it. What it touches there.
 ContactResult move_tool(const TickContext& context, const Workpiece& workpiece, const Pose& device,
-                        SimulationState& state, ContactScratch& scratch) {
+                        SimulationState& state, TickScratch& scratch) {
   ContactResult contact;
   Pose tool = device;
   if (state.load_offset_m) {
@@ -78,7 +91,7 @@ CuttingRecord make_cutting_record(const TickContext& context, const SimulationSt
   std::copy_n(tangential.force_N.data(), 3, record.tangential_force_N);
   std::copy_n(tangential.torque_Nm.data(), 3, record.tangential_torque_Nm);
   record.spindle_rad_per_s = spindle_speed_now(context, state);
-  record.work_J = state.removal->work_J;
+  record.work_J = state.work_J();
   return record;
 }
 
@@ -91,6 +104,21 @@ void turn_spindle(const TickContext& context, const ContactResult& contact, doub
                     -axis.dot(contact.tangential.torque_Nm), dt_s);
 }
 
+/// Removes from a neighbour what was cut of it.
+std::uint32_t cut_neighbour(const TickContext& context, std::uint16_t body, double dt_s,
+                            std::uint64_t tick, Neighbour& neighbour, TickScratch& scratch) {
+  ContactScratch& contact = scratch.neighbours[body - 1u].contact;
+  const std::size_t before = scratch.edits.size();
+  const std::span tissues = std::span(context.scene.tissues).subspan(neighbour.first_tissue);
+  const std::uint32_t faults =
+      removal(neighbour.solid, tissues, dt_s, tick, contact, *neighbour.removal, scratch.edits);
+  neighbour.solid.switch_off(contact.hollow);
+  const auto cut = std::span(scratch.edits).subspan(before);
+  for (Edit& edit : cut) edit.body = body;
+  if (neighbour.kept) neighbour.kept->drop(cut);
+  return faults;
+}
+
 /// Removes what the tangential force has paid for, and brakes the spindle by it.
 void cut(const TickContext& context, Workpiece& workpiece, SimulationState& state,
          TickScratch& scratch, ContactResult& contact) {
@@ -101,8 +129,30 @@ void cut(const TickContext& context, Workpiece& workpiece, SimulationState& stat
                             *state.removal, scratch.edits);
   workpiece.switch_off(scratch.contact.hollow);
   if (state.kept) state.kept->drop(std::span(scratch.edits).subspan(before));
+  for (std::uint16_t body = 1; body <= state.neighbours.size(); ++body) {
+    Neighbour& neighbour = state.neighbours[body - 1u];
+    if (!neighbour.removal) continue;
+    contact.faults |= cut_neighbour(context, body, dt_s, state.tick, neighbour, scratch);
+  }
   scratch.cutting = make_cutting_record(context, state, contact.tangential);
   if (state.spindle_rad_per_s) turn_spindle(context, contact, dt_s, state);
+}
+
+/// Keeps the normals that were found, and counts who was touched.
+void keep(const TickContext& context, const Workpiece& workpiece, SimulationState& state,
+          TickScratch& scratch) {
+  const auto timed = scratch.contact.clock.time(Stage::kNormals);
+  const HapticsSettings& settings = context.scene.haptics;
+  if (state.kept) keep_normals(workpiece, settings, state.tick, scratch.contact, *state.kept);
+  for (std::size_t i = 0; i < state.neighbours.size(); ++i) {
+    Neighbour& neighbour = state.neighbours[i];
+    auto& [contact, found] = scratch.neighbours[i];
+    if (neighbour.kept) {
+      keep_normals(neighbour.solid, settings, state.tick, contact, *neighbour.kept);
+    }
+    if (found.contacts > 0) ++neighbour.touched_ticks;
+    neighbour.peak_force_N = std::max(neighbour.peak_force_N, found.wrench.force_N.norm());
+  }
 }
 
 /// Takes pieces that were cut loose out of the workpiece.
@@ -152,9 +202,44 @@ TickRecord make_record(const SimulationState& state, const Pose& device_pose, do
 }  // namespace
 
 void rehearse(const TickContext& context, const Workpiece& workpiece, const SimulationState& state,
-              ContactScratch& scratch) noexcept {
+              TickScratch& scratch) noexcept {
   if (!state.has_pose) return;
   contact_with_bodies(context, workpiece, state, state.tool, false, scratch);
+}
+
+TickScratch::TickScratch(const Scene& scene, StageClock clock) : contact(scene.haptics, clock) {
+  std::size_t cut = 1;
+  neighbours.reserve(scene.bodies.size());
+  for (const BodySettings& body : scene.bodies) {
+    neighbours.push_back({ContactScratch(scene.haptics, clock), {}});
+    cut += body.cuttable ? 1 : 0;
+  }
+  if (scene.cutting) edits.reserve(contact.capacity * cut + (scene.loose_pieces ? kMaxLoose : 0));
+}
+
+void TickScratch::forget() noexcept {
+  contact.forget();
+  for (NeighbourScratch& neighbour : neighbours) {
+    neighbour.contact.forget();
+    neighbour.found = {};
+  }
+}
+
+void TickScratch::reset_clocks() noexcept {
+  contact.clock.reset();
+  for (NeighbourScratch& neighbour : neighbours) neighbour.contact.clock.reset();
+}
+
+std::uint64_t TickScratch::stage_ns(Stage stage) const noexcept {
+  std::uint64_t ns = contact.clock.ns(stage);
+  for (const NeighbourScratch& neighbour : neighbours) ns += neighbour.contact.clock.ns(stage);
+  return ns;
+}
+
+std::size_t TickScratch::contact_bytes() const {
+  std::size_t bytes = contact.memory_bytes();
+  for (const NeighbourScratch& neighbour : neighbours) bytes += neighbour.contact.memory_bytes();
+  return bytes;
 }
 
 TickRecord tick(const TickContext& context, Device& device, Workpiece& workpiece,
@@ -167,11 +252,8 @@ TickRecord tick(const TickContext& context, Device& device, Workpiece& workpiece
   Pose device_pose = device.pose(state.tick);
   ContactResult contact;
   if (is_finite(device_pose)) {
-    contact = move_tool(context, workpiece, device_pose, state, scratch.contact);
-    if (state.kept) {
-      const auto timed = scratch.contact.clock.time(Stage::kNormals);
-      keep_normals(workpiece, context.scene.haptics, state.tick, scratch.contact, *state.kept);
-    }
+    contact = move_tool(context, workpiece, device_pose, state, scratch);
+    keep(context, workpiece, state, scratch);
     if (state.removal) cut(context, workpiece, state, scratch, contact);
   } else {
     device_pose = state.tool;  // the tool stays; the fault stops the run
@@ -183,7 +265,9 @@ TickRecord tick(const TickContext& context, Device& device, Workpiece& workpiece
 
   TickRecord record = make_record(state, device_pose, dt_s, contact, sent);
   record.removed =
-      static_cast<std::uint32_t>(std::ranges::count(scratch.edits, EditCause::kCut, &Edit::cause));
+      static_cast<std::uint32_t>(std::ranges::count_if(scratch.edits, [](const Edit& edit) {
+        return edit.body == 0 && edit.cause == EditCause::kCut;
+      }));
   ++state.tick;
   return record;
 }

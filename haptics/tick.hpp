@@ -19,20 +19,31 @@ namespace sulcus {
 struct TickContext {
   const Scene& scene;
   const Burr& burr;
-  BodyQuery bodies;  // body 0 is the workpiece
+  BodyQuery bodies;  // body 0 is the workpiece, then SimulationState::neighbours
+};
+
+/// Of one neighbour: what its last evaluation used and found.
+struct NeighbourScratch {
+  ContactScratch contact;
+  ContactResult found;
 };
 
 /// Memory of a tick, taken when the scene loads.
 struct TickScratch {
-  explicit TickScratch(const Scene& scene, StageClock clock = StageClock{})
-      : contact(scene.haptics, clock) {
-    if (scene.cutting) edits.reserve(contact.capacity + (scene.loose_pieces ? kMaxLoose : 0));
-  }
+  explicit TickScratch(const Scene& scene, StageClock clock = StageClock{});
   static constexpr std::size_t kMaxLoose = 4096;
 
+  /// What evaluations have found, as if they had found nothing.
+  void forget() noexcept;
+  void reset_clocks() noexcept;
+  /// Of the contacts with all bodies, since the clocks were reset.
+  std::uint64_t stage_ns(Stage stage) const noexcept;
+  std::size_t contact_bytes() const;
+
   ContactScratch contact;
-  std::vector<Edit> edits;  // of this tick
-  CuttingRecord cutting;    // of this tick, with [cutting]
+  std::vector<NeighbourScratch> neighbours;  // one for each [[body]]
+  std::vector<Edit> edits;                   // of this tick
+  CuttingRecord cutting;                     // of this tick, with [cutting]
 };
 
 /// One haptic cycle: moves the tool, evaluates the contact, cuts, sends the force. Returns its
@@ -47,6 +58,6 @@ TickRecord tick(const TickContext& context, Device& device, Workpiece& workpiece
 /// Evaluates the contact where the tool is, for nothing but to have touched what the next tick
 /// will. Changes nothing but the scratch.
 void rehearse(const TickContext& context, const Workpiece& workpiece, const SimulationState& state,
-              ContactScratch& scratch) noexcept;
+              TickScratch& scratch) noexcept;
 
 }  // namespace sulcus

@@ -140,7 +140,8 @@ class ToothShape final : public btConcaveShape {
 
 /// Bullet's world with what does not move in it.
 struct DebrisWorld::World {
-  World(const VoxelGrid& grid, const LoosePiecesSettings& settings)
+  World(const VoxelGrid& grid, const LoosePiecesSettings& settings,
+        std::span<const StillBody> still_bodies)
       : dynamics(&dispatcher, &pairs, &solver, &configuration),
         tooth_shape(grid),
         floor_shape(btVector3(0, 0, 1),
@@ -152,16 +153,33 @@ struct DebrisWorld::World {
     dynamics.getSolverInfo().m_splitImpulsePenetrationThreshold = 0.0;
     tooth.setCollisionShape(&tooth_shape);
     floor.setCollisionShape(&floor_shape);
-    for (btCollisionObject* still : {&tooth, &floor}) {
-      still->setFriction(settings.friction);
-      dynamics.addCollisionObject(still, btBroadphaseProxy::StaticFilter,
-                                  btBroadphaseProxy::DefaultFilter);
+    add_still(tooth, settings.friction);
+    add_still(floor, settings.friction);
+    for (const StillBody& body : still_bodies) {
+      Other& other = *others.emplace_back(std::make_unique<Other>(body.model->grid));
+      other.shape.set_tooth(body.model);
+      other.object.setCollisionShape(&other.shape);
+      other.object.setWorldTransform(bullet(body.world_from_grid));
+      add_still(other.object, settings.friction);
     }
   }
   ~World() {
+    for (const auto& other : others) dynamics.removeCollisionObject(&other->object);
     dynamics.removeCollisionObject(&floor);
     dynamics.removeCollisionObject(&tooth);
   }
+
+  void add_still(btCollisionObject& still, double friction) {
+    still.setFriction(friction);
+    dynamics.addCollisionObject(&still, btBroadphaseProxy::StaticFilter,
+                                btBroadphaseProxy::DefaultFilter);
+  }
+
+  struct Other {
+    explicit Other(const VoxelGrid& grid) : shape(grid) {}
+    ToothShape shape;
+    btCollisionObject object;
+  };
 
   btDefaultCollisionConfiguration configuration;
   btCollisionDispatcher dispatcher{&configuration};
@@ -171,6 +189,7 @@ struct DebrisWorld::World {
   ToothShape tooth_shape;
   btStaticPlaneShape floor_shape;
   btCollisionObject tooth, floor;
+  std::vector<std::unique_ptr<Other>> others;
 };
 
 struct DebrisWorld::Piece {
@@ -247,8 +266,12 @@ struct DebrisWorld::Piece {
   std::unique_ptr<btRigidBody> body;
 };
 
-DebrisWorld::DebrisWorld(const VoxelGrid& grid, const LoosePiecesSettings& settings)
-    : grid_(grid), settings_(settings), world_(std::make_unique<World>(grid, settings)) {}
+DebrisWorld::DebrisWorld(const VoxelGrid& grid, const LoosePiecesSettings& settings,
+                         std::vector<StillBody> others)
+    : grid_(grid),
+      settings_(settings),
+      others_(std::move(others)),
+      world_(std::make_unique<World>(grid, settings, others_)) {}
 
 DebrisWorld::DebrisWorld(DebrisWorld&&) noexcept = default;
 
@@ -337,7 +360,7 @@ void DebrisWorld::rebuild() {
 /// Takes the pieces out of the world, which is no more afterwards.
 void DebrisWorld::clear() {
   for (const auto& piece : pieces_) world_->dynamics.removeRigidBody(piece->body.get());
-  world_ = std::make_unique<World>(grid_, settings_);
+  world_ = std::make_unique<World>(grid_, settings_, others_);
 }
 
 /// Puts the pieces into an empty world as they were.

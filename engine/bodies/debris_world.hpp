@@ -14,9 +14,9 @@
 namespace sulcus {
 
 /// Rigid motion of the pieces that were cut loose: they fall, collide with one another, with the
-/// tooth, which is still being cut, and with a floor, and come to rest. In Bullet, as the convex
-/// hulls of their voxels. The same calls give the same bits. Free of threads: one at a time may
-/// call.
+/// tooth, which is still being cut, with the other bodies and a floor, and come to rest. In Bullet,
+/// as the convex hulls of their voxels. The same calls give the same bits. Free of threads: one at
+/// a time may call.
 ///
 /// The tooth is the faces of blocks of 4 x 4 x 4 voxels, solid where half of the voxels are, made
 /// into triangles where a piece is and when it is there: it costs no memory and is never out of
@@ -45,7 +45,14 @@ class DebrisWorld {
     std::vector<PieceState> pieces;
   };
 
-  DebrisWorld(const VoxelGrid& grid, const LoosePiecesSettings& settings);
+  /// Another body of the scene, which stays where it is.
+  struct StillBody {
+    const VoxelModel* model = nullptr;  // as it is now, as long as the world is there
+    Pose world_from_grid;
+  };
+
+  DebrisWorld(const VoxelGrid& grid, const LoosePiecesSettings& settings,
+              std::vector<StillBody> others = {});
   ~DebrisWorld();
   DebrisWorld(DebrisWorld&&) noexcept;
 
@@ -74,6 +81,7 @@ class DebrisWorld {
 
   VoxelGrid grid_;
   LoosePiecesSettings settings_;
+  std::vector<StillBody> others_;
   std::unique_ptr<World> world_;
   std::vector<std::unique_ptr<Piece>> pieces_;
   std::uint64_t steps_ = 0;

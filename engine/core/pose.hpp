@@ -21,6 +21,15 @@ struct Pose {
   }
 };
 
+/// A from C, of A from B and B from C.
+inline Pose operator*(const Pose& a, const Pose& b) {
+  return {a.point(b.position), a.orientation * b.orientation};
+}
+/// B from A, of A from B.
+inline Pose inverse(const Pose& pose) {
+  return {pose.orientation.conjugate() * -pose.position, pose.orientation.conjugate()};
+}
+
 /// Turns about x, then y, then z, axes that stay; rad.
 inline Eigen::Quaterniond rotation_xyz(const Eigen::Vector3d& angles) {
   return Eigen::AngleAxisd(angles.z(), Eigen::Vector3d::UnitZ()) *

@@ -17,6 +17,11 @@ struct StageTime {
   double us = 0.0;
 };
 
+/// A line about what a preparation has done so far.
+struct OutcomeLine {
+  std::string name, value;
+};
+
 /// What a frame shows besides the tooth.
 struct FrameState {
   std::string title;
@@ -32,6 +37,7 @@ struct FrameState {
   std::uint32_t contacts = 0;
   double tick_us = 0.0;
   double removed_mm3 = 0.0;
+  std::vector<OutcomeLine> outcome;
   std::vector<StageTime> stages;  // none where they were not measured
   // For the curves, magnitudes, the newest last; any length, also none.
   std::span<const float> force_history_N;

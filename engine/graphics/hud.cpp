@@ -128,6 +128,22 @@ double axis_top(std::span<const float> history, double least) {
   return round_up(top);
 }
 
+/// Contacts, what was removed, and what came of it; the lower end of the card.
+float draw_outcome(const Pen& pen, float x, float y, const FrameState& state) {
+  constexpr float kRow = 22.0f;
+  std::vector<OutcomeLine> lines{{"Contacts", format("%u", state.contacts)},
+                                 {"Removed", format("%.3f mm\xC2\xB3", state.removed_mm3)}};
+  lines.insert(lines.end(), state.outcome.begin(), state.outcome.end());
+  const float bottom = y + 10 + kRow * static_cast<float>(lines.size());
+  pen.list->AddRectFilled(pen.at(x, y), pen.at(x + kCardWidth, bottom), kCard, 6.0f * pen.scale);
+  for (const OutcomeLine& line : lines) {
+    pen.text(x + 10, y + 6, kInk, line.name);
+    pen.text_right(x + kCardWidth - 10, y + 6, kInk, line.value);
+    y += kRow;
+  }
+  return bottom;
+}
+
 /// What a tick spends its time on, a bar to each stage, the longest as wide as the card.
 void draw_stages(const Pen& pen, float x, float y, const std::vector<StageTime>& stages) {
   if (stages.empty()) return;
@@ -220,12 +236,8 @@ void Hud::draw(const FrameState& state, int width, int height, double metres_per
     draw_curve(pen, x, y, curve);
     y += kCardHeight + 10;
   }
-  pen.list->AddRectFilled(pen.at(x, y), pen.at(x + kCardWidth, y + 54), kCard, 6.0f * pen.scale);
-  pen.text(x + 10, y + 6, kInk, "Contacts");
-  pen.text_right(x + kCardWidth - 10, y + 6, kInk, format("%u", state.contacts));
-  pen.text(x + 10, y + 28, kInk, "Removed");
-  pen.text_right(x + kCardWidth - 10, y + 28, kInk, format("%.3f mm\xC2\xB3", state.removed_mm3));
-  draw_stages(pen, x, y + 64, state.stages);
+  y = draw_outcome(pen, x, y, state);
+  draw_stages(pen, x, y + 10, state.stages);
   draw_scale_bar(pen, tall, metres_per_pixel);
 
   ImGui::Render();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "engine/cache/cached_model.hpp"
@@ -16,16 +17,16 @@
 namespace sulcus {
 namespace {
 
-VoxelModel make_model(const Scene& scene, const VoxelGrid& grid) {
+VoxelModel make_model(const Scene& scene, std::string_view place, const VoxelGrid& grid) {
   const WorkpieceSettings& w = scene.workpiece;
   VoxelModel model = w.shape ? build_shape(scene)
                      : is_mesh_file(w.file)
                          ? voxelise_mesh(read_mesh(w.file), grid, w)
                          : voxelise_volume(read_medical_volume(w.file), grid, w, scene.tissues);
-  const bool any =
-      std::ranges::any_of(model.leaves, [](const LeafBits& leaf) { return leaf != LeafBits{}; });
-  if (!any) {
-    throw InputError(scene.file, "[workpiece]", "no solid voxel in the grid",
+  const bool solid =
+      std::ranges::any_of(model.leaves, [](const LeafBits& leaf) { return any(leaf); });
+  if (!solid) {
+    throw InputError(scene.file, place, "no solid voxel in the grid",
                      "a solid that reaches into it");
   }
   return model;
@@ -56,9 +57,8 @@ std::optional<Hash128> key_of(const Scene& scene) {
   return key.result();
 }
 
-}  // namespace
-
-VoxelModel build_workpiece(const Scene& scene, LoadCache* cache) {
+/// `place`: the table of `scene.workpiece` in the file, for messages.
+VoxelModel build(const Scene& scene, std::string_view place, LoadCache* cache) {
   const VoxelGrid grid{scene.workpiece.cells, scene.workpiece.voxel_m};
   const std::optional<Hash128> key =
       cache && cache->keeps() ? key_of(scene) : std::optional<Hash128>();
@@ -67,12 +67,31 @@ VoxelModel build_workpiece(const Scene& scene, LoadCache* cache) {
       return std::move(*model);
     }
   }
-  VoxelModel model = make_model(scene, grid);
+  VoxelModel model = make_model(scene, place, grid);
   // The file may have been written to since its contents were hashed.
   if (key && (scene.workpiece.shape || key_of(scene) == key)) {
     write_cached_model(*cache, *key, model);
   }
   return model;
+}
+
+}  // namespace
+
+VoxelModel build_workpiece(const Scene& scene, LoadCache* cache) {
+  return build(scene, "[workpiece]", cache);
+}
+
+std::vector<VoxelModel> build_bodies(const Scene& scene, LoadCache* cache) {
+  std::vector<VoxelModel> models;
+  for (const BodySettings& body : scene.bodies) {
+    Scene alone;
+    alone.file = scene.file;
+    alone.workpiece = body.solid;
+    alone.tissues = scene.tissues;
+    if (body.tissue) alone.tissues = {scene.tissues[*body.tissue]};
+    models.push_back(build(alone, "[[body]] '" + body.name + "'", cache));
+  }
+  return models;
 }
 
 }  // namespace sulcus

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "engine/cache/load_cache.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/volume/voxel_model.hpp"
@@ -11,5 +13,9 @@ namespace sulcus {
 /// and the same tissues of them. InputError as the importers; also where the grid holds no solid
 /// voxel. Runs on oneTBB.
 VoxelModel build_workpiece(const Scene& scene, LoadCache* cache = nullptr);
+
+/// Those of its other bodies, each in its own grid, in their order. A body of one tissue has no
+/// labels.
+std::vector<VoxelModel> build_bodies(const Scene& scene, LoadCache* cache = nullptr);
 
 }  // namespace sulcus

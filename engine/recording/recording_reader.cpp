@@ -110,9 +110,9 @@ class RowCursor {
   std::size_t at_ = 0;
 };
 
-bool intact(const EditRow& row, const VoxelGrid& grid) {
+bool intact(const EditRow& row, std::span<const VoxelGrid> grids) {
   return row.check == check_of(row) && row.cause <= static_cast<std::uint8_t>(EditCause::kUndo) &&
-         (row.body != 0 || row.voxel < grid.cell_count());
+         row.body < grids.size() && row.voxel < grids[row.body].cell_count();
 }
 
 Hdf5Handle open_file(const std::string& path) {
@@ -205,7 +205,7 @@ struct RecordingReader::File {
   Hdf5Handle file;
   std::uint64_t bytes = 0;
   RecordingHeader header;
-  VoxelGrid grid;
+  std::vector<VoxelGrid> grids;  // of the bodies, the workpiece first
   std::optional<StoredTable<TickRecord>> tick_table;
   std::optional<StoredTable<EditRow>> edit_table;
   std::optional<StoredTable<CuttingRecord>> cutting_table;  // where the recording cuts
@@ -221,7 +221,7 @@ struct RecordingReader::File {
   void open() {
     check_format(path, file);
     header = read_header(file, bytes);
-    grid = read_grid(file);
+    grids = read_grids(file);
     tick_table.emplace(file, "ticks", tick_type(), bytes);
     edit_table.emplace(file, "edits", edit_type(), bytes);
     if (H5Lexists(file, "cutting", H5P_DEFAULT) > 0) {
@@ -260,7 +260,7 @@ struct RecordingReader::File {
       std::size_t end = edits;
       while (end < row->edits_end) {
         const EditRow* edit = edit_rows.next();
-        if (!edit || !intact(*edit, grid) || edit->tick != row->tick) {
+        if (!edit || !intact(*edit, grids) || edit->tick != row->tick) {
           return row_name("edits", end) + " is damaged";
         }
         ++end;
@@ -354,7 +354,11 @@ RecordingReader::~RecordingReader() = default;
 RecordingReader::RecordingReader(RecordingReader&&) noexcept = default;
 
 const RecordingHeader& RecordingReader::header() const { return file_->header; }
-const VoxelGrid& RecordingReader::grid() const { return file_->grid; }
+const VoxelGrid& RecordingReader::grid() const { return file_->grids.front(); }
+
+std::vector<VoxelModel> RecordingReader::bodies() const {
+  return file_->guarded([this] { return read_bodies(file_->file, file_->bytes); });
+}
 
 VoxelModel RecordingReader::workpiece() const {
   return file_->guarded([this] { return read_workpiece(file_->file, file_->bytes); });
@@ -399,7 +403,7 @@ std::vector<Edit> RecordingReader::edits(std::size_t first, std::size_t count) c
     std::vector<Edit> edits;
     edits.reserve(rows.size());
     for (const EditRow& row : rows) {
-      if (!intact(row, file_->grid)) throw Hdf5Error("edits: changed since it was opened");
+      if (!intact(row, file_->grids)) throw Hdf5Error("edits: changed since it was opened");
       edits.push_back({row.tick, row.voxel, row.body, static_cast<EditCause>(row.cause)});
     }
     return edits;

@@ -35,6 +35,8 @@ class RecordingReader {
   const VoxelGrid& grid() const;
   /// The workpiece before the first tick. Labels of leaves without a solid voxel are 0.
   VoxelModel workpiece() const;
+  /// The other bodies before the first tick, in the order of the scene.
+  std::vector<VoxelModel> bodies() const;
   /// The burr in metres, tool space; empty where the scene alone gives it.
   std::optional<TriangleMesh> burr_mesh() const;
 

@@ -7,6 +7,7 @@
 
 #include "engine/core/hash.hpp"
 #include "engine/recording/hdf5_fixed.hpp"
+#include "engine/volume/edit.hpp"
 #include "engine/volume/packed_model.hpp"
 
 namespace sulcus {
@@ -101,13 +102,11 @@ void read_labels(const Hdf5Handle& group, std::uint64_t file_bytes, PackedModel&
   }
 }
 
-}  // namespace
-
-void write_workpiece(const Hdf5Handle& file, const VoxelModel& model) {
+void write_model(const Hdf5Handle& parent, const char* name, const VoxelModel& model) {
   const PackedModel out = pack(model);
   const auto cells = stored_cells(out.grid);
   const std::uint8_t clipped = out.clipped ? 1 : 0;
-  const auto group = create_group(file, "workpiece");
+  const auto group = create_group(parent, name);
   write_attribute(group, "cells", H5T_STD_U32LE, cells.data(), 3);
   write_attribute(group, "voxel_m", H5T_IEEE_F64LE, &out.grid.voxel_m);
   write_attribute(group, "clipped", H5T_STD_U8LE, &clipped);
@@ -123,10 +122,24 @@ void write_workpiece(const Hdf5Handle& file, const VoxelModel& model) {
                    out.mixed_labels.size(), sizeof(LabelBlock));
 }
 
-VoxelGrid read_grid(const Hdf5Handle& file) { return read_grid_of(open_group(file, "workpiece")); }
+}  // namespace
 
-VoxelModel read_workpiece(const Hdf5Handle& file, std::uint64_t file_bytes) {
-  const auto group = open_group(file, "workpiece");
+void write_workpiece(const Hdf5Handle& file, const VoxelModel& model) {
+  write_model(file, "workpiece", model);
+}
+
+void write_bodies(const Hdf5Handle& file, std::span<const VoxelModel* const> models) {
+  if (models.empty()) return;
+  const auto group = create_group(file, "bodies");
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    write_model(group, std::to_string(i).c_str(), *models[i]);
+  }
+}
+
+namespace {
+
+VoxelModel read_model(const Hdf5Handle& parent, const char* name, std::uint64_t file_bytes) {
+  const auto group = open_group(parent, name);
   PackedModel in;
   in.grid = read_grid_of(group);
   const std::uint32_t leaf_count = in.grid.leaf_count();
@@ -141,9 +154,44 @@ VoxelModel read_workpiece(const Hdf5Handle& file, std::uint64_t file_bytes) {
   if (in.labelled) read_labels(group, file_bytes, in);
   std::uint64_t check = 0;
   read_attribute(group, "check", H5T_NATIVE_UINT64, &check);
-  if (check != check_of(in)) throw Hdf5Error("workpiece: its check does not fit, it is damaged");
+  if (check != check_of(in))
+    throw Hdf5Error(std::string(name) + ": its check does not fit, it is damaged");
 
   return unpack(in);
+}
+
+/// visit(the group of all, name in it).
+template <class Visit>
+void for_each_body(const Hdf5Handle& file, const Visit& visit) {
+  if (H5Lexists(file, "bodies", H5P_DEFAULT) <= 0) return;
+  const auto group = open_group(file, "bodies");
+  for (std::size_t body = 0; body < kMaxBodies; ++body) {
+    const std::string name = std::to_string(body);
+    if (H5Lexists(group, name.c_str(), H5P_DEFAULT) <= 0) return;
+    visit(group, name);
+  }
+}
+
+}  // namespace
+
+VoxelModel read_workpiece(const Hdf5Handle& file, std::uint64_t file_bytes) {
+  return read_model(file, "workpiece", file_bytes);
+}
+
+std::vector<VoxelGrid> read_grids(const Hdf5Handle& file) {
+  std::vector<VoxelGrid> grids{read_grid_of(open_group(file, "workpiece"))};
+  for_each_body(file, [&](const Hdf5Handle& bodies, const std::string& name) {
+    grids.push_back(read_grid_of(open_group(bodies, name.c_str())));
+  });
+  return grids;
+}
+
+std::vector<VoxelModel> read_bodies(const Hdf5Handle& file, std::uint64_t file_bytes) {
+  std::vector<VoxelModel> models;
+  for_each_body(file, [&](const Hdf5Handle& bodies, const std::string& name) {
+    models.push_back(read_model(bodies, name.c_str(), file_bytes));
+  });
+  return models;
 }
 
 void write_burr(const Hdf5Handle& file, const TriangleMesh& mesh_tool) {

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "engine/core/triangle_mesh.hpp"
 #include "engine/recording/hdf5_handle.hpp"
@@ -18,6 +20,8 @@ namespace sulcus {
 //     leaf_labels   u8[n]        their tissue; with it and the next two only where there are labels
 //     mixed         u32[m]       which of the n leaves hold more than one tissue, rising
 //     mixed_labels  u8[m][512]   the tissues of their voxels, x fastest
+//   /bodies     only where the scene has others than the workpiece
+//     0, 1, ...     each as /workpiece
 //   /burr       attribute check u64
 //     positions     f32[p][3]    m, tool space
 //     triangles     u32[t][3]
@@ -26,12 +30,15 @@ namespace sulcus {
 
 /// Throws Hdf5Error.
 void write_workpiece(const Hdf5Handle& file, const VoxelModel& model);
+void write_bodies(const Hdf5Handle& file, std::span<const VoxelModel* const> models);
 void write_burr(const Hdf5Handle& file, const TriangleMesh& mesh_tool);
 
-/// The grid alone, checked. Throws Hdf5Error.
-VoxelGrid read_grid(const Hdf5Handle& file);
+/// The grids alone, checked: the workpiece's, then those of the other bodies. Throws Hdf5Error.
+std::vector<VoxelGrid> read_grids(const Hdf5Handle& file);
 /// `file_bytes` bounds what the file can hold, and so the memory taken. Throws Hdf5Error.
 VoxelModel read_workpiece(const Hdf5Handle& file, std::uint64_t file_bytes);
+/// Of the bodies besides the workpiece. Throws Hdf5Error.
+std::vector<VoxelModel> read_bodies(const Hdf5Handle& file, std::uint64_t file_bytes);
 /// Empty where the scene generates the burr. Throws Hdf5Error.
 std::optional<TriangleMesh> read_burr(const Hdf5Handle& file, std::uint64_t file_bytes);
 

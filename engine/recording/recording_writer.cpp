@@ -129,9 +129,11 @@ struct RecordingWriter::File {
   std::string failure;  // of the first call that failed
 
   void create(const RecordingHeader& header, const VoxelModel& start,
-              const TriangleMesh* burr_mesh_tool, RecordingTables tables) {
+              const TriangleMesh* burr_mesh_tool, RecordingTables tables,
+              std::span<const VoxelModel* const> bodies) {
     write_header(file, header);
     write_workpiece(file, start);
+    write_bodies(file, bodies);
     if (burr_mesh_tool) write_burr(file, *burr_mesh_tool);
     edits.emplace(file, "edits", edit_type(), kEditChunk);
     ticks.emplace(file, "ticks", tick_type(), kTickChunk);
@@ -221,12 +223,12 @@ struct RecordingWriter::File {
 
 RecordingWriter::RecordingWriter(const std::string& path, const RecordingHeader& header,
                                  const VoxelModel& start, const TriangleMesh* burr_mesh_tool,
-                                 RecordingTables tables)
+                                 RecordingTables tables, std::span<const VoxelModel* const> bodies)
     : file_(std::make_unique<File>()) {
   silence_hdf5();
   file_->path = path;
   file_->file = create_file(path);
-  file_->guarded([&] { file_->create(header, start, burr_mesh_tool, tables); });
+  file_->guarded([&] { file_->create(header, start, burr_mesh_tool, tables, bodies); });
 }
 
 RecordingWriter::RecordingWriter(RecordingWriter&&) noexcept = default;

@@ -31,10 +31,12 @@ struct RecordingTables {
 class RecordingWriter {
  public:
   /// Creates the file, replacing one that is there, and writes what never changes. `start` is the
-  /// workpiece before the first tick; `burr_mesh_tool` (m, tool space) is null where the scene
-  /// alone gives the burr. Throws InputError where `path` cannot be created or is no regular file.
+  /// workpiece before the first tick, `bodies` the others; `burr_mesh_tool` (m, tool space) is null
+  /// where the scene alone gives the burr. Throws InputError where `path` cannot be created or is
+  /// no regular file.
   RecordingWriter(const std::string& path, const RecordingHeader& header, const VoxelModel& start,
-                  const TriangleMesh* burr_mesh_tool, RecordingTables tables = {});
+                  const TriangleMesh* burr_mesh_tool, RecordingTables tables = {},
+                  std::span<const VoxelModel* const> bodies = {});
   /// Writes what still waits, as far as that works, but leaves the recording marked as not closed:
   /// who gets here without `close` was interrupted.
   ~RecordingWriter();

@@ -28,7 +28,7 @@ struct TickRecord {
   std::uint32_t contacts = 0;
   std::uint32_t tested = 0;
   std::uint32_t leaves = 0;
-  std::uint32_t removed = 0;  // voxels cut; those of loose pieces are not counted
+  std::uint32_t removed = 0;  // voxels cut of the workpiece; those of loose pieces are not counted
   float step_us = 0.0f;       // compute time of the tick; no part of the result
   float late_us = 0.0f;       // how late it woke; no part of the result
   std::uint64_t faults = 0;

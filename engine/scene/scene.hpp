@@ -75,6 +75,16 @@ struct TrajectorySettings {
   Eigen::Vector3d load_direction{0, 0, -1};  // unit, world
 };
 
+/// A body beside the workpiece, a neighbouring tooth or a jaw: a grid of its own that stays where
+/// it is in the world. The burr feels it like the workpiece.
+struct BodySettings {
+  std::string name;
+  WorkpieceSettings solid;            // in the middle of its grid, not turned there
+  Pose world_from_grid;               // of the grid's centre
+  bool cuttable = false;              // with [cutting]; else it holds whatever is done to it
+  std::optional<std::size_t> tissue;  // all of it is of this one of the scene's; none: as it comes
+};
+
 /// What cutting separates from the tooth falls as a body of its own. Without it, it stays in the
 /// air.
 struct LoosePiecesSettings {
@@ -150,6 +160,7 @@ struct Scene {
   BurrSettings burr;
   TrajectorySettings trajectory;
   HapticsSettings haptics;
+  std::vector<BodySettings> bodies;  // besides the workpiece
   std::optional<CuttingSettings> cutting;
   std::optional<SpindleSettings> spindle;
   std::optional<LoosePiecesSettings> loose_pieces;

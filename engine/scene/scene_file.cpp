@@ -1,5 +1,6 @@
 #include "engine/scene/scene_file.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -13,6 +14,7 @@
 #include "engine/scene/scene_overrides.hpp"
 #include "engine/scene/tissue_table.hpp"
 #include "engine/scene/toml_table.hpp"
+#include "engine/volume/edit.hpp"
 #include "engine/volume/grid.hpp"
 
 namespace sulcus {
@@ -72,34 +74,40 @@ void read_shape_tables(TomlTable& table, WorkpieceSettings& w) {
   }
 }
 
-WorkpieceSettings read_workpiece(TomlTable& root) {
+/// What becomes voxels, of the workpiece or of another body.
+WorkpieceSettings read_solid(TomlTable& table) {
   WorkpieceSettings w;
-  auto table = root.table("workpiece");
-  if (!table) root.fail("workpiece", "no such table", "[workpiece] with a shape or a file");
-  if (const auto shape = table->choice("shape", kShapeNames)) w.shape = ShapeKind(*shape);
-  w.file = table->path("file");
+  if (const auto shape = table.choice("shape", kShapeNames)) w.shape = ShapeKind(*shape);
+  w.file = table.path("file");
   if (w.shape.has_value() == !w.file.empty()) {
-    table->fail("shape", w.shape ? "both a shape and a file" : "neither a shape nor a file",
-                "one of them");
+    table.fail("shape", w.shape ? "both a shape and a file" : "neither a shape nor a file",
+               "one of them");
   }
-  read_shape_tables(*table, w);
-  w.solid_above = table->number("solid_above", {-1e9, 1e9});
-  if (table->has("spacing_mm")) {
-    w.spacing_m = vector3(table->numbers("spacing_mm", 3, {1e-4, 100})) * kMillimetre;
+  read_shape_tables(table, w);
+  w.solid_above = table.number("solid_above", {-1e9, 1e9});
+  if (table.has("spacing_mm")) {
+    w.spacing_m = vector3(table.numbers("spacing_mm", 3, {1e-4, 100})) * kMillimetre;
   }
-  w.voxel_m = table->number("voxel_mm", {1e-3, 10}, 0.0348) * kMillimetre;
+  w.voxel_m = table.number("voxel_mm", {1e-3, 10}, 0.0348) * kMillimetre;
   const Range cells{kLeafEdge, kMaxCellsPerAxis};
-  const std::vector<double> n = table->numbers("cells", 3, cells);
+  const std::vector<double> n = table.numbers("cells", 3, cells);
   for (int a = 0; a < 3 && !n.empty(); ++a) {
     w.cells[a] = static_cast<int>(n[a]);
     if (n[a] != w.cells[a] || w.cells[a] % kLeafEdge != 0) {
       std::ostringstream found;
       found << n[a];
-      table->fail("cells", found.str(), "multiples of 8, at most 1024 each");
+      table.fail("cells", found.str(), "multiples of 8, at most 1024 each");
     }
   }
-  w.position_m = vector3_or(*table, "position_mm", kAnyLength_mm, kMillimetre, w.position_m);
-  w.rotation = vector3_or(*table, "rotation_deg", {-360, 360}, kDegree, w.rotation);
+  w.position_m = vector3_or(table, "position_mm", kAnyLength_mm, kMillimetre, w.position_m);
+  w.rotation = vector3_or(table, "rotation_deg", {-360, 360}, kDegree, w.rotation);
+  return w;
+}
+
+WorkpieceSettings read_workpiece(TomlTable& root) {
+  auto table = root.table("workpiece");
+  if (!table) root.fail("workpiece", "no such table", "[workpiece] with a shape or a file");
+  const WorkpieceSettings w = read_solid(*table);
   table->finish();
   return w;
 }
@@ -161,6 +169,35 @@ std::vector<TissueSettings> read_tissues(TomlTable& root) {
     }
   }
   return tissues;
+}
+
+// --- [[body]] -----------------------------------------------------------------------------------
+
+std::vector<BodySettings> read_bodies(TomlTable& root, const std::vector<TissueSettings>& tissues) {
+  std::vector<BodySettings> bodies;
+  for (TomlTable& table : root.tables("body")) {
+    BodySettings& b = bodies.emplace_back();
+    b.name = table.text("name", "body " + std::to_string(bodies.size()));
+    b.solid = read_solid(table);
+    b.world_from_grid = {b.solid.position_m, rotation_xyz(b.solid.rotation)};
+    b.solid.position_m = b.solid.rotation = Eigen::Vector3d::Zero();
+    b.cuttable = table.boolean("cuttable", b.cuttable);
+    if (const std::string name = table.text("tissue", ""); !name.empty()) {
+      const auto found = std::ranges::find(tissues, name, &TissueSettings::name);
+      if (found == tissues.end()) table.fail("tissue", "'" + name + "'", "a tissue of the scene");
+      b.tissue = static_cast<std::size_t>(found - tissues.begin());
+    }
+    for (std::size_t other = 0; other + 1 < bodies.size(); ++other) {
+      if (bodies[other].name == b.name) {
+        table.fail("name", "'" + b.name + "' twice", "names that differ");
+      }
+    }
+    table.finish();
+  }
+  if (bodies.size() > kMaxBodies) {
+    root.fail("body", std::to_string(bodies.size()), "at most " + std::to_string(kMaxBodies));
+  }
+  return bodies;
 }
 
 // --- [burr], [trajectory], [haptics] ------------------------------------------------------------
@@ -409,6 +446,7 @@ Scene parse_scene(const std::string& text, const std::string& file,
   scene.burr = read_burr(root);
   scene.trajectory = read_trajectory(root);
   scene.haptics = read_haptics(root);
+  scene.bodies = read_bodies(root, scene.tissues);
   read_optional_tables(root, scene);
   root.finish();
   return scene;

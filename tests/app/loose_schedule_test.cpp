@@ -106,5 +106,16 @@ TEST(LooseFinder, AnswersAfterTheTickThatAsks) {
   EXPECT_FALSE(finder.model().solid({16, 5, 5}));
 }
 
+TEST(LooseFinder, WhatIsCutOfAnotherBodyIsNotItsOwn) {
+  const VoxelModel start = test::block({16, 16, 16}, 1e-4, {4, 4, 4}, {12, 12, 12});
+  LooseFinder finder(start);
+  const Edit of_another{3, start.grid.linear({5, 5, 5}), 1, EditCause::kCut};
+  finder.add_tick(3, {&of_another, 1});
+  EXPECT_EQ(finder.model().leaves, start.leaves);
+  const Edit of_the_workpiece{4, of_another.voxel, 0, EditCause::kCut};
+  finder.add_tick(4, {&of_the_workpiece, 1});
+  EXPECT_FALSE(finder.model().solid({5, 5, 5}));
+}
+
 }  // namespace
 }  // namespace sulcus

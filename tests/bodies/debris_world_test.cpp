@@ -71,6 +71,18 @@ TEST(DebrisWorld, TheFloorMayBeHigher) {
   EXPECT_NEAR(height(debris), -0.5e-3 - (40 - 32) * kVoxel, 0.5 * kVoxel);
 }
 
+TEST(DebrisWorld, ItComesToRestOnAnotherBodyWhichMayBeTurned) {
+  // A plate of a quarter of the height, standing on its side, turned to lie 1 mm below the middle.
+  const VoxelModel plate = tooth({24, 0, 0}, {40, 64, 64});
+  const Pose place{{0, 0, -1e-3}, rotation_xyz({0, 0.5 * M_PI, 0})};
+  DebrisWorld debris(no_tooth().grid, {}, {{&plate, place}});
+  debris.add(box({28, 28, 40}, {36, 36, 48}));
+  run(debris, 2000, no_tooth());
+  EXPECT_TRUE(debris.at_rest(0));
+  const double top_m = -1e-3 + 8 * kVoxel, bottom_of_piece_m = (40 - 32) * kVoxel;
+  EXPECT_NEAR(height(debris), top_m - bottom_of_piece_m, 0.5 * kVoxel);
+}
+
 TEST(DebrisWorld, ItComesToRestOnTheToothAndFallsOnWhenThatIsCutAway) {
   const VoxelModel step = tooth({16, 16, 0}, {48, 48, 20});
   DebrisWorld debris = world();

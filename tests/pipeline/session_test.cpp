@@ -24,7 +24,7 @@ struct RecordedSession {
                            std::uint64_t ticks = 400)
       : scene(parse_scene(text, "test.toml")),
         trajectory(make_trajectory(scene.trajectory)),
-        simulation(scene, build_shape(scene), make_burr(scene.burr, scene.workpiece.voxel_m)),
+        simulation(scene, build_shape(scene), {}, make_burr(scene.burr, scene.workpiece.voxel_m)),
         device(trajectory, scene.haptics.rate_hz) {
     SessionOptions options;
     options.folder = folder;

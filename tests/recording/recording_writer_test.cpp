@@ -33,6 +33,55 @@ TEST_F(RecordingWriterTest, WhatIsWrittenIsRead) {
   EXPECT_EQ(mesh->triangles, burr().triangles);
 }
 
+TEST_F(RecordingWriterTest, OtherBodiesAreReadInTheirOrderWithTheirEdits) {
+  EXPECT_TRUE(RecordingReader(write_whole(10)).bodies().empty());
+  VoxelModel small = make_workpiece();
+  small.grid.voxel_m = 1e-4;
+  VoxelModel plain;
+  plain.grid.cells = {8, 8, 16};
+  plain.grid.voxel_m = 5e-5;
+  plain.leaves.resize(2);
+  plain.set({3, 4, 5}, true);
+  const std::array<const VoxelModel*, 2> bodies{&small, &plain};
+  RecordingWriter writer(path(), header(), workpiece(), nullptr, {}, bodies);
+  TickRecord row = tick(1);
+  const std::array<Edit, 2> edits{Edit{1, plain.grid.linear({3, 4, 5}), 2, EditCause::kCut},
+                                  Edit{1, 7, 1, EditCause::kCut}};
+  row.edits_end = edits.size();
+  seal(row);
+  writer.append_edits(edits);
+  writer.append_ticks({&row, 1});
+  writer.close();
+
+  const RecordingReader reader(path());
+  EXPECT_EQ(reader.missing(), "");
+  expect_same_workpiece(reader.workpiece(), workpiece());
+  const std::vector<VoxelModel> read = reader.bodies();
+  ASSERT_EQ(read.size(), 2u);
+  expect_same_workpiece(read[0], small);
+  expect_same_workpiece(read[1], plain);
+  ASSERT_EQ(reader.edits().size(), 2u);
+  EXPECT_EQ(reader.edits()[0].body, 2);
+  EXPECT_EQ(reader.edits()[1].body, 1);
+}
+
+TEST_F(RecordingWriterTest, AnEditOfABodyThatIsNotThereIsDamage) {
+  for (const Edit& wrong :
+       {Edit{1, 0, 1, EditCause::kCut},
+        Edit{1, static_cast<std::uint32_t>(workpiece().grid.cell_count()), 0, EditCause::kCut}}) {
+    RecordingWriter writer(path(), header(), workpiece(), nullptr);
+    TickRecord row = tick(1);
+    row.edits_end = 1;
+    seal(row);
+    writer.append_edits({&wrong, 1});
+    writer.append_ticks({&row, 1});
+    writer.close();
+    const RecordingReader reader(path());
+    EXPECT_EQ(reader.tick_count(), 0u);
+    EXPECT_NE(reader.missing().find("row 0 of /edits is damaged"), std::string::npos);
+  }
+}
+
 TEST_F(RecordingWriterTest, WithoutCuttingThereIsNoRowOfIt) {
   EXPECT_TRUE(RecordingReader(write_whole(10)).cutting().empty());
 }

@@ -304,6 +304,53 @@ TEST(SceneFile, AGoalIsForACut) {
             "both of them");
 }
 
+// --- [[body]] -----------------------------------------------------------------------------------
+
+TEST(SceneFile, BodiesHaveAShapeOrAFileAndAPlace) {
+  EXPECT_TRUE(parse(kLeast).bodies.empty());
+  const Scene s =
+      parse("tissue = ['enamel', 'dentine']\n" + kLeast +
+            "[[body]]\nname = 'mesial'\nshape = 'molar'\nvoxel_mm = 0.05\ncells = [208, 208, 408]\n"
+            "position_mm = [10, 0, -1]\nrotation_deg = [0, 0, 180]\ncuttable = true\n"
+            "[[body]]\nfile = 'jaw.stl'\ntissue = 'dentine'\n");
+  ASSERT_EQ(s.bodies.size(), 2u);
+  const BodySettings &mesial = s.bodies[0], &jaw = s.bodies[1];
+  EXPECT_EQ(mesial.name, "mesial");
+  EXPECT_EQ(mesial.solid.shape, ShapeKind::kMolar);
+  EXPECT_EQ(mesial.solid.cells, Vector3i(208, 208, 408));
+  EXPECT_DOUBLE_EQ(mesial.solid.voxel_m, 5e-5);
+  EXPECT_TRUE(mesial.cuttable);
+  EXPECT_FALSE(mesial.tissue);
+  // The place is that of its grid; in it the solid stands in the middle.
+  EXPECT_TRUE(mesial.world_from_grid.position.isApprox(Vector3d(10e-3, 0, -1e-3), 1e-14));
+  EXPECT_TRUE(
+      mesial.world_from_grid.direction(Vector3d::UnitX()).isApprox(-Vector3d::UnitX(), 1e-14));
+  EXPECT_TRUE(mesial.solid.position_m.isZero(0.0));
+  EXPECT_TRUE(mesial.solid.rotation.isZero(0.0));
+  EXPECT_EQ(jaw.name, "body 2");
+  EXPECT_EQ(jaw.solid.file, "/scenes/jaw.stl");
+  EXPECT_EQ(jaw.tissue, 1u);
+  EXPECT_FALSE(jaw.cuttable);
+}
+
+TEST(SceneFile, ABodyThatIsNoneIsRefused) {
+  const auto with = [](const std::string& keys) { return kLeast + "[[body]]\n" + keys; };
+  EXPECT_EQ(error_of(with("name = 'a'\n")),
+            "/scenes/s.toml: line 5, column 1, body.shape: found neither a shape nor a file, "
+            "expected one of them");
+  EXPECT_EQ(error_of(with("shape = 'box'\ntissue = 'bone'\n")),
+            "/scenes/s.toml: line 7, column 10, body.tissue: found 'bone', expected a tissue of "
+            "the scene");
+  EXPECT_EQ(error_of(with("shape = 'box'\nname = 'a'\n[[body]]\nshape = 'box'\nname = 'a'\n")),
+            "/scenes/s.toml: line 10, column 8, body.name: found 'a' twice, expected names that "
+            "differ");
+  EXPECT_NE(error_of(with("shape = 'box'\ncutable = true\n")).find("expected 'cuttable'"),
+            std::string::npos);
+  std::string many = kLeast;
+  for (int i = 0; i < 16; ++i) many += "[[body]]\nshape = 'box'\n";
+  EXPECT_NE(error_of(many).find("found 16, expected at most 15"), std::string::npos);
+}
+
 // --- Errors -------------------------------------------------------------------------------------
 
 TEST(SceneFile, AMissingTableSaysWhatItShouldHold) {

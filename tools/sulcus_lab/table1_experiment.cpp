@@ -45,22 +45,24 @@ struct LoadedScene {
         trajectory(make_trajectory(s.trajectory)),
         burr(load_burr(s)),
         start(build_workpiece(s)),
+        bodies(build_bodies(s)),
         ticks(static_cast<std::uint64_t>(
             std::max(1.0, std::ceil(trajectory.duration_s() * s.haptics.rate_hz - 1e-6)))) {
-    check_start(scene, start, burr, trajectory.pose_at(0.0));
+    check_start(scene, start, bodies, burr, trajectory.pose_at(0.0));
   }
 
   Scene scene;
   Trajectory trajectory;
   Burr burr;
   VoxelModel start;
+  std::vector<VoxelModel> bodies;
   std::uint64_t ticks;
 };
 
 /// One pass over a loaded scene, from a tooth that nothing has touched yet.
 struct Pass {
   explicit Pass(const LoadedScene& loaded)
-      : simulation(loaded.scene, VoxelModel(loaded.start), loaded.burr),
+      : simulation(loaded.scene, loaded.start, loaded.bodies, loaded.burr),
         device(loaded.trajectory, loaded.scene.haptics.rate_hz) {}
 
   TickRecord step() {

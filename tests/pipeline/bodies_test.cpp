@@ -1,0 +1,122 @@
+// A scene with other bodies than the workpiece, from its run to its replay.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "engine/core/hash.hpp"
+#include "engine/recording/recording_reader.hpp"
+#include "engine/volume/workpiece.hpp"
+#include "tests/pipeline/small_scenes.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/scratch_folder.hpp"
+
+namespace sulcus {
+namespace {
+
+using test::sulcus_command;
+
+/// The block, and a tenth of a millimetre beside it another of larger voxels, turned by a right
+/// angle. The burr goes from the one into the other.
+class Bodies : public ::testing::Test {
+ protected:
+  Bodies() {
+    std::ofstream(scratch_.path("s.toml")) << test::kRenderScene << R"(
+[[body]]
+name = "neighbour"
+shape = "box"
+voxel_mm = 0.0625
+cells = [40, 40, 40]
+box.size_mm = [2, 2, 2]
+position_mm = [2.1, 0, 0]
+rotation_deg = [0, 0, 90]
+cuttable = true
+)";
+  }
+  nlohmann::json run(const std::string& options = "") {
+    const auto result = sulcus_command(
+        "run " + scratch_.path("s.toml") +
+            " --set burr.speed_rpm=400000"
+            " --set 'trajectory.points_mm=[[0.3, 0, 1.2], [0.3, 0, 0.92], [2.3, 0, 0.92]]' " +
+            options + " -o " + scratch_.path("out"),
+        scratch_.path("err"));
+    EXPECT_EQ(result.status, 0) << result.err;
+    return nlohmann::json::parse(test::read_file(scratch_.path("out/summary.json")));
+  }
+  const ScratchFolder scratch_;
+};
+
+TEST_F(Bodies, WhatWasCutOfTheNeighbourIsCountedRecordedAndReplayed) {
+  const nlohmann::json summary = run();
+  const RecordingReader reader(scratch_.path("out/recording.h5"));
+  const std::vector<Edit> edits = reader.edits();
+  const auto of_neighbour = std::ranges::count(edits, 1, &Edit::body);
+  const auto of_workpiece = std::ranges::count(edits, 0, &Edit::body);
+  EXPECT_GT(of_neighbour, 100);
+  EXPECT_GT(of_workpiece, 100);
+  EXPECT_EQ(summary["removed_voxels"], of_workpiece);
+  ASSERT_EQ(summary["bodies"].size(), 1u);
+  const nlohmann::json& body = summary["bodies"][0];
+  EXPECT_EQ(body["name"], "neighbour");
+  EXPECT_NEAR(body["removed_mm3"]["enamel"].get<double>(),
+              static_cast<double>(of_neighbour) * 0.0625 * 0.0625 * 0.0625, 1e-12);
+  EXPECT_GT(body["contact_s"].get<double>(), 0.05);
+  EXPECT_GT(body["peak_force_N"].get<double>(), 0.05);
+  const double work_J = summary["tangential_work_J"];
+  EXPECT_NEAR(summary["removed_energy_J"].get<double>() + summary["stored_energy_J"].get<double>(),
+              work_J, 1e-9 * work_J);
+
+  VoxelModel neighbour = reader.bodies().at(0);
+  for (const Edit& edit : edits) {
+    if (edit.body == 1) neighbour.set(neighbour.grid.cell_of_linear(edit.voxel), false);
+  }
+  EXPECT_EQ(body["volume_hash"], hex(Workpiece(neighbour).hash()));
+
+  const auto verified =
+      sulcus_command("replay --verify " + scratch_.path("out/recording.h5"), scratch_.path("err"));
+  EXPECT_EQ(verified.status, 0) << verified.err;
+  EXPECT_NE(verified.out.find("agree bit for bit"), std::string::npos);
+  // Its last picture is drawn again from the recording, the neighbour's cut with it.
+  const auto drawn = sulcus_command(
+      "render " + scratch_.path("out/recording.h5") + " -o " + scratch_.path("drawn"),
+      scratch_.path("err"));
+  EXPECT_EQ(drawn.status, 0) << drawn.err;
+  EXPECT_TRUE(std::filesystem::exists(scratch_.path("drawn/000000.png")));
+}
+
+TEST_F(Bodies, OneThatIsNotCuttableHolds) {
+  std::string scene = test::read_file(scratch_.path("s.toml"));
+  scene.erase(scene.find("cuttable"));
+  std::ofstream(scratch_.path("s.toml")) << scene;
+  const nlohmann::json summary = run("--no-render");
+  const std::vector<Edit> edits = RecordingReader(scratch_.path("out/recording.h5")).edits();
+  EXPECT_GT(edits.size(), 100u);
+  EXPECT_EQ(std::ranges::count(edits, 1, &Edit::body), 0);
+  EXPECT_EQ(summary["bodies"][0]["removed_mm3"]["enamel"], 0.0);
+  EXPECT_GT(summary["bodies"][0]["contact_s"].get<double>(), 0.05);
+  EXPECT_GT(summary["force_N"]["max"].get<double>(), 1.0) << "the burr is driven into it";
+}
+
+TEST_F(Bodies, AStartInOneIsRefusedByItsName) {
+  const auto result =
+      sulcus_command("run " + scratch_.path("s.toml") +
+                         " --set 'trajectory.points_mm=[[2.1, 0, 0]]' -o " + scratch_.path("out"),
+                     scratch_.path("err"));
+  EXPECT_EQ(result.status, 2);
+  EXPECT_NE(result.err.find("found a start with the burr's head inside 'neighbour', at"),
+            std::string::npos)
+      << result.err;
+}
+
+TEST_F(Bodies, ASceneWithoutThemSaysNothingOfThem) {
+  std::ofstream(scratch_.path("s.toml")) << test::kCutScene;
+  const nlohmann::json summary = run();
+  EXPECT_FALSE(summary.contains("bodies"));
+  for (const auto& part : summary["parts"]) EXPECT_NE(part["name"], "bodies");
+  EXPECT_TRUE(RecordingReader(scratch_.path("out/recording.h5")).bodies().empty());
+}
+
+}  // namespace
+}  // namespace sulcus
