@@ -118,6 +118,7 @@ void replay(const ReplayOptions& options) {
           : options.folder;
   session.ticks = run.poses.size();
   session.played_back = run.taken_answers;
+  session.goal = run.reader.goal();
   open_log(session.folder);
   PlaybackDevice device(run.poses);
   const SessionResult result = run_session(*run.simulation, device, session);

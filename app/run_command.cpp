@@ -56,7 +56,8 @@ void run(const RunOptions& options) {
   std::vector<VoxelModel> bodies = build_bodies(scene, &cache);
   const double bodies_s = seconds_since(begin);
   check_start(scene, model, bodies, burr, trajectory.pose_at(0.0));
-  check_goal(scene, model);
+  std::optional<VoxelModel> goal = build_goal(scene, &cache);
+  (void)target_of_goal(scene, model, goal ? &*goal : nullptr);  // refuses what it cannot be
   std::vector<std::pair<std::string, const WorkpieceSettings*>> clipped;
   if (model.clipped) clipped.emplace_back("the solid", &scene.workpiece);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -77,6 +78,7 @@ void run(const RunOptions& options) {
                        : options.folder;
   session.pace = options.pace == "real" ? Pace::kReal : Pace::kFast;
   session.render = !options.no_render;
+  session.goal = std::move(goal);
   const double duration_s = options.duration_s > 0.0 ? options.duration_s : trajectory.duration_s();
   session.ticks = static_cast<std::uint64_t>(
       std::max(1.0, std::ceil(duration_s * scene.haptics.rate_hz - 1e-6)));

@@ -19,6 +19,7 @@
 #include "engine/core/hash.hpp"
 #include "engine/core/realtime.hpp"
 #include "engine/core/units.hpp"
+#include "engine/outcome/goal.hpp"
 
 namespace sulcus {
 
@@ -155,6 +156,7 @@ class HapticLoop {
 };
 
 std::optional<RecordingWriter> open_recording(const Simulation& simulation,
+                                              const SessionOptions& options,
                                               const std::string& path) {
   const Scene& scene = simulation.scene();
   if (!scene.record) return {};
@@ -165,14 +167,14 @@ std::optional<RecordingWriter> open_recording(const Simulation& simulation,
   header.rate_hz = scene.haptics.rate_hz;
   header.workpiece_hash = simulation.workpiece().hash_with_tissues();
   const bool from_file = scene.burr.shape == BurrShape::kFile;
-  std::vector<const VoxelModel*> bodies;
+  RecordedSolids others{{}, options.goal ? &*options.goal : nullptr};
   for (const Neighbour& neighbour : simulation.state().neighbours) {
-    bodies.push_back(&neighbour.solid.model());
+    others.bodies.push_back(&neighbour.solid.model());
   }
   return RecordingWriter(
       path, header, simulation.workpiece().model(),
       from_file ? &simulation.burr().mesh_tool : nullptr,
-      {.cutting = scene.cutting.has_value(), .pieces = scene.loose_pieces.has_value()}, bodies);
+      {.cutting = scene.cutting.has_value(), .pieces = scene.loose_pieces.has_value()}, others);
 }
 
 /// Copies of the bodies besides the workpiece.
@@ -184,10 +186,13 @@ std::vector<VoxelModel> copy_bodies(const Simulation& simulation) {
   return bodies;
 }
 
-std::optional<PreparationOutcome> start_outcome(const Simulation& simulation) {
+std::optional<PreparationOutcome> start_outcome(const Simulation& simulation,
+                                                const SessionOptions& options) {
   const Scene& scene = simulation.scene();
   if (!scene.cutting) return {};
-  return PreparationOutcome(simulation.workpiece().model(), scene.tissues, scene.goal);
+  const VoxelModel& start = simulation.workpiece().model();
+  return PreparationOutcome(start, scene.tissues,
+                            target_of_goal(scene, start, options.goal ? &*options.goal : nullptr));
 }
 
 /// After the last tick.
@@ -206,14 +211,15 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
   // Everything is made before the first tick, so that nothing is taken beside it.
   const std::string recording = options.folder + "/recording.h5";
   const std::uint64_t outcome_begin = steady_ns();
-  std::optional<PreparationOutcome> outcome = start_outcome(simulation);
+  std::optional<PreparationOutcome> outcome = start_outcome(simulation, options);
   double outcome_s = 1e-9 * static_cast<double>(steady_ns() - outcome_begin);
   const std::uint64_t record_begin = steady_ns();
   Feed record_feed(scene.haptics.rate_hz);
   std::optional<PieceFeed> record_pieces, render_pieces;
   if (scene.loose_pieces && scene.record) record_pieces.emplace();
   RecorderThread recorder(record_feed, record_pieces ? &*record_pieces : nullptr,
-                          open_recording(simulation, recording), std::move(outcome), options.ticks);
+                          open_recording(simulation, options, recording), std::move(outcome),
+                          options.ticks);
   if (scene.record) {
     result.files.push_back(recording);
     result.parts.push_back(

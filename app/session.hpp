@@ -20,6 +20,8 @@ struct SessionOptions {
   Pace pace = Pace::kFast;
   std::uint64_t ticks = 0;  // at most
   bool render = true;       // draw, where the scene has [render]
+  /// What the file of the scene's goal holds, on the workpiece's grid, where it names one.
+  std::optional<VoxelModel> goal = {};
   /// When answers of loose pieces were taken in the recording that is run again; none: a new run.
   std::optional<std::vector<TakenAnswer>> played_back = {};
 };

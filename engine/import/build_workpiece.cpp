@@ -94,4 +94,19 @@ std::vector<VoxelModel> build_bodies(const Scene& scene, LoadCache* cache) {
   return models;
 }
 
+std::optional<VoxelModel> build_goal(const Scene& scene, LoadCache* cache) {
+  if (!scene.goal || scene.goal->shape != GoalShape::kFile) return {};
+  Scene alone;
+  alone.file = scene.file;
+  alone.tissues = {scene.tissues.front()};
+  WorkpieceSettings& solid = alone.workpiece;
+  solid.file = scene.goal->file;
+  solid.solid_above = scene.goal->solid_above;
+  solid.position_m = scene.goal->position_m;
+  solid.rotation = scene.goal->rotation;
+  solid.voxel_m = scene.workpiece.voxel_m;
+  solid.cells = scene.workpiece.cells;
+  return build(alone, "[goal]", cache);
+}
+
 }  // namespace sulcus

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "engine/cache/load_cache.hpp"
@@ -17,5 +18,8 @@ VoxelModel build_workpiece(const Scene& scene, LoadCache* cache = nullptr);
 /// Those of its other bodies, each in its own grid, in their order. A body of one tissue has no
 /// labels.
 std::vector<VoxelModel> build_bodies(const Scene& scene, LoadCache* cache = nullptr);
+
+/// What the file of its goal holds, on the workpiece's grid; none where no goal names one.
+std::optional<VoxelModel> build_goal(const Scene& scene, LoadCache* cache = nullptr);
 
 }  // namespace sulcus

@@ -57,7 +57,7 @@ VoxelSet target_voxels(const Goal& goal, const VoxelModel& start) {
   const Eigen::AlignedBox3d bounds = goal.bounds_world();
   VoxelSet target(grid);
   for (std::uint32_t leaf = 0; leaf < start.leaves.size(); ++leaf) {
-    if (start.leaves[leaf] == LeafBits{}) continue;
+    if (!any(start.leaves[leaf])) continue;
     const Cell first = grid.leaf_origin(leaf), last = first + Cell::Constant(kLeafEdge - 1);
     if (!bounds.intersects({grid.centre_world(first), grid.centre_world(last)})) continue;
     LeafBits inside;
@@ -74,8 +74,18 @@ VoxelSet target_voxels(const Goal& goal, const VoxelModel& start) {
   return target;
 }
 
-void check_goal(const Scene& scene, const VoxelModel& start) {
-  if (!scene.goal || target_voxels(Goal(*scene.goal), start).count() > 0) return;
+std::optional<VoxelSet> target_of_goal(const Scene& scene, const VoxelModel& start,
+                                       const VoxelModel* from_file) {
+  if (!scene.goal) return {};
+  VoxelSet target(start.grid);
+  if (from_file) {
+    for (std::uint32_t leaf = 0; leaf < start.leaves.size(); ++leaf) {
+      target.insert(leaf, start.leaves[leaf] & from_file->leaves[leaf]);
+    }
+  } else {
+    target = target_voxels(Goal(*scene.goal), start);
+  }
+  if (target.count() > 0) return target;
   std::ostringstream found;
   found << "a goal without a voxel of the tooth, around ("
         << (scene.goal->position_m / kMillimetre).transpose() << ") mm";

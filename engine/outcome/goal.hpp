@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include <Eigen/Geometry>
 
 #include "engine/outcome/voxel_set.hpp"
@@ -7,7 +9,8 @@
 
 namespace sulcus {
 
-/// The cavity that a scene's [goal] asks for, in world space, whatever tooth there is. Immutable.
+/// The box or cylinder that a scene's [goal] asks for, in world space, whatever tooth there is.
+/// Immutable.
 class Goal {
  public:
   explicit Goal(const GoalSettings& settings);
@@ -24,8 +27,10 @@ class Goal {
 /// The target: the solid voxels whose centres lie in the goal.
 VoxelSet target_voxels(const Goal& goal, const VoxelModel& start);
 
-/// Refuses a goal in which the tooth has no voxel: InputError of [goal]. A scene without one
-/// passes.
-void check_goal(const Scene& scene, const VoxelModel& start);
+/// The target of a scene: what of the tooth lies in its goal; `from_file` is the goal's file on the
+/// tooth's grid, where it names one. None without a goal. InputError of [goal] where it holds no
+/// voxel of the tooth.
+std::optional<VoxelSet> target_of_goal(const Scene& scene, const VoxelModel& start,
+                                       const VoxelModel* from_file);
 
 }  // namespace sulcus

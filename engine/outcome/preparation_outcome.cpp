@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
-#include "engine/outcome/goal.hpp"
 #include "engine/outcome/voxel_distance.hpp"
 
 namespace sulcus {
@@ -34,10 +34,8 @@ VoxelSet outside_target(const VoxelModel& end, const VoxelSet& removed, const Vo
 
 PreparationOutcome::PreparationOutcome(const VoxelModel& start,
                                        std::span<const TissueSettings> tissues,
-                                       const std::optional<GoalSettings>& goal)
-    : progress_(start, tissues), removed_(start.grid) {
-  if (goal) target_ = target_voxels(Goal(*goal), start);
-}
+                                       std::optional<VoxelSet> target)
+    : progress_(start, tissues), removed_(start.grid), target_(std::move(target)) {}
 
 void PreparationOutcome::add(const Edit& edit) {
   if (edit.body != 0) return;

@@ -38,9 +38,9 @@ struct GoalFigures {
 /// keeps the voxels that went, by leaf. Used by one thread.
 class PreparationOutcome {
  public:
-  /// `start` is not kept.
+  /// `start` is not kept. `target`: as target_of_goal gives it.
   PreparationOutcome(const VoxelModel& start, std::span<const TissueSettings> tissues,
-                     const std::optional<GoalSettings>& goal);
+                     std::optional<VoxelSet> target);
 
   /// As PreparationProgress::add.
   void add(const Edit& edit);

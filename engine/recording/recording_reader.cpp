@@ -360,6 +360,10 @@ std::vector<VoxelModel> RecordingReader::bodies() const {
   return file_->guarded([this] { return read_bodies(file_->file, file_->bytes); });
 }
 
+std::optional<VoxelModel> RecordingReader::goal() const {
+  return file_->guarded([this] { return read_goal(file_->file, file_->bytes); });
+}
+
 VoxelModel RecordingReader::workpiece() const {
   return file_->guarded([this] { return read_workpiece(file_->file, file_->bytes); });
 }

@@ -37,6 +37,8 @@ class RecordingReader {
   VoxelModel workpiece() const;
   /// The other bodies before the first tick, in the order of the scene.
   std::vector<VoxelModel> bodies() const;
+  /// What the file of its goal holds, on the workpiece's grid; none where no goal names one.
+  std::optional<VoxelModel> goal() const;
   /// The burr in metres, tool space; empty where the scene alone gives it.
   std::optional<TriangleMesh> burr_mesh() const;
 

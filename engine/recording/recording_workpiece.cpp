@@ -194,6 +194,19 @@ std::vector<VoxelModel> read_bodies(const Hdf5Handle& file, std::uint64_t file_b
   return models;
 }
 
+void write_goal(const Hdf5Handle& file, const VoxelModel& model) {
+  write_model(file, "goal", model);
+}
+
+std::optional<VoxelModel> read_goal(const Hdf5Handle& file, std::uint64_t file_bytes) {
+  if (H5Lexists(file, "goal", H5P_DEFAULT) <= 0) return {};
+  VoxelModel goal = read_model(file, "goal", file_bytes);
+  if (goal.grid.cells != read_grid_of(open_group(file, "workpiece")).cells) {
+    throw Hdf5Error("goal: on another grid than the workpiece");
+  }
+  return goal;
+}
+
 void write_burr(const Hdf5Handle& file, const TriangleMesh& mesh_tool) {
   const auto group = create_group(file, "burr");
   const std::uint64_t check = check_of(mesh_tool);

@@ -22,6 +22,7 @@ namespace sulcus {
 //     mixed_labels  u8[m][512]   the tissues of their voxels, x fastest
 //   /bodies     only where the scene has others than the workpiece
 //     0, 1, ...     each as /workpiece
+//   /goal       as /workpiece, only where the goal comes from a file: what that holds, on its grid
 //   /burr       attribute check u64
 //     positions     f32[p][3]    m, tool space
 //     triangles     u32[t][3]
@@ -31,6 +32,8 @@ namespace sulcus {
 /// Throws Hdf5Error.
 void write_workpiece(const Hdf5Handle& file, const VoxelModel& model);
 void write_bodies(const Hdf5Handle& file, std::span<const VoxelModel* const> models);
+/// What the file of a goal holds, on the workpiece's grid.
+void write_goal(const Hdf5Handle& file, const VoxelModel& model);
 void write_burr(const Hdf5Handle& file, const TriangleMesh& mesh_tool);
 
 /// The grids alone, checked: the workpiece's, then those of the other bodies. Throws Hdf5Error.
@@ -39,6 +42,9 @@ std::vector<VoxelGrid> read_grids(const Hdf5Handle& file);
 VoxelModel read_workpiece(const Hdf5Handle& file, std::uint64_t file_bytes);
 /// Of the bodies besides the workpiece. Throws Hdf5Error.
 std::vector<VoxelModel> read_bodies(const Hdf5Handle& file, std::uint64_t file_bytes);
+/// None where no goal names a file. Throws Hdf5Error, also where it is on another grid than the
+/// workpiece.
+std::optional<VoxelModel> read_goal(const Hdf5Handle& file, std::uint64_t file_bytes);
 /// Empty where the scene generates the burr. Throws Hdf5Error.
 std::optional<TriangleMesh> read_burr(const Hdf5Handle& file, std::uint64_t file_bytes);
 

@@ -130,10 +130,11 @@ struct RecordingWriter::File {
 
   void create(const RecordingHeader& header, const VoxelModel& start,
               const TriangleMesh* burr_mesh_tool, RecordingTables tables,
-              std::span<const VoxelModel* const> bodies) {
+              const RecordedSolids& others) {
     write_header(file, header);
     write_workpiece(file, start);
-    write_bodies(file, bodies);
+    write_bodies(file, others.bodies);
+    if (others.goal) write_goal(file, *others.goal);
     if (burr_mesh_tool) write_burr(file, *burr_mesh_tool);
     edits.emplace(file, "edits", edit_type(), kEditChunk);
     ticks.emplace(file, "ticks", tick_type(), kTickChunk);
@@ -223,12 +224,12 @@ struct RecordingWriter::File {
 
 RecordingWriter::RecordingWriter(const std::string& path, const RecordingHeader& header,
                                  const VoxelModel& start, const TriangleMesh* burr_mesh_tool,
-                                 RecordingTables tables, std::span<const VoxelModel* const> bodies)
+                                 RecordingTables tables, const RecordedSolids& others)
     : file_(std::make_unique<File>()) {
   silence_hdf5();
   file_->path = path;
   file_->file = create_file(path);
-  file_->guarded([&] { file_->create(header, start, burr_mesh_tool, tables, bodies); });
+  file_->guarded([&] { file_->create(header, start, burr_mesh_tool, tables, others); });
 }
 
 RecordingWriter::RecordingWriter(RecordingWriter&&) noexcept = default;

@@ -3,6 +3,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "engine/core/triangle_mesh.hpp"
 #include "engine/recording/recording_header.hpp"
@@ -18,6 +19,12 @@ struct RecordingTables {
   bool pieces = false;   // /pieces, /piece_poses, /taken_answers
 };
 
+/// Voxels beside the workpiece's that a recording needs to be enough by itself.
+struct RecordedSolids {
+  std::vector<const VoxelModel*> bodies;  // in the order of the scene
+  const VoxelModel* goal = nullptr;       // on the workpiece's grid, where it comes from a file
+};
+
 /// Writes a recording that other processes may read while it grows, and that reads whole up to the
 /// last flush when this process is killed. Not thread-safe: one thread at a time uses it (HDF5 here
 /// is a thread-safe build, so a reader of another file may work beside it).
@@ -31,12 +38,11 @@ struct RecordingTables {
 class RecordingWriter {
  public:
   /// Creates the file, replacing one that is there, and writes what never changes. `start` is the
-  /// workpiece before the first tick, `bodies` the others; `burr_mesh_tool` (m, tool space) is null
-  /// where the scene alone gives the burr. Throws InputError where `path` cannot be created or is
-  /// no regular file.
+  /// workpiece before the first tick; `burr_mesh_tool` (m, tool space) is null where the scene
+  /// alone gives the burr. Throws InputError where `path` cannot be created or is no regular file.
   RecordingWriter(const std::string& path, const RecordingHeader& header, const VoxelModel& start,
                   const TriangleMesh* burr_mesh_tool, RecordingTables tables = {},
-                  std::span<const VoxelModel* const> bodies = {});
+                  const RecordedSolids& others = {});
   /// Writes what still waits, as far as that works, but leaves the recording marked as not closed:
   /// who gets here without `close` was interrupted.
   ~RecordingWriter();

@@ -128,11 +128,13 @@ struct CuttingSettings {
   int max_cut_voxels = 1 << 18;  // capacity of the part-cut state
 };
 
-enum class GoalShape : std::uint8_t { kBox, kCylinder };
+enum class GoalShape : std::uint8_t { kBox, kCylinder, kFile };
 
 /// A target cavity: what of it is tooth is to be removed, and nothing else.
 struct GoalSettings {
   GoalShape shape = GoalShape::kBox;
+  std::string file;                   // volume or mesh; the middle of its box comes to the position
+  std::optional<double> solid_above;  // grey value of a volume; none: binary mask
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  // box, half way up
   double diameter_m = 0.0, depth_m = 0.0;            // cylinder, half way up and along its z
   double taper = 0.0;  // rad, of each wall: how far it leans outward towards its own +z

@@ -320,7 +320,19 @@ GoalSettings read_goal(TomlTable& table) {
   GoalSettings g;
   constexpr std::array<std::string_view, 2> kShapes{"box", "cylinder"};
   const auto shape = table.choice("shape", kShapes);
-  if (!shape) table.fail("shape", "none", "box or cylinder");
+  g.file = table.path("file");
+  if (shape.has_value() == !g.file.empty()) {
+    table.fail("shape", shape ? "both a shape and a file" : "neither a shape nor a file",
+               "box, cylinder, or a file");
+  }
+  g.position_m = vector3_or(table, "position_mm", kAnyLength_mm, kMillimetre, g.position_m);
+  g.rotation = vector3_or(table, "rotation_deg", {-360, 360}, kDegree, g.rotation);
+  if (!shape) {
+    g.shape = GoalShape::kFile;
+    g.solid_above = table.number("solid_above", {-1e9, 1e9});
+    table.finish();
+    return g;
+  }
   g.shape = GoalShape(*shape);
   const std::vector<double> size_mm = table.numbers("size_mm", 3, kSize_mm);
   const auto diameter_mm = table.number("diameter_mm", kSize_mm);
@@ -340,8 +352,6 @@ GoalSettings read_goal(TomlTable& table) {
   if (std::tan(std::abs(g.taper)) * height_m >= width_m) {
     table.fail("taper_deg", "walls that meet inside", "a smaller angle for this size");
   }
-  g.position_m = vector3_or(table, "position_mm", kAnyLength_mm, kMillimetre, g.position_m);
-  g.rotation = vector3_or(table, "rotation_deg", {-360, 360}, kDegree, g.rotation);
   table.finish();
   return g;
 }

@@ -98,18 +98,32 @@ TEST(Goal, OneThatMissesTheToothIsRefused) {
   Scene scene;
   scene.file = "s.toml";
   const VoxelModel model = test::ball({32, 32, 32}, 1e-4, {15.5, 15.5, 15.5}, 10.0);
-  EXPECT_NO_THROW(check_goal(scene, model)) << "a scene without a goal";
+  EXPECT_FALSE(target_of_goal(scene, model, nullptr)) << "a scene without a goal";
   scene.goal = box_goal({1, 1, 1});
-  EXPECT_NO_THROW(check_goal(scene, model));
+  EXPECT_NO_THROW((void)target_of_goal(scene, model, nullptr));
   scene.goal->position_m = mm(0, 0, 5);
   try {
-    check_goal(scene, model);
+    (void)target_of_goal(scene, model, nullptr);
     ADD_FAILURE() << "no error";
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
                  "s.toml: [goal]: found a goal without a voxel of the tooth, around (0 0 5) mm, "
                  "expected a target that the tooth reaches into");
   }
+}
+
+TEST(Goal, OfAFileIsWhatOfItIsTooth) {
+  Scene scene;
+  scene.file = "s.toml";
+  scene.goal.emplace().shape = GoalShape::kFile;
+  const VoxelModel tooth = test::block({32, 32, 32}, 1e-4, {0, 0, 0}, {32, 32, 16});
+  const VoxelModel file = test::block({32, 32, 32}, 1e-4, {8, 8, 12}, {20, 20, 28});
+  const std::optional<VoxelSet> target = target_of_goal(scene, tooth, &file);
+  ASSERT_TRUE(target);
+  EXPECT_EQ(target->count(), 12u * 12 * 4);
+  EXPECT_TRUE(target->contains({8, 19, 15}));
+  const VoxelModel above = test::block({32, 32, 32}, 1e-4, {8, 8, 16}, {20, 20, 28});
+  EXPECT_THROW((void)target_of_goal(scene, tooth, &above), InputError);
 }
 
 }  // namespace

@@ -22,7 +22,9 @@ struct Prepared {
   Prepared(const VoxelModel& start, const std::vector<Cell>& removed,
            const std::vector<TissueSettings>& tissues,
            const std::optional<GoalSettings>& goal = std::nullopt)
-      : outcome(start, tissues, goal), end(start) {
+      : outcome(start, tissues,
+                goal ? std::optional(target_voxels(Goal(*goal), start)) : std::nullopt),
+        end(start) {
     for (const Cell& c : removed) {
       outcome.add(test::edit_of(start, c));
       end.set(c, false);

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -97,6 +99,43 @@ TEST_F(SideCutting, TissuesGoInTheRatioOfTheirSpecificEnergies) {
   }
   EXPECT_NEAR(mm3["dentine"] / mm3["enamel"], 3.5 / 0.65, 0.1 * 3.5 / 0.65);
   EXPECT_GT(mm3["caries"], 1.2 * mm3["dentine"]);
+}
+
+TEST(Drilling, TheForceFallsWhereEnamelEndsAsTheSpecificEnergyDoes) {
+  const ScratchFolder scratch;
+  const auto result =
+      sulcus_command("run " + std::string(SULCUS_SOURCE_DIR) +
+                         "/scenes/enamel_to_dentine.toml --set workpiece.voxel_mm=0.06 "
+                         "--set 'workpiece.cells=[224, 224, 408]' -o " +
+                         scratch.path("out"),
+                     scratch.path("err"));
+  ASSERT_EQ(result.status, 0) << result.err;
+  const RecordingReader reader(scratch.path("out/recording.h5"));
+  const VoxelModel tooth = reader.workpiece();
+  // In windows of 0.25 s: mean force along the axis, and how much of what went was dentine.
+  constexpr std::uint64_t kWindow = 250;
+  std::map<std::uint64_t, double> force_N;
+  std::map<std::uint64_t, std::array<int, 2>> went;
+  for (const TickRecord& row : reader.ticks()) {
+    force_N[row.tick / kWindow] += row.force_N[0] / kWindow;
+  }
+  for (const Edit& edit : reader.edits()) {
+    ++went[edit.tick / kWindow][tooth.tissue(tooth.grid.cell_of_linear(edit.voxel))];
+  }
+  double enamel_N = 0.0, dentine_N = 0.0;
+  int windows = 0;
+  for (const auto& [window, voxels] : went) {
+    if (voxels[1] == 0) enamel_N = std::max(enamel_N, force_N[window]);
+    if (voxels[0] > 0 || window > 8400 / kWindow) continue;  // or past the end of the way
+    dentine_N += force_N[window];
+    ++windows;
+  }
+  ASSERT_GT(windows, 5);
+  dentine_N /= windows;
+  // The hole has hardly come to its full width where the enamel ends.
+  const double ratio = 3.5 / 0.65;
+  EXPECT_GT(enamel_N / dentine_N, 0.7 * ratio);
+  EXPECT_LT(enamel_N / dentine_N, 1.1 * ratio);
 }
 
 TEST(LoosePieces, WhatIsCutOffFallsAndComesToRestAndARunOfItReplaysExactly) {

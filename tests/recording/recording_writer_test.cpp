@@ -42,8 +42,7 @@ TEST_F(RecordingWriterTest, OtherBodiesAreReadInTheirOrderWithTheirEdits) {
   plain.grid.voxel_m = 5e-5;
   plain.leaves.resize(2);
   plain.set({3, 4, 5}, true);
-  const std::array<const VoxelModel*, 2> bodies{&small, &plain};
-  RecordingWriter writer(path(), header(), workpiece(), nullptr, {}, bodies);
+  RecordingWriter writer(path(), header(), workpiece(), nullptr, {}, {{&small, &plain}, nullptr});
   TickRecord row = tick(1);
   const std::array<Edit, 2> edits{Edit{1, plain.grid.linear({3, 4, 5}), 2, EditCause::kCut},
                                   Edit{1, 7, 1, EditCause::kCut}};
@@ -63,6 +62,21 @@ TEST_F(RecordingWriterTest, OtherBodiesAreReadInTheirOrderWithTheirEdits) {
   ASSERT_EQ(reader.edits().size(), 2u);
   EXPECT_EQ(reader.edits()[0].body, 2);
   EXPECT_EQ(reader.edits()[1].body, 1);
+}
+
+TEST_F(RecordingWriterTest, AGoalOnTheWorkpiecesGridIsReadBack) {
+  EXPECT_FALSE(RecordingReader(write_whole(10)).goal());
+  VoxelModel goal;
+  goal.grid = workpiece().grid;
+  goal.leaves.resize(goal.grid.leaf_count());
+  goal.set({9, 10, 11}, true);
+  RecordingWriter(path(), header(), workpiece(), nullptr, {}, {{}, &goal}).close();
+  expect_same_workpiece(*RecordingReader(path()).goal(), goal);
+
+  goal.grid.cells = {8, 8, 8};
+  goal.leaves.resize(1);
+  RecordingWriter(path(), header(), workpiece(), nullptr, {}, {{}, &goal}).close();
+  EXPECT_THROW((void)RecordingReader(path()).goal(), InputError);
 }
 
 TEST_F(RecordingWriterTest, AnEditOfABodyThatIsNotThereIsDamage) {

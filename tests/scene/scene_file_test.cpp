@@ -262,7 +262,20 @@ TEST(SceneFile, AGoalIsABoxOrACylinder) {
 
 TEST(SceneFile, AGoalHasTheSizesOfItsShape) {
   EXPECT_EQ(error_of(with_goal("size_mm = [1, 1, 1]\n")),
-            "/scenes/s.toml: line 6, column 1, goal.shape: found none, expected box or cylinder");
+            "/scenes/s.toml: line 6, column 1, goal.shape: found neither a shape nor a file, "
+            "expected box, cylinder, or a file");
+  EXPECT_EQ(error_of(with_goal("shape = 'box'\nfile = 'g.stl'\n")),
+            "/scenes/s.toml: line 7, column 9, goal.shape: found both a shape and a file, "
+            "expected box, cylinder, or a file");
+  EXPECT_NE(error_of(with_goal("file = 'g.stl'\nsize_mm = [1, 1, 1]\n"))
+                .find("found the unknown key 'size_mm'"),
+            std::string::npos);
+  const GoalSettings file =
+      *parse(with_goal("file = 'g.nrrd'\nsolid_above = 3\nposition_mm = [0, 0, 2]\n")).goal;
+  EXPECT_EQ(file.shape, GoalShape::kFile);
+  EXPECT_EQ(file.file, "/scenes/g.nrrd");
+  EXPECT_EQ(file.solid_above, 3.0);
+  EXPECT_TRUE(file.position_m.isApprox(Vector3d(0, 0, 2e-3), 1e-14));
   EXPECT_EQ(error_of(with_goal("shape = 'cone'\n")),
             "/scenes/s.toml: line 7, column 9, goal.shape: found 'cone', expected one of box, "
             "cylinder");
