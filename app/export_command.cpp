@@ -50,7 +50,7 @@ void export_recording(const ExportOptions& options) {
     throw InputError(options.recording, "/ticks", "no rows", "at least one tick");
   }
   if (!reader.missing().empty()) std::fprintf(stderr, "sulcus: %s\n", reader.missing().c_str());
-  RecordedShape shape(reader);
+  RecordedShape shape(reader, reader.workpiece());
   const std::size_t row = options.at_s < 0.0 ? shape.rows().size() - 1 : shape.row_at(options.at_s);
   shape.advance_to_row(row);
   const VoxelModel& model = shape.model();

@@ -24,7 +24,10 @@ std::string mm3(double value) {
 /// A name of a scene's in the room that there is for it.
 std::string shortened(const std::string& name) {
   constexpr std::size_t kMost = 18;
-  return name.size() <= kMost ? name : name.substr(0, kMost - 2) + "..";
+  if (name.size() <= kMost) return name;
+  std::size_t end = kMost - 2;
+  while (end > 0 && (name[end] & 0xc0) == 0x80) --end;  // no character is cut in two
+  return name.substr(0, end) + "..";
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "app/pieces_thread.hpp"
 
+#include <algorithm>
 #include <chrono>
 
 #include "engine/core/realtime.hpp"
@@ -73,6 +74,7 @@ void PiecesThread::run() {
     if (!ended) std::this_thread::sleep_for(std::chrono::microseconds(200));
   }
   memory_bytes_ = finder_.memory_bytes() + world_.memory_bytes();
+  for (const VoxelModel& body : bodies_) memory_bytes_ += body.leaves.capacity() * sizeof(LeafBits);
   for (PieceFeed* consumer : consumers_) consumer->ticks_done = ~std::uint64_t{0};
 }
 
@@ -111,6 +113,7 @@ std::vector<DebrisWorld::StillBody> PiecesThread::still_bodies() const {
 /// What was cut may have held a piece.
 void PiecesThread::apply(std::span<const Edit> edits) {
   Eigen::AlignedBox3d cut;
+  double edge_m = finder_.model().grid.voxel_m;
   for (const Edit& edit : edits) {
     if (edit.body == 0) {
       const VoxelGrid& grid = finder_.model().grid;
@@ -120,9 +123,10 @@ void PiecesThread::apply(std::span<const Edit> edits) {
     VoxelModel& body = bodies_[edit.body - 1u];
     const Cell cell = body.grid.cell_of_linear(edit.voxel);
     body.set(cell, false);
+    edge_m = std::max(edge_m, body.grid.voxel_m);
     cut.extend(scene_.bodies[edit.body - 1u].world_from_grid.point(body.grid.centre_world(cell)));
   }
-  if (world_.size() > 0) world_.wake(cut);
+  if (world_.size() > 0) world_.wake(cut, edge_m);
 }
 
 void PiecesThread::note_loose(std::uint32_t voxel) {

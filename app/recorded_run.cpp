@@ -1,6 +1,8 @@
 #include "app/recorded_run.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "engine/core/error.hpp"
 #include "engine/scene/scene_file.hpp"
@@ -18,11 +20,46 @@ Burr recorded_burr(const RecordingReader& reader, const Scene& scene) {
   return make_burr(scene.burr, scene.workpiece.voxel_m, scene.file);
 }
 
+namespace {
+
+void check_grid(const Scene& scene, const std::string& place, const VoxelGrid& grid,
+                const WorkpieceSettings& solid) {
+  if (grid.cells == solid.cells && std::abs(grid.voxel_m - solid.voxel_m) < 1e-9 * solid.voxel_m) {
+    return;
+  }
+  throw InputError(scene.file, place, "another grid", "that of its scene");
+}
+
+void check_tissues(const Scene& scene, const std::string& place, const VoxelModel& model,
+                   std::size_t tissues) {
+  const int labels = model.tissues ? model.tissues->label_count() : 1;
+  if (static_cast<std::size_t>(labels) <= tissues) return;
+  throw InputError(scene.file, place, "the tissue " + std::to_string(labels - 1),
+                   std::to_string(tissues) + " of them, as in its scene");
+}
+
+}  // namespace
+
+VoxelModel recorded_workpiece(const RecordingReader& reader, const Scene& scene) {
+  check_grid(scene, "/workpiece", reader.grid(), scene.workpiece);
+  VoxelModel model = reader.workpiece();
+  check_tissues(scene, "/workpiece", model, scene.tissues.size());
+  return model;
+}
+
 std::vector<VoxelModel> recorded_bodies(const RecordingReader& reader, const Scene& scene) {
-  std::vector<VoxelModel> bodies = reader.bodies();
-  if (bodies.size() != scene.bodies.size()) {
-    throw InputError(scene.file, "/bodies", std::to_string(bodies.size()) + " bodies",
+  const std::span others = std::span(reader.grids()).subspan(1);
+  if (others.size() != scene.bodies.size()) {
+    throw InputError(scene.file, "/bodies", std::to_string(others.size()) + " bodies",
                      std::to_string(scene.bodies.size()) + ", as in its scene");
+  }
+  const auto place = [](std::size_t body) { return "/bodies/" + std::to_string(body); };
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    check_grid(scene, place(i), others[i], scene.bodies[i].solid);
+  }
+  std::vector<VoxelModel> bodies = reader.bodies();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    check_tissues(scene, place(i), bodies[i], scene.bodies[i].tissue ? 1 : scene.tissues.size());
   }
   return bodies;
 }
@@ -32,7 +69,8 @@ RecordedRun open_recorded_run(const std::string& path) {
   if (reader.tick_count() == 0) throw InputError(path, "/ticks", "no rows", "at least one tick");
   const Scene scene = recorded_scene(reader, path);
   auto simulation = std::make_unique<Simulation>(
-      scene, reader.workpiece(), recorded_bodies(reader, scene), recorded_burr(reader, scene));
+      scene, recorded_workpiece(reader, scene),
+      make_neighbours(scene, recorded_bodies(reader, scene)), recorded_burr(reader, scene));
   std::vector<Pose> poses;
   poses.reserve(reader.tick_count());
   for (const TickRecord& row : reader.ticks()) {
@@ -45,8 +83,8 @@ RecordedRun open_recorded_run(const std::string& path) {
   return {path, std::move(reader), std::move(simulation), std::move(poses), std::move(late)};
 }
 
-RecordedShape::RecordedShape(const RecordingReader& reader)
-    : model_(reader.workpiece()), rows_(reader.ticks()), edits_(reader.edits()) {}
+RecordedShape::RecordedShape(const RecordingReader& reader, VoxelModel start)
+    : model_(std::move(start)), rows_(reader.ticks()), edits_(reader.edits()) {}
 
 std::span<const Edit> RecordedShape::advance_to_row(std::size_t row) {
   const std::size_t first = applied_;

@@ -26,7 +26,9 @@ RecordedRun open_recorded_run(const std::string& path);
 
 /// The scene that a recording carries.
 Scene recorded_scene(const RecordingReader& reader, const std::string& path);
-/// The bodies besides the workpiece that it carries. InputError where its scene names others.
+/// The workpiece and the other bodies that it carries. InputError where they are not those of its
+/// scene: another number, another grid, a tissue that it does not name.
+VoxelModel recorded_workpiece(const RecordingReader& reader, const Scene& scene);
 std::vector<VoxelModel> recorded_bodies(const RecordingReader& reader, const Scene& scene);
 /// The burr that a recording carries or its scene generates.
 Burr recorded_burr(const RecordingReader& reader, const Scene& scene);
@@ -34,7 +36,8 @@ Burr recorded_burr(const RecordingReader& reader, const Scene& scene);
 /// The recorded workpiece over time: the model at the start, and the edits applied up to a time.
 class RecordedShape {
  public:
-  explicit RecordedShape(const RecordingReader& reader);
+  /// `start`: the workpiece at the start.
+  RecordedShape(const RecordingReader& reader, VoxelModel start);
 
   /// Applies the edits of all rows up to and with that row; forward only. Returns those it passed,
   /// of all bodies.

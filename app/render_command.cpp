@@ -110,7 +110,7 @@ void render(RenderOptions options) {
   const Scene scene = recorded_scene(reader, options.recording);
   const Burr burr = recorded_burr(reader, scene);
   const RenderSettings settings = render_settings(scene, options);
-  RecordedShape shape(reader);
+  RecordedShape shape(reader, recorded_workpiece(reader, scene));
   FrameHistory history(scene, shape.model());
   Renderer renderer(settings, rendered_bodies(scene, shape.model(), recorded_bodies(reader, scene)),
                     burr.mesh_tool, burr.head_length_m);

@@ -51,10 +51,12 @@ void run(const RunOptions& options) {
   begin = steady_ns();
   VoxelModel model = build_workpiece(scene, &cache);
   const bool workpiece_cached = cache.hits() > (burr_cached ? 1 : 0);
-  const double workpiece_s = seconds_since(begin);
+  double workpiece_s = seconds_since(begin);
+  const auto hits = cache.hits();
   begin = steady_ns();
   std::vector<VoxelModel> bodies = build_bodies(scene, &cache);
-  const double bodies_s = seconds_since(begin);
+  double bodies_s = seconds_since(begin);
+  const bool bodies_cached = cache.hits() == hits + static_cast<int>(bodies.size());
   check_start(scene, model, bodies, burr, trajectory.pose_at(0.0));
   std::optional<VoxelModel> goal = build_goal(scene, &cache);
   (void)target_of_goal(scene, model, goal ? &*goal : nullptr);  // refuses what it cannot be
@@ -64,12 +66,16 @@ void run(const RunOptions& options) {
     if (bodies[i].clipped) clipped.emplace_back(scene.bodies[i].name, &scene.bodies[i].solid);
   }
   begin = steady_ns();
-  Simulation simulation(scene, std::move(model), std::move(bodies), std::move(burr),
+  std::vector<Neighbour> neighbours = make_neighbours(scene, std::move(bodies));
+  bodies_s += seconds_since(begin);
+  begin = steady_ns();
+  Simulation simulation(scene, std::move(model), std::move(neighbours), std::move(burr),
                         StageClock(steady_ns));
-  loading.push_back({"workpiece", workpiece_s + seconds_since(begin),
-                     simulation.workpiece().memory_bytes(), workpiece_cached});
+  workpiece_s += seconds_since(begin);
+  loading.push_back(
+      {"workpiece", workpiece_s, simulation.workpiece().memory_bytes(), workpiece_cached});
   if (!scene.bodies.empty()) {
-    loading.push_back({"bodies", bodies_s, simulation.neighbours_bytes()});
+    loading.push_back({"bodies", bodies_s, simulation.neighbours_bytes(), bodies_cached});
   }
 
   SessionOptions session;

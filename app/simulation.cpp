@@ -32,22 +32,20 @@ std::vector<Eigen::AlignedBox3d> body_boxes(const VoxelGrid& grid,
 }
 
 SimulationState state_with_neighbours(const Scene& scene, const VoxelGrid& grid,
-                                      std::vector<VoxelModel> bodies) {
+                                      std::vector<Neighbour> neighbours) {
   SimulationState state = initial_state(scene, grid);
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    state.neighbours.emplace_back(scene, scene.bodies[i], std::move(bodies[i]));
-  }
+  state.neighbours = std::move(neighbours);
   return state;
 }
 
 }  // namespace
 
-Simulation::Simulation(const Scene& scene, VoxelModel start, std::vector<VoxelModel> bodies,
+Simulation::Simulation(const Scene& scene, VoxelModel start, std::vector<Neighbour> neighbours,
                        Burr burr, StageClock clock)
     : scene_(scene),
       workpiece_(std::move(start)),
       burr_(std::move(burr)),
-      state_(state_with_neighbours(scene_, workpiece_.grid(), std::move(bodies))),
+      state_(state_with_neighbours(scene_, workpiece_.grid(), std::move(neighbours))),
       bodies_(body_boxes(workpiece_.grid(), state_.neighbours)),
       scratch_(scene_, clock),
       context_{scene_, burr_, bodies_.query()} {}

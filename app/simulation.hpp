@@ -15,8 +15,8 @@ namespace sulcus {
 /// one thread.
 class Simulation {
  public:
-  /// `start`: the workpiece; `bodies`: one for each [[body]], as build_bodies makes them.
-  Simulation(const Scene& scene, VoxelModel start, std::vector<VoxelModel> bodies, Burr burr,
+  /// `start`: the workpiece; `neighbours`: as make_neighbours gives them.
+  Simulation(const Scene& scene, VoxelModel start, std::vector<Neighbour> neighbours, Burr burr,
              StageClock clock = StageClock{});
   Simulation(const Simulation&) = delete;  // the context refers into it
   Simulation& operator=(const Simulation&) = delete;

@@ -1,6 +1,7 @@
 #include "haptics/neighbour.hpp"
 
 #include <array>
+#include <utility>
 
 #include "engine/core/hash.hpp"
 #include "haptics/evaluate_contact.hpp"
@@ -13,6 +14,15 @@ Neighbour::Neighbour(const Scene& scene, const BodySettings& settings, VoxelMode
       solid(std::move(start)) {
   if (keeps_normals(scene.haptics)) kept.emplace(solid.grid(), scene.haptics);
   if (scene.cutting && settings.cuttable) removal.emplace(*scene.cutting);
+}
+
+std::vector<Neighbour> make_neighbours(const Scene& scene, std::vector<VoxelModel> starts) {
+  std::vector<Neighbour> neighbours;
+  neighbours.reserve(starts.size());
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    neighbours.emplace_back(scene, scene.bodies[i], std::move(starts[i]));
+  }
+  return neighbours;
 }
 
 std::uint64_t Neighbour::hash() const {

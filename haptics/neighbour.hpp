@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "engine/core/pose.hpp"
 #include "engine/scene/scene.hpp"
@@ -33,6 +34,9 @@ struct Neighbour {
   /// With all that a later tick depends on, the voxels too.
   std::uint64_t hash() const;
 };
+
+/// One for each [[body]] of a scene, `starts` in its order.
+std::vector<Neighbour> make_neighbours(const Scene& scene, std::vector<VoxelModel> starts);
 
 /// evaluate_contact with a neighbour, in its grid's space; wrench, tangential part and stiffness
 /// come out in world axes. Its forces are those of a body of its own: under `count` and `smooth` a

@@ -24,11 +24,11 @@ std::uint64_t SimulationState::hash() const {
   values[8] = spindle_rad_per_s.value_or(0.0);
   values[9] = load_offset_m.value_or(0.0);
   std::uint64_t hash = hash_bytes(values.data(), sizeof(values), tick);
-  std::vector<std::uint64_t> parts;
-  if (removal) parts.push_back(removal->hash());
-  if (kept) parts.push_back(kept->hash());
-  for (const Neighbour& neighbour : neighbours) parts.push_back(neighbour.hash());
-  return hash_bytes(parts.data(), parts.size() * sizeof(std::uint64_t), hash);
+  const auto add = [&](std::uint64_t part) { hash = hash_bytes(&part, sizeof(part), hash); };
+  if (removal) add(removal->hash());
+  if (kept) add(kept->hash());
+  for (const Neighbour& neighbour : neighbours) add(neighbour.hash());
+  return hash;
 }
 
 double SimulationState::work_J() const {

@@ -86,9 +86,8 @@ class ToothShape final : public btConcaveShape {
     }
   }
 
-  void getAabb(const btTransform&, btVector3& low, btVector3& high) const override {
-    high = bullet(0.5 * edge_ * blocks_.cast<double>());
-    low = -high;
+  void getAabb(const btTransform& place, btVector3& low, btVector3& high) const override {
+    btTransformAabb(bullet(0.5 * edge_ * blocks_.cast<double>()), 0.0, place, low, high);
   }
   void setLocalScaling(const btVector3&) override {}
   const btVector3& getLocalScaling() const override { return unscaled_; }
@@ -298,8 +297,9 @@ void DebrisWorld::step(double dt_s, const VoxelModel& tooth) {
   }
 }
 
-void DebrisWorld::wake(const Eigen::AlignedBox3d& cut_world) {
-  const btVector3 reach(0.5, 0.5, 0.5);
+void DebrisWorld::wake(const Eigen::AlignedBox3d& cut_world, double voxel_m) {
+  const double reach_mm = std::max(0.5, kLength * kBlockVoxels * voxel_m);
+  const btVector3 reach(reach_mm, reach_mm, reach_mm);
   const btVector3 first = bullet(kLength * cut_world.min()) - reach;
   const btVector3 last = bullet(kLength * cut_world.max()) + reach;
   for (const auto& piece : pieces_) {

@@ -60,8 +60,9 @@ class DebrisWorld {
   std::size_t add(std::span<const std::uint32_t> voxels);
   /// A tick further.
   void step(double dt_s, const VoxelModel& tooth);
-  /// The tooth was cut in this box: pieces that lie within half a millimetre may move again.
-  void wake(const Eigen::AlignedBox3d& cut_world);
+  /// Tooth or another body was cut in this box, voxels of an edge of `voxel_m`: pieces that lie
+  /// within half a millimetre, or a block's edge where that is more, may move again.
+  void wake(const Eigen::AlignedBox3d& cut_world, double voxel_m);
 
   std::size_t size() const { return pieces_.size(); }
   /// World now from world where the piece was when it was added.

@@ -112,7 +112,8 @@ class RowCursor {
 
 bool intact(const EditRow& row, std::span<const VoxelGrid> grids) {
   return row.check == check_of(row) && row.cause <= static_cast<std::uint8_t>(EditCause::kUndo) &&
-         row.body < grids.size() && row.voxel < grids[row.body].cell_count();
+         row.body < grids.size() && row.voxel < grids[row.body].cell_count() &&
+         (row.body == 0 || row.cause != static_cast<std::uint8_t>(EditCause::kLoose));
 }
 
 Hdf5Handle open_file(const std::string& path) {
@@ -354,7 +355,7 @@ RecordingReader::~RecordingReader() = default;
 RecordingReader::RecordingReader(RecordingReader&&) noexcept = default;
 
 const RecordingHeader& RecordingReader::header() const { return file_->header; }
-const VoxelGrid& RecordingReader::grid() const { return file_->grids.front(); }
+const std::vector<VoxelGrid>& RecordingReader::grids() const { return file_->grids; }
 
 std::vector<VoxelModel> RecordingReader::bodies() const {
   return file_->guarded([this] { return read_bodies(file_->file, file_->bytes); });

@@ -32,7 +32,9 @@ class RecordingReader {
   RecordingReader(RecordingReader&&) noexcept;
 
   const RecordingHeader& header() const;
-  const VoxelGrid& grid() const;
+  /// Of the workpiece, then of the other bodies.
+  const std::vector<VoxelGrid>& grids() const;
+  const VoxelGrid& grid() const { return grids().front(); }
   /// The workpiece before the first tick. Labels of leaves without a solid voxel are 0.
   VoxelModel workpiece() const;
   /// The other bodies before the first tick, in the order of the scene.

@@ -174,14 +174,21 @@ std::vector<TissueSettings> read_tissues(TomlTable& root) {
 // --- [[body]] -----------------------------------------------------------------------------------
 
 std::vector<BodySettings> read_bodies(TomlTable& root, const std::vector<TissueSettings>& tissues) {
+  std::vector<TomlTable> tables = root.tables("body");
+  if (tables.size() > kMaxBodies) {
+    root.fail("body", std::to_string(tables.size()), "at most " + std::to_string(kMaxBodies));
+  }
   std::vector<BodySettings> bodies;
-  for (TomlTable& table : root.tables("body")) {
+  for (TomlTable& table : tables) {
     BodySettings& b = bodies.emplace_back();
     b.name = table.text("name", "body " + std::to_string(bodies.size()));
     b.solid = read_solid(table);
     b.world_from_grid = {b.solid.position_m, rotation_xyz(b.solid.rotation)};
     b.solid.position_m = b.solid.rotation = Eigen::Vector3d::Zero();
     b.cuttable = table.boolean("cuttable", b.cuttable);
+    if (b.cuttable && !root.has("cutting")) {
+      table.fail("cuttable", "a cuttable body without [cutting]", "both of them");
+    }
     if (const std::string name = table.text("tissue", ""); !name.empty()) {
       const auto found = std::ranges::find(tissues, name, &TissueSettings::name);
       if (found == tissues.end()) table.fail("tissue", "'" + name + "'", "a tissue of the scene");
@@ -193,9 +200,6 @@ std::vector<BodySettings> read_bodies(TomlTable& root, const std::vector<TissueS
       }
     }
     table.finish();
-  }
-  if (bodies.size() > kMaxBodies) {
-    root.fail("body", std::to_string(bodies.size()), "at most " + std::to_string(kMaxBodies));
   }
   return bodies;
 }

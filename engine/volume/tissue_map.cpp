@@ -1,5 +1,6 @@
 #include "engine/volume/tissue_map.hpp"
 
+#include <algorithm>
 #include <bit>
 
 namespace sulcus {
@@ -18,6 +19,15 @@ void TissueMap::set_block(std::uint32_t leaf, const LabelBlock& labels,
     }
   }
   set_uniform(leaf, first < 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(first));
+}
+
+int TissueMap::label_count() const {
+  int largest = 0;
+  for (const std::uint8_t label : uniform_) largest = std::max<int>(largest, label);
+  for (const auto& block : mixed_) {
+    if (block) largest = std::max<int>(largest, std::ranges::max(*block));
+  }
+  return largest + 1;
 }
 
 std::size_t TissueMap::memory_bytes() const {

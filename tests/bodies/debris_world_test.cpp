@@ -72,14 +72,17 @@ TEST(DebrisWorld, TheFloorMayBeHigher) {
 }
 
 TEST(DebrisWorld, ItComesToRestOnAnotherBodyWhichMayBeTurned) {
-  // A plate of a quarter of the height, standing on its side, turned to lie 1 mm below the middle.
+  // A plate of a quarter of the height, standing on its side, turned to lie well below the grid of
+  // the tooth.
   const VoxelModel plate = tooth({24, 0, 0}, {40, 64, 64});
-  const Pose place{{0, 0, -1e-3}, rotation_xyz({0, 0.5 * M_PI, 0})};
-  DebrisWorld debris(no_tooth().grid, {}, {{&plate, place}});
+  const Pose place{{0.5e-3, 0, -5e-3}, rotation_xyz({0, 0.5 * M_PI, 0})};
+  LoosePiecesSettings settings;
+  settings.floor_m = -10e-3;
+  DebrisWorld debris(no_tooth().grid, settings, {{&plate, place}});
   debris.add(box({28, 28, 40}, {36, 36, 48}));
   run(debris, 2000, no_tooth());
   EXPECT_TRUE(debris.at_rest(0));
-  const double top_m = -1e-3 + 8 * kVoxel, bottom_of_piece_m = (40 - 32) * kVoxel;
+  const double top_m = -5e-3 + 8 * kVoxel, bottom_of_piece_m = (40 - 32) * kVoxel;
   EXPECT_NEAR(height(debris), top_m - bottom_of_piece_m, 0.5 * kVoxel);
 }
 
@@ -90,7 +93,7 @@ TEST(DebrisWorld, ItComesToRestOnTheToothAndFallsOnWhenThatIsCutAway) {
   run(debris, 3000, step);
   EXPECT_NEAR(height(debris), -10 * kVoxel, 0.5 * kVoxel);
   ASSERT_TRUE(debris.at_rest(0));
-  debris.wake(Eigen::AlignedBox3d(Vector3d(0, 0, -12.1 * kVoxel), Vector3d(0, 0, -12 * kVoxel)));
+  debris.wake(Eigen::AlignedBox3d(Vector3d(0, 0, -12.1 * kVoxel), Vector3d(0, 0, -12 * kVoxel)), kVoxel);
   run(debris, 3000, no_tooth());
   EXPECT_NEAR(height(debris), -30 * kVoxel, 0.5 * kVoxel);
 }

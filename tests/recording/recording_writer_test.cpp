@@ -79,11 +79,12 @@ TEST_F(RecordingWriterTest, AGoalOnTheWorkpiecesGridIsReadBack) {
   EXPECT_THROW((void)RecordingReader(path()).goal(), InputError);
 }
 
-TEST_F(RecordingWriterTest, AnEditOfABodyThatIsNotThereIsDamage) {
+TEST_F(RecordingWriterTest, AnEditOfABodyThatIsNotThereOrCannotBeLooseIsDamage) {
+  const VoxelModel& other = workpiece();
   for (const Edit& wrong :
-       {Edit{1, 0, 1, EditCause::kCut},
+       {Edit{1, 0, 2, EditCause::kCut}, Edit{1, 0, 1, EditCause::kLoose},
         Edit{1, static_cast<std::uint32_t>(workpiece().grid.cell_count()), 0, EditCause::kCut}}) {
-    RecordingWriter writer(path(), header(), workpiece(), nullptr);
+    RecordingWriter writer(path(), header(), workpiece(), nullptr, {}, {{&other}, nullptr});
     TickRecord row = tick(1);
     row.edits_end = 1;
     seal(row);

@@ -325,7 +325,7 @@ TEST(SceneFile, BodiesHaveAShapeOrAFileAndAPlace) {
       parse("tissue = ['enamel', 'dentine']\n" + kLeast +
             "[[body]]\nname = 'mesial'\nshape = 'molar'\nvoxel_mm = 0.05\ncells = [208, 208, 408]\n"
             "position_mm = [10, 0, -1]\nrotation_deg = [0, 0, 180]\ncuttable = true\n"
-            "[[body]]\nfile = 'jaw.stl'\ntissue = 'dentine'\n");
+            "[[body]]\nfile = 'jaw.stl'\ntissue = 'dentine'\n[cutting]\n");
   ASSERT_EQ(s.bodies.size(), 2u);
   const BodySettings &mesial = s.bodies[0], &jaw = s.bodies[1];
   EXPECT_EQ(mesial.name, "mesial");
@@ -357,6 +357,9 @@ TEST(SceneFile, ABodyThatIsNoneIsRefused) {
   EXPECT_EQ(error_of(with("shape = 'box'\nname = 'a'\n[[body]]\nshape = 'box'\nname = 'a'\n")),
             "/scenes/s.toml: line 10, column 8, body.name: found 'a' twice, expected names that "
             "differ");
+  EXPECT_EQ(error_of(with("shape = 'box'\ncuttable = true\n")),
+            "/scenes/s.toml: line 7, column 12, body.cuttable: found a cuttable body without "
+            "[cutting], expected both of them");
   EXPECT_NE(error_of(with("shape = 'box'\ncutable = true\n")).find("expected 'cuttable'"),
             std::string::npos);
   std::string many = kLeast;

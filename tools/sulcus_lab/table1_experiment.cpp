@@ -62,7 +62,8 @@ struct LoadedScene {
 /// One pass over a loaded scene, from a tooth that nothing has touched yet.
 struct Pass {
   explicit Pass(const LoadedScene& loaded)
-      : simulation(loaded.scene, loaded.start, loaded.bodies, loaded.burr),
+      : simulation(loaded.scene, loaded.start, make_neighbours(loaded.scene, loaded.bodies),
+                   loaded.burr),
         device(loaded.trajectory, loaded.scene.haptics.rate_hz) {}
 
   TickRecord step() {
