@@ -345,7 +345,8 @@ VoxelModel voxelise_volume(const MedicalVolume& volume, const VoxelGrid& grid,
                            const WorkpieceSettings& settings,
                            std::span<const TissueSettings> tissues, VolumeImportReport* report) {
   if (!volume.spacing_known && !settings.spacing_m) {
-    throw InputError(volume.file, "spacing", "none in the file", "spacing_mm beside it in the scene");
+    throw InputError(volume.file, "spacing", "none in the file",
+                     "spacing_mm beside it in the scene");
   }
   const bool mask = !settings.solid_above;
   VolumeImportReport found;

@@ -93,7 +93,8 @@ TEST(DebrisWorld, ItComesToRestOnTheToothAndFallsOnWhenThatIsCutAway) {
   run(debris, 3000, step);
   EXPECT_NEAR(height(debris), -10 * kVoxel, 0.5 * kVoxel);
   ASSERT_TRUE(debris.at_rest(0));
-  debris.wake(Eigen::AlignedBox3d(Vector3d(0, 0, -12.1 * kVoxel), Vector3d(0, 0, -12 * kVoxel)), kVoxel);
+  debris.wake(Eigen::AlignedBox3d(Vector3d(0, 0, -12.1 * kVoxel), Vector3d(0, 0, -12 * kVoxel)),
+              kVoxel);
   run(debris, 3000, no_tooth());
   EXPECT_NEAR(height(debris), -30 * kVoxel, 0.5 * kVoxel);
 }
