@@ -9,7 +9,7 @@
 
 #include "engine/volume/edit.hpp"
 #include "engine/volume/loose_pieces.hpp"
-#include "haptics/tick.hpp"
+#include "haptics/tick_scratch.hpp"
 
 namespace sulcus {
 

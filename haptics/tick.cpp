@@ -104,35 +104,43 @@ void turn_spindle(const TickContext& context, const ContactResult& contact, doub
                     -axis.dot(contact.tangential.torque_Nm), dt_s);
 }
 
-/// Removes from a neighbour what was cut of it.
-std::uint32_t cut_neighbour(const TickContext& context, std::uint16_t body, double dt_s,
-                            std::uint64_t tick, Neighbour& neighbour, TickScratch& scratch) {
-  ContactScratch& contact = scratch.neighbours[body - 1u].contact;
-  const std::size_t before = scratch.edits.size();
-  const std::span tissues = std::span(context.scene.tissues).subspan(neighbour.first_tissue);
+/// What is cut of the workpiece and of a neighbour alike.
+struct CutBody {
+  std::uint16_t number;
+  Workpiece& solid;
+  std::span<const TissueSettings> tissues;  // from that of label 0 on
+  RemovalState& removal;
+  std::optional<KeptNormals>& kept;
+  ContactScratch& contact;
+};
+
+/// Removes from a body what the tangential force on it has paid for. Returns fault bits.
+std::uint32_t cut_body(const CutBody& body, double dt_s, std::uint64_t tick,
+                       std::vector<Edit>& edits) {
+  const std::size_t before = edits.size();
   const std::uint32_t faults =
-      removal(neighbour.solid, tissues, dt_s, tick, contact, *neighbour.removal, scratch.edits);
-  neighbour.solid.switch_off(contact.hollow);
-  const auto cut = std::span(scratch.edits).subspan(before);
-  for (Edit& edit : cut) edit.body = body;
-  if (neighbour.kept) neighbour.kept->drop(cut);
+      removal(body.solid, body.tissues, dt_s, tick, body.contact, body.removal, edits);
+  body.solid.switch_off(body.contact.hollow);
+  const auto cut = std::span(edits).subspan(before);
+  for (Edit& edit : cut) edit.body = body.number;
+  if (body.kept) body.kept->drop(cut);
   return faults;
 }
 
-/// Removes what the tangential force has paid for, and brakes the spindle by it.
+/// Cuts all bodies, and brakes the spindle by it.
 void cut(const TickContext& context, Workpiece& workpiece, SimulationState& state,
          TickScratch& scratch, ContactResult& contact) {
   const auto timed = scratch.contact.clock.time(Stage::kRemoval);
   const double dt_s = 1.0 / context.scene.haptics.rate_hz;
-  const std::size_t before = scratch.edits.size();  // of loose pieces
-  contact.faults |= removal(workpiece, context.scene.tissues, dt_s, state.tick, scratch.contact,
-                            *state.removal, scratch.edits);
-  workpiece.switch_off(scratch.contact.hollow);
-  if (state.kept) state.kept->drop(std::span(scratch.edits).subspan(before));
+  const std::span tissues = context.scene.tissues;
+  contact.faults |= cut_body({0, workpiece, tissues, *state.removal, state.kept, scratch.contact},
+                             dt_s, state.tick, scratch.edits);
   for (std::uint16_t body = 1; body <= state.neighbours.size(); ++body) {
-    Neighbour& neighbour = state.neighbours[body - 1u];
-    if (!neighbour.removal) continue;
-    contact.faults |= cut_neighbour(context, body, dt_s, state.tick, neighbour, scratch);
+    Neighbour& n = state.neighbours[body - 1u];
+    if (!n.removal) continue;
+    contact.faults |= cut_body({body, n.solid, tissues.subspan(n.first_tissue), *n.removal, n.kept,
+                                scratch.neighbours[body - 1u].contact},
+                               dt_s, state.tick, scratch.edits);
   }
   scratch.cutting = make_cutting_record(context, state, contact.tangential);
   if (state.spindle_rad_per_s) turn_spindle(context, contact, dt_s, state);
@@ -205,41 +213,6 @@ void rehearse(const TickContext& context, const Workpiece& workpiece, const Simu
               TickScratch& scratch) noexcept {
   if (!state.has_pose) return;
   contact_with_bodies(context, workpiece, state, state.tool, false, scratch);
-}
-
-TickScratch::TickScratch(const Scene& scene, StageClock clock) : contact(scene.haptics, clock) {
-  std::size_t cut = 1;
-  neighbours.reserve(scene.bodies.size());
-  for (const BodySettings& body : scene.bodies) {
-    neighbours.push_back({ContactScratch(scene.haptics, clock), {}});
-    cut += body.cuttable ? 1 : 0;
-  }
-  if (scene.cutting) edits.reserve(contact.capacity * cut + (scene.loose_pieces ? kMaxLoose : 0));
-}
-
-void TickScratch::forget() noexcept {
-  contact.forget();
-  for (NeighbourScratch& neighbour : neighbours) {
-    neighbour.contact.forget();
-    neighbour.found = {};
-  }
-}
-
-void TickScratch::reset_clocks() noexcept {
-  contact.clock.reset();
-  for (NeighbourScratch& neighbour : neighbours) neighbour.contact.clock.reset();
-}
-
-std::uint64_t TickScratch::stage_ns(Stage stage) const noexcept {
-  std::uint64_t ns = contact.clock.ns(stage);
-  for (const NeighbourScratch& neighbour : neighbours) ns += neighbour.contact.clock.ns(stage);
-  return ns;
-}
-
-std::size_t TickScratch::contact_bytes() const {
-  std::size_t bytes = contact.memory_bytes();
-  for (const NeighbourScratch& neighbour : neighbours) bytes += neighbour.contact.memory_bytes();
-  return bytes;
 }
 
 TickRecord tick(const TickContext& context, Device& device, Workpiece& workpiece,
