@@ -40,6 +40,7 @@ FrameHistory::FrameHistory(const Scene& scene, const VoxelModel& start)
       voxel_mm3_(voxel_mm3(scene.workpiece)),
       cutting_(scene.cutting.has_value()) {
   if (cutting_) progress_.emplace(start, scene.tissues);
+  for (const TissueSettings& tissue : scene.tissues) tissues_.push_back(shortened(tissue.name));
   for (const BodySettings& body : scene.bodies) {
     damage_.push_back({shortened(body.name), voxel_mm3(body.solid), 0});
   }
@@ -53,6 +54,12 @@ void FrameHistory::add(const Edit& edit) {
 std::vector<OutcomeLine> FrameHistory::outcome() const {
   std::vector<OutcomeLine> lines;
   if (progress_) {
+    for (std::size_t t = 0; t < tissues_.size() && tissues_.size() > 1; ++t) {
+      const std::uint64_t voxels = progress_->removed_voxels(EditCause::kCut, t) +
+                                   progress_->removed_voxels(EditCause::kLoose, t);
+      if (voxels == 0) continue;
+      lines.push_back({"  " + tissues_[t], mm3(static_cast<double>(voxels) * voxel_mm3_)});
+    }
     if (const auto left = progress_->caries_left()) {
       lines.push_back({"Caries left", mm3(static_cast<double>(*left) * voxel_mm3_)});
     }
@@ -67,6 +74,14 @@ std::vector<OutcomeLine> FrameHistory::outcome() const {
   for (const Damage& body : damage_) {
     if (body.removed == 0) continue;
     lines.push_back({body.name, mm3(static_cast<double>(body.removed) * body.voxel_mm3)});
+  }
+  if (progress_ && ticks_in_contact_ > 0) {
+    const auto ticks = static_cast<double>(ticks_in_contact_);
+    char text[48];
+    std::snprintf(text, sizeof(text), "%.2f, %.2f N", peak_force_N_, force_sum_N_ / ticks);
+    lines.push_back({"Peak, mean force", text});
+    std::snprintf(text, sizeof(text), "%.1f s", ticks * dt_s_);
+    lines.push_back({"In contact", text});
   }
   return lines;
 }
@@ -94,6 +109,11 @@ void FrameHistory::add(const TickRecord& record, const CuttingRecord* cutting) {
   const Eigen::Vector3d force(record.force_N[0], record.force_N[1], record.force_N[2]);
   const Eigen::Vector3d torque(record.torque_Nm[0], record.torque_Nm[1], record.torque_Nm[2]);
   force_N_.push_back(static_cast<float>(force.norm()));
+  if (record.contacts > 0) {
+    peak_force_N_ = std::max(peak_force_N_, force.norm());
+    force_sum_N_ += force.norm();
+    ++ticks_in_contact_;
+  }
   torque_mNm_.push_back(static_cast<float>(torque.norm() * 1e3));
   tick_us_.push_back(record.step_us);
 }

@@ -47,6 +47,9 @@ class FrameHistory {
     std::uint64_t removed;
   };
   std::vector<Damage> damage_;  // of each other body
+  std::vector<std::string> tissues_;
+  double peak_force_N_ = 0.0, force_sum_N_ = 0.0;  // while in contact
+  std::uint64_t ticks_in_contact_ = 0;
   std::vector<float> force_N_, torque_mNm_, tick_us_;
   bool cutting_, timed_ = false;
   std::array<double, kStageCount> stage_us_{};  // over about the last hundred ticks

@@ -17,8 +17,6 @@ PiecesThread::PiecesThread(Feed& feed, std::vector<PieceFeed*> consumers, const 
                            VoxelModel start, std::vector<VoxelModel> bodies)
     : feed_(feed),
       consumers_(std::move(consumers)),
-      dt_s_(1.0 / scene.haptics.rate_hz),
-      smallest_m3_(scene.loose_pieces->smallest_m3),
       scene_(scene),
       bodies_(std::move(bodies)),
       finder_(std::move(start)),
@@ -97,7 +95,7 @@ void PiecesThread::add_tick(const TickReport& report, std::span<const Edit> edit
     free_piece(leaving_.front(), tick);
   }
   if (!edits.empty()) apply(edits);
-  world_.step(dt_s_, finder_.model());
+  world_.step(1.0 / scene_.haptics.rate_hz, finder_.model());
   if (tick % kTellEvery == 0) tell_poses(tick);
   for (PieceFeed* consumer : consumers_) consumer->ticks_done = tick + 1;
 }
@@ -145,7 +143,7 @@ void PiecesThread::note_loose(std::uint32_t voxel) {
 void PiecesThread::free_piece(const Leaving& piece, std::uint64_t tick) {
   const double volume_m3 =
       static_cast<double>(piece.gone.size()) * finder_.model().grid.voxel_volume_m3();
-  if (piece.gone.empty() || volume_m3 < smallest_m3_) return;
+  if (piece.gone.empty() || volume_m3 < scene_.loose_pieces->smallest_m3) return;
   PieceNews news;
   news.tick = tick;
   news.piece = static_cast<std::uint32_t>(world_.add(piece.gone));

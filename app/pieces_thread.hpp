@@ -71,7 +71,6 @@ class PiecesThread {
 
   Feed& feed_;
   std::vector<PieceFeed*> consumers_;
-  double dt_s_, smallest_m3_;
   const Scene& scene_;
   std::vector<VoxelModel> bodies_;  // besides the workpiece, as they are now
   LooseFinder finder_;

@@ -144,20 +144,21 @@ float draw_outcome(const Pen& pen, float x, float y, const FrameState& state) {
   return bottom;
 }
 
+constexpr float kStageRow = 24.0f;
+
 /// What a tick spends its time on, a bar to each stage, the longest as wide as the card.
 void draw_stages(const Pen& pen, float x, float y, const std::vector<StageTime>& stages) {
   if (stages.empty()) return;
-  constexpr float kRow = 24.0f;
   double longest_us = 1e-3;
   for (const StageTime& stage : stages) longest_us = std::max(longest_us, stage.us);
-  const float height = 10 + kRow * static_cast<float>(stages.size());
+  const float height = 10 + kStageRow * static_cast<float>(stages.size());
   pen.list->AddRectFilled(pen.at(x, y), pen.at(x + kCardWidth, y + height), kCard,
                           6.0f * pen.scale);
   for (std::size_t s = 0; s < stages.size(); ++s) {
-    const float top = y + 5 + kRow * static_cast<float>(s);
+    const float top = y + 5 + kStageRow * static_cast<float>(s);
     const float wide = (kCardWidth - 20) * static_cast<float>(stages[s].us / longest_us);
-    pen.list->AddRectFilled(pen.at(x + 10, top + kRow - 5), pen.at(x + 10 + wide, top + kRow - 3),
-                            kTick);
+    pen.list->AddRectFilled(pen.at(x + 10, top + kStageRow - 5),
+                            pen.at(x + 10 + wide, top + kStageRow - 3), kTick);
     std::string name = stages[s].name;
     std::replace(name.begin(), name.end(), '_', ' ');
     pen.text(x + 10, top, kInk, name);
@@ -237,7 +238,9 @@ void Hud::draw(const FrameState& state, int width, int height, double metres_per
     y += kCardHeight + 10;
   }
   y = draw_outcome(pen, x, y, state);
-  draw_stages(pen, x, y + 10, state.stages);
+  if (y + 20 + kStageRow * static_cast<float>(state.stages.size()) < tall) {
+    draw_stages(pen, x, y + 10, state.stages);
+  }
   draw_scale_bar(pen, tall, metres_per_pixel);
 
   ImGui::Render();

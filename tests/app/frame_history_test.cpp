@@ -42,8 +42,25 @@ TEST(FrameHistory, TellsWhatThePreparationHasComeTo) {
   EXPECT_EQ(line(history, "Pulp"), "covered");
   history.add(Edit{100, start.grid.linear({5, 5, 15}), 0, EditCause::kCut});
   EXPECT_EQ(line(history, "Caries left"), "1.023 mm\xC2\xB3");
+  EXPECT_EQ(line(history, "  caries"), "0.001 mm\xC2\xB3");
+  EXPECT_EQ(line(history, "  dentine"), "none");
   history.add(Edit{2500, start.grid.linear({5, 5, 4}), 0, EditCause::kCut});
   EXPECT_EQ(line(history, "Pulp"), "exposed at 2.5 s");
+}
+
+TEST(FrameHistory, TellsTheForceWhileInContact) {
+  FrameHistory history(cutting_scene(), layers());
+  TickRecord record;
+  record.force_N[0] = 9.0;  // with no contact: not counted
+  history.add(record, nullptr);
+  EXPECT_EQ(line(history, "In contact"), "none");
+  for (int i = 0; i < 200; ++i) {
+    record.contacts = 5;
+    record.force_N[0] = i < 100 ? 1.0 : 2.0;
+    history.add(record, nullptr);
+  }
+  EXPECT_EQ(line(history, "Peak, mean force"), "2.00, 1.50 N");
+  EXPECT_EQ(line(history, "In contact"), "0.2 s");
 }
 
 TEST(FrameHistory, TellsTheDamageToOtherBodiesOnceThereIsAny) {
