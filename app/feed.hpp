@@ -17,6 +17,7 @@ namespace sulcus {
 struct TickReport {
   TickRecord record;
   CuttingRecord cutting;  // with [cutting]
+  PortRecord port;
   std::array<float, kStageCount> stage_us{};
   std::uint64_t loose_left = 0;  // voxels of loose pieces that have left, or were gone: so far
 };

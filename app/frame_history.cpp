@@ -38,7 +38,8 @@ FrameHistory::FrameHistory(const Scene& scene, const VoxelModel& start)
       dt_s_(1.0 / scene.haptics.rate_hz),
       set_speed_rad_per_s_(scene.cutting ? scene.burr.speed_rad_per_s : 0.0),
       voxel_mm3_(voxel_mm3(scene.workpiece)),
-      cutting_(scene.cutting.has_value()) {
+      cutting_(scene.cutting.has_value()),
+      port_(scene.device || scene.coupling) {
   if (cutting_) progress_.emplace(start, scene.tissues);
   for (const TissueSettings& tissue : scene.tissues) tissues_.push_back(shortened(tissue.name));
   for (const BodySettings& body : scene.bodies) {
@@ -83,11 +84,25 @@ std::vector<OutcomeLine> FrameHistory::outcome() const {
     std::snprintf(text, sizeof(text), "%.1f s", ticks * dt_s_);
     lines.push_back({"In contact", text});
   }
+  if (port_) add_warnings(lines);
   return lines;
 }
 
+/// What of the device's loop somebody should look at; nothing where all is well.
+void FrameHistory::add_warnings(std::vector<OutcomeLine>& lines) const {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.2f mJ", given_out_J_ * 1e3);
+  if (given_out_J_ >= 1e-5) lines.push_back({"Energy given out", text});
+  for (const auto& [name, ticks] :
+       {std::pair{"Not sent in full", limited_ticks_}, std::pair{"Buzz", buzz_ticks_},
+        std::pair{"Device silent", silent_ticks_}, std::pair{"Device jumped", jumped_ticks_}}) {
+    std::snprintf(text, sizeof(text), "%.3f s", static_cast<double>(ticks) * dt_s_);
+    if (ticks > 0) lines.push_back({name, text});
+  }
+}
+
 void FrameHistory::add(const TickReport& report) {
-  add(report.record, cutting_ ? &report.cutting : nullptr);
+  add(report.record, cutting_ ? &report.cutting : nullptr, port_ ? &report.port : nullptr);
   for (std::size_t s = 0; s < stage_us_.size(); ++s) {
     const double us = static_cast<double>(report.stage_us[s]);
     stage_us_[s] = timed_ ? stage_us_[s] + 0.01 * (us - stage_us_[s]) : us;
@@ -95,8 +110,17 @@ void FrameHistory::add(const TickReport& report) {
   timed_ = true;
 }
 
-void FrameHistory::add(const TickRecord& record, const CuttingRecord* cutting) {
+void FrameHistory::add(const TickRecord& record, const CuttingRecord* cutting,
+                       const PortRecord* port) {
   latest_ = record;
+  if (port) {
+    given_out_J_ = port->given_out_J;
+    const Eigen::Map<const Eigen::Vector3d> asked(port->asked_force_N), sent(record.force_N);
+    limited_ticks_ += asked != sent ? 1 : 0;
+    buzz_ticks_ += record.faults & kFaultBuzz ? 1 : 0;
+    silent_ticks_ += record.faults & kFaultDeviceSilent ? 1 : 0;
+    jumped_ticks_ += record.faults & kFaultDeviceJumped ? 1 : 0;
+  }
   const double speed_rad_per_s = cutting ? cutting->spindle_rad_per_s : set_speed_rad_per_s_;
   turn_rad_ = std::fmod(turn_rad_ + speed_rad_per_s * dt_s_, 2.0 * std::numbers::pi);
   removed_ += record.removed;

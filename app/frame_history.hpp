@@ -21,8 +21,9 @@ class FrameHistory {
   /// `start`: the workpiece before the first tick; it is not kept.
   FrameHistory(const Scene& scene, const VoxelModel& start);
 
-  /// `cutting`: the row of the same tick, where there is one.
-  void add(const TickRecord& record, const CuttingRecord* cutting);
+  /// `cutting`, `port`: the rows of the same tick, where there are any.
+  void add(const TickRecord& record, const CuttingRecord* cutting,
+           const PortRecord* port = nullptr);
   /// With the times of its stages, which a recording does not hold.
   void add(const TickReport& report);
   /// Of any body; in the order of a run.
@@ -33,6 +34,7 @@ class FrameHistory {
 
  private:
   std::vector<OutcomeLine> outcome() const;
+  void add_warnings(std::vector<OutcomeLine>& lines) const;
 
   std::string title_;
   std::size_t window_;                                  // ticks
@@ -51,7 +53,10 @@ class FrameHistory {
   double peak_force_N_ = 0.0, force_sum_N_ = 0.0;  // while in contact
   std::uint64_t ticks_in_contact_ = 0;
   std::vector<float> force_N_, torque_mNm_, tick_us_;
-  bool cutting_, timed_ = false;
+  bool cutting_, port_, timed_ = false;
+  double given_out_J_ = 0.0;                          // with [device] or [coupling]
+  std::uint64_t limited_ticks_ = 0, buzz_ticks_ = 0;  // in all
+  std::uint64_t silent_ticks_ = 0, jumped_ticks_ = 0;
   std::array<double, kStageCount> stage_us_{};  // over about the last hundred ticks
 };
 

@@ -71,12 +71,16 @@ RecordedRun open_recorded_run(const std::string& path) {
   auto simulation = std::make_unique<Simulation>(
       scene, recorded_workpiece(reader, scene),
       make_neighbours(scene, recorded_bodies(reader, scene)), recorded_burr(reader, scene));
-  std::vector<Pose> poses;
+  std::vector<std::optional<Pose>> poses;
   poses.reserve(reader.tick_count());
   for (const TickRecord& row : reader.ticks()) {
+    if (row.faults & kFaultDeviceSilent) {
+      poses.emplace_back();
+      continue;
+    }
     const double* p = row.device_position_m;
     const double* q = row.device_orientation;
-    poses.push_back({{p[0], p[1], p[2]}, Eigen::Quaterniond(q[0], q[1], q[2], q[3])});
+    poses.push_back(Pose{{p[0], p[1], p[2]}, Eigen::Quaterniond(q[0], q[1], q[2], q[3])});
   }
   std::vector<TakenAnswer> late;
   for (const TakenAnswerRow& row : reader.taken_answers()) late.push_back({row.asked, row.taken});

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,12 +12,12 @@
 namespace sulcus {
 
 /// A recording opened to be run again: the simulation as it was before the first tick, and the
-/// device's poses.
+/// device's poses; none where it did not answer.
 struct RecordedRun {
   std::string path;
   RecordingReader reader;
   std::unique_ptr<Simulation> simulation;
-  std::vector<Pose> poses;
+  std::vector<std::optional<Pose>> poses;
   std::vector<TakenAnswer> taken_answers;  // of loose pieces
 };
 

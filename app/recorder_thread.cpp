@@ -15,6 +15,7 @@ RecorderThread::RecorderThread(Feed& feed, PieceFeed* pieces, std::optional<Reco
       pieces_(pieces),
       writer_(std::move(writer)),
       cuts_(writer_ && writer_->has_cutting()),
+      port_(writer_ && writer_->has_port()),
       outcome_(std::move(outcome)) {
   statistics_.reserve(expected_ticks);
   thread_ = std::thread([this] { run(); });
@@ -58,12 +59,14 @@ void RecorderThread::run() {
 void RecorderThread::drain() {
   std::vector<TickRecord> rows;
   std::vector<CuttingRecord> cuts;
+  std::vector<PortRecord> port;
   std::vector<Edit> edits;
   TickReport report;
   while (feed_.reports.try_dequeue(report)) {
     statistics_.add(report);
     rows.push_back(report.record);
     if (cuts_) cuts.push_back(report.cutting);
+    if (port_) port.push_back(report.port);
   }
   for (Edit edit; feed_.edits.try_dequeue(edit);) edits.push_back(edit);
   if (outcome_) {
@@ -76,6 +79,7 @@ void RecorderThread::drain() {
     writer_->append_edits(edits);
     if (pieces_) drain_pieces();
     if (cuts_) writer_->append_cutting(cuts);
+    if (port_) writer_->append_port(port);
     writer_->append_ticks(rows);
     // A hash of a tick whose row has not come yet waits for the next round.
     const StateHash* hash = feed_.hashes.peek();

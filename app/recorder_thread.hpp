@@ -40,6 +40,7 @@ class RecorderThread {
   PieceFeed* pieces_;
   std::optional<RecordingWriter> writer_;
   bool cuts_;  // it wants what was cut
+  bool port_;  // and what went through the device's port
   std::optional<PreparationOutcome> outcome_;
   double outcome_seconds_ = 0.0;
   RunStatistics statistics_;

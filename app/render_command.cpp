@@ -128,11 +128,13 @@ void render(RenderOptions options) {
   std::vector<std::vector<std::uint32_t>> removed(1 + scene.bodies.size());  // by body
   RecordedPieces pieces(reader);
   const std::vector<CuttingRecord> cutting = reader.cutting();
+  const std::vector<PortRecord> port = reader.port();
   std::size_t next = 0;
   std::uint64_t frame = 0;
   for (std::size_t row : rows_to_draw(shape, options)) {
     for (; next <= row; ++next) {
-      history.add(shape.rows()[next], next < cutting.size() ? &cutting[next] : nullptr);
+      history.add(shape.rows()[next], next < cutting.size() ? &cutting[next] : nullptr,
+                  next < port.size() ? &port[next] : nullptr);
     }
     for (std::vector<std::uint32_t>& voxels : removed) voxels.clear();
     for (const Edit& edit : shape.advance_to_row(row)) {

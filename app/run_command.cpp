@@ -16,6 +16,7 @@
 #include "engine/outcome/goal.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/scene/trajectory.hpp"
+#include "haptics/simulated_device.hpp"
 
 namespace sulcus {
 
@@ -101,7 +102,12 @@ void run(const RunOptions& options) {
                  *h.normal_error_deg, kNormalMethodNames[static_cast<std::size_t>(h.normals)],
                  h.neighbourhood, h.trace);
   }
-  ScriptedDevice device(trajectory, scene.haptics.rate_hz);
+  ScriptedDevice script(trajectory, scene.haptics.rate_hz);
+  std::optional<SimulatedDevice> simulated;
+  if (scene.device) {
+    simulated.emplace(*scene.device, trajectory, scene.haptics.rate_hz, scene.burr.reference_m);
+  }
+  Device& device = simulated ? static_cast<Device&>(*simulated) : script;
   const SessionResult result = run_session(simulation, device, session);
   write_results(simulation, result, session, loading);
 }

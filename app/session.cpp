@@ -80,7 +80,11 @@ class HapticLoop {
       const auto loose = loose_now();
       simulation_.reset_clocks();
       const std::uint64_t begin = thread_cpu_ns();
-      TickReport report{simulation_.step(device_, loose), simulation_.cutting(), {}, loose_.left()};
+      TickReport report{simulation_.step(device_, loose),
+                        simulation_.cutting(),
+                        simulation_.port(),
+                        {},
+                        loose_.left()};
       report.record.step_us =
           static_cast<float>(1e-3 * static_cast<double>(thread_cpu_ns() - begin));
       report.record.late_us = late_us;
@@ -119,6 +123,7 @@ class HapticLoop {
     report.record.edits_end = edits_;
     seal(report.record);
     seal(report.cutting);
+    seal(report.port);
     for (Feed* feed : feeds_) {
       for (const Edit& edit : edits) feed->edits.enqueue(edit);
       feed->reports.enqueue(report);
@@ -171,10 +176,12 @@ std::optional<RecordingWriter> open_recording(const Simulation& simulation,
   for (const Neighbour& neighbour : simulation.state().neighbours) {
     others.bodies.push_back(&neighbour.solid.model());
   }
-  return RecordingWriter(
-      path, header, simulation.workpiece().model(),
-      from_file ? &simulation.burr().mesh_tool : nullptr,
-      {.cutting = scene.cutting.has_value(), .pieces = scene.loose_pieces.has_value()}, others);
+  return RecordingWriter(path, header, simulation.workpiece().model(),
+                         from_file ? &simulation.burr().mesh_tool : nullptr,
+                         {.cutting = scene.cutting.has_value(),
+                          .port = scene.device.has_value() || scene.coupling.has_value(),
+                          .pieces = scene.loose_pieces.has_value()},
+                         others);
 }
 
 /// Copies of the bodies besides the workpiece.

@@ -29,6 +29,7 @@ class Simulation {
   void rehearse() noexcept { sulcus::rehearse(context_, workpiece_, state_, scratch_); }
   std::span<const Edit> edits() const { return scratch_.edits; }
   const CuttingRecord& cutting() const { return scratch_.cutting; }
+  const PortRecord& port() const { return scratch_.port; }
   std::uint64_t stage_ns(Stage stage) const noexcept { return scratch_.stage_ns(stage); }
   void reset_clocks() noexcept { scratch_.reset_clocks(); }
 

@@ -16,21 +16,28 @@ double length(const double (&v)[3]) { return std::sqrt(v[0] * v[0] + v[1] * v[1]
 }  // namespace
 
 void RunStatistics::reserve(std::size_t ticks) {
-  for (auto* values : {&tick_us, &late_us, &force_N, &torque_mNm}) values->reserve(ticks);
+  for (auto* values : {&tick_us, &late_us, &force_N, &torque_mNm, &asked_force_N, &evaluations})
+    values->reserve(ticks);
   for (auto& values : stage_us) values.reserve(ticks);
   contacts.reserve(ticks);
 }
 
 void RunStatistics::add(const TickReport& report) {
   const TickRecord& r = report.record;
-  double force[3], torque[3], step[3];
+  const PortRecord& port = report.port;
+  double force[3], torque[3], step[3], asked_step[3];
   for (int a = 0; a < 3; ++a) {
     force[a] = r.force_N[a];
     torque[a] = r.torque_Nm[a];
     step[a] = tick_us.empty() ? 0.0 : force[a] - last_force_[a];
     last_force_[a] = force[a];
+    asked_step[a] = tick_us.empty() ? 0.0 : port.asked_force_N[a] - last_asked_[a];
+    last_asked_[a] = port.asked_force_N[a];
   }
   force_step_max_N = std::max(force_step_max_N, length(step));
+  asked_step_max_N = std::max(asked_step_max_N, length(asked_step));
+  asked_force_N.push_back(static_cast<float>(length(port.asked_force_N)));
+  evaluations.push_back(static_cast<float>(port.evaluations));
   force_hash = hash_bytes(force, sizeof(force), force_hash);
   force_hash = hash_bytes(torque, sizeof(torque), force_hash);
   tick_us.push_back(r.step_us);

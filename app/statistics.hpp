@@ -17,6 +17,9 @@ struct RunStatistics {
   double leaves_sum = 0.0, tested_sum = 0.0;
   std::uint32_t leaves_max = 0, tested_max = 0;
   double force_step_max_N = 0.0;
+  std::vector<float> asked_force_N;  // magnitude, before the device's limits
+  double asked_step_max_N = 0.0;
+  std::vector<float> evaluations;  // of the contact, in a tick
   std::uint64_t removed = 0;
   std::array<std::uint64_t, 32> faults{};  // ticks with each bit
   std::uint64_t force_hash = 0;            // over all forces and torques, in order
@@ -25,7 +28,7 @@ struct RunStatistics {
   void add(const TickReport& report);
 
  private:
-  double last_force_[3]{};
+  double last_force_[3]{}, last_asked_[3]{};
 };
 
 double mean(const std::vector<float>& values);

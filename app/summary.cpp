@@ -171,9 +171,36 @@ Json goal_json(const GoalFigures& goal, double voxel_mm3) {
           {"missing_within_mm", goal.missing ? reach_json(*goal.missing) : Json(nullptr)}};
 }
 
+/// What went through the device's port, and what a scene names of it.
+void add_port(const Scene& scene, const DevicePortState& port, const RunStatistics& s, Json& j) {
+  const PassivityState& passivity = port.passivity;
+  j["passivity"] = {{"least_J", passivity.least_J}, {"given_out_J", passivity.given_out_J()}};
+  if (scene.coupling) {
+    j["coupling"] = {
+        {"stiffness_N_per_mm", scene.coupling->stiffness_N_per_m / kNewtonPerMillimetre},
+        {"evaluations", {{"mean", mean(s.evaluations)}, {"max", largest(s.evaluations)}}}};
+  }
+  if (scene.device || scene.coupling) {
+    j["asked_force_N"] = {{"mean", mean(s.asked_force_N)}, {"max", largest(s.asked_force_N)}};
+    j["asked_force_step_N"] = {{"max", s.asked_step_max_N}};
+    j["buzz_ticks"] = port.buzz.buzz_ticks;
+  }
+  if (!scene.device) return;
+  if (scene.device->passivity_controller) {
+    j["passivity"]["controller"] = {{"dissipated_J", passivity.dissipated_J},
+                                    {"ticks", passivity.damped_ticks}};
+  }
+  j["device"] = {{"clamped_ticks", port.edge.clamped_ticks},
+                 {"step_limited_ticks", port.edge.step_limited_ticks},
+                 {"ramped_ticks", port.edge.ramped_ticks},
+                 {"silent_ticks", port.silent_ticks},
+                 {"jumped_ticks", port.jumped_ticks}};
+}
+
 Json faults_json(const RunStatistics& statistics) {
-  constexpr std::array<const char*, 4> kNames{"not_finite", "contacts_full", "cut_state_full",
-                                              "rows_dropped"};
+  constexpr std::array<const char*, 7> kNames{"not_finite",   "contacts_full", "cut_state_full",
+                                              "rows_dropped", "device_silent", "device_jumped",
+                                              "buzz"};
   Json faults = Json::object();
   for (std::size_t bit = 0; bit < kNames.size(); ++bit) {
     if (statistics.faults[bit] > 0) faults[kNames[bit]] = statistics.faults[bit];
@@ -246,6 +273,7 @@ Json make_summary(const Simulation& simulation, const SessionResult& result, Pac
       removed_json(simulation.state().removal, simulation.workpiece().grid(), scene.tissues);
   add_energies(simulation.state(), j);
   if (!scene.bodies.empty()) j["bodies"] = bodies_json(simulation);
+  add_port(scene, simulation.state().port, s, j);
   j["fragments"] = result.pieces;
   if (result.outcome) {
     const double voxel_mm3 = simulation.workpiece().grid().voxel_volume_m3() / kCubicMillimetre;

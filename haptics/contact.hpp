@@ -31,13 +31,15 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 /// What one evaluation of the contact found. The contacts are in the scratch it was given.
 struct ContactResult {
-  Wrench wrench;                          // normal and tangential part
-  Wrench tangential;                      // that part alone; zero without cutting
-  Matrix6d stiffness = Matrix6d::Zero();  // -d(wrench)/d(translation, rotation), normals held
-  std::uint32_t contacts = 0;             // voxels that take part in the force
-  std::uint32_t tested = 0;               // voxels whose distance was asked for
-  std::uint32_t leaves = 0;               // leaves that the capsule reaches
-  std::uint32_t faults = 0;               // bits of Fault
+  Wrench wrench;      // normal and tangential part
+  Wrench tangential;  // that part alone; zero without cutting
+  /// -d(wrench)/d(translation, rotation), normals, arms and count held; under `smooth` with the
+  /// weights' derivatives, and then not always positive.
+  Matrix6d stiffness = Matrix6d::Zero();
+  std::uint32_t contacts = 0;  // voxels that take part in the force
+  std::uint32_t tested = 0;    // voxels whose distance was asked for
+  std::uint32_t leaves = 0;    // leaves that the capsule reaches
+  std::uint32_t faults = 0;    // bits of Fault
 };
 
 /// All the memory a contact evaluation uses, taken once when the scene loads. One per thread.

@@ -11,6 +11,7 @@ namespace {
 
 constexpr float kFadeBelow = 0.2f;     // cosine between the normal and the tool's
 constexpr double kFullWeights = 10.0;  // W0: sum of weights from which the stiffness is K
+constexpr double kFewContacts = 10.0;  // up to so many McNeely's are not divided
 constexpr float kSlowEdge = 10e-3f;    // v0, m/s
 
 void put(const Eigen::Vector3d& v, float (&to)[3]) {
@@ -19,6 +20,22 @@ void put(const Eigen::Vector3d& v, float (&to)[3]) {
 
 Wrench wrench_of(const double (&sums)[6]) {
   return {Eigen::Vector3d(sums[0], sums[1], sums[2]), Eigen::Vector3d(sums[3], sums[4], sums[5])};
+}
+
+/// What weights that grow with depth make of the stiffness with weights held. F = K sum(w d N) / W,
+/// with w = d / voxel x fade and W = max(sum w, W0), changes by 2 K w / W along each N, as d and w
+/// grow alike; less F dW / W, where the sum of weights is what divides. Fades held; of the second
+/// part, which two normals need not make symmetric, the symmetric half.
+void grade_stiffness(const ForceSums& sums, double per_weight, Matrix6d& stiffness) {
+  stiffness *= 2.0;
+  for (int a = 0; a < 6; ++a) {
+    for (int b = 0; b < 6; ++b) {
+      const double normal_a = sums.wrench[a] - sums.tangential[a];
+      const double normal_b = sums.wrench[b] - sums.tangential[b];
+      stiffness(a, b) -=
+          0.5 * per_weight * (normal_a * sums.weights[b] + sums.weights[a] * normal_b);
+    }
+  }
 }
 
 }  // namespace
@@ -35,6 +52,7 @@ void contact_force(const Workpiece& workpiece, std::span<const TissueSettings> t
   const double weights = kernels.measure(frame, settings, contacts, result.contacts);
   double divisor = 1.0;
   if (scaling == Scaling::kCount) divisor = std::max<double>(1.0, result.contacts);
+  if (scaling == Scaling::kMcNeely) divisor = std::max(1.0, result.contacts / kFewContacts);
   if (scaling == Scaling::kSmooth) divisor = std::max(kFullWeights, weights);
 
   ForceTerms terms;
@@ -62,6 +80,9 @@ void contact_force(const Workpiece& workpiece, std::span<const TissueSettings> t
     for (int b = a; b < 6; ++b) {
       result.stiffness(a, b) = result.stiffness(b, a) = sums.stiffness[entry++];
     }
+  }
+  if (with_stiffness && scaling == Scaling::kSmooth) {
+    grade_stiffness(sums, weights > kFullWeights ? 1.0 / weights : 0.0, result.stiffness);
   }
 }
 

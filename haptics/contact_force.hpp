@@ -11,13 +11,15 @@ namespace sulcus {
 /// Penalty forces [Kim and Park 2019, eq. 1] and, with `twist`, the tangential forces of cutting
 /// [eq. 7], summed to force and torque about the burr's reference point.
 ///
-/// Depth d: at the voxel's centre under `none` and `count`; under `smooth` at the surface point
-/// that the normal method gives, half a voxel out where it gives none. Normal: where the method
-/// gives none, the tool's distance gradient, turned round. Under `smooth` a contact whose normal
-/// opposes that (c = -N . grad <= 0: the far side of a thin wall) is dropped, not flipped, and
-/// fades in below c = 0.2. Stiffness of contact i, K that of its tissue, n the contacts:
+/// Depth d: at the voxel's centre under `none`, `count` and `mcneely`; under `smooth` at the
+/// surface point that the normal method gives, half a voxel out where it gives none. Normal: where
+/// the method gives none, the tool's distance gradient, turned round. Under `smooth` a contact
+/// whose normal opposes that (c = -N . grad <= 0: the far side of a thin wall) is dropped, not
+/// flipped, and fades in below c = 0.2. Stiffness of contact i, K that of its tissue, n the
+/// contacts:
 ///   none    K
 ///   count   K / n
+///   mcneely K / max(1, n / 10), as [McNeely et al. 1999] for comparison
 ///   smooth  K w_i / max(sum w, 10), w = (d / voxel) min(1, c / 0.2): grows from zero, so that
 ///           neither the count nor a voxel that comes or goes makes the force jump, and a lone
 ///           voxel is not as stiff as a wall.

@@ -39,6 +39,7 @@ struct ForceTerms {
 struct ForceSums {
   double wrench[6]{};      // force, torque
   double stiffness[21]{};  // upper triangle, row by row
+  double weights[6]{};     // sum of w / d (N, arm x N): how the sum of weights grows against motion
   double tangential[6]{};  // the part of the wrench that drags along the surface
 };
 

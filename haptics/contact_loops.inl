@@ -292,6 +292,7 @@ inline double measure_all(const ContactFrame& frame, const ForceSettings& settin
 template <bool kCutting, bool kStiffness>
 inline void add_forces(const ForceTerms& terms, const ContactArrays& contacts, ForceSums& sums) {
   DoubleLanes wrench_sums[6] = {}, stiffness_sums[21] = {}, tangential_sums[6] = {};
+  DoubleLanes weight_sums[6] = {};
   const Lanes3 to_tip = constant(terms.axis_m), linear = constant(terms.linear),
                turning = constant(terms.turning);
   for (std::size_t k = 0; k < contacts.size; k += kLaneCount) {
@@ -326,13 +327,18 @@ inline void add_forces(const ForceTerms& terms, const ContactArrays& contacts, F
     if constexpr (!kStiffness) continue;
     const Lanes3 turn = cross(arm, normal);
     const Lanes row[6] = {normal.x, normal.y, normal.z, turn.x, turn.y, turn.z};  // of the Jacobian
+    const Lanes weight = load(contacts.of[Contacts::kWeight] + k);
+    const Lanes depth = load(contacts.of[Contacts::kDepth] + k);
+    const Lanes per_depth = where(weight > 0.0f, weight / depth);
     int entry = 0;
     for (int a = 0; a < 6; ++a) {
+      weight_sums[a] += to_double(per_depth * row[a]);
       const Lanes scaled = stiffness * row[a];
       for (int b = a; b < 6; ++b) stiffness_sums[entry++] += to_double(scaled * row[b]);
     }
   }
   for (int a = 0; a < 6; ++a) {
+    sums.weights[a] = sum_of(weight_sums[a]);
     sums.wrench[a] = sum_of(wrench_sums[a]);
     sums.tangential[a] = sum_of(tangential_sums[a]);
   }

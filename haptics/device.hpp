@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,8 +16,9 @@ namespace sulcus {
 class Device {
  public:
   virtual ~Device() = default;
-  /// Pose of the burr's tip, world from tool, at the start of a tick.
-  virtual Pose pose(std::uint64_t tick) noexcept = 0;
+  /// Pose of the burr's tip, world from tool, at the start of a tick; none when the device does not
+  /// answer.
+  virtual std::optional<Pose> pose(std::uint64_t tick) noexcept = 0;
   /// Force and torque of that tick for the hand.
   virtual void apply(const Wrench& wrench) noexcept = 0;
 };
@@ -26,7 +28,7 @@ class ScriptedDevice final : public Device {
  public:
   ScriptedDevice(const Trajectory& trajectory, double rate_hz)
       : trajectory_(trajectory), dt_s_(1.0 / rate_hz) {}
-  Pose pose(std::uint64_t tick) noexcept override {
+  std::optional<Pose> pose(std::uint64_t tick) noexcept override {
     return trajectory_.pose_at(static_cast<double>(tick) * dt_s_);
   }
   void apply(const Wrench&) noexcept override {}
@@ -39,12 +41,12 @@ class ScriptedDevice final : public Device {
 /// Plays back the poses of a recording: a replay is the same tick with this device.
 class PlaybackDevice final : public Device {
  public:
-  explicit PlaybackDevice(std::span<const Pose> poses) : poses_(poses) {}
-  Pose pose(std::uint64_t tick) noexcept override { return poses_[tick]; }
+  explicit PlaybackDevice(std::span<const std::optional<Pose>> poses) : poses_(poses) {}
+  std::optional<Pose> pose(std::uint64_t tick) noexcept override { return poses_[tick]; }
   void apply(const Wrench&) noexcept override {}
 
  private:
-  std::span<const Pose> poses_;
+  std::span<const std::optional<Pose>> poses_;
 };
 
 }  // namespace sulcus

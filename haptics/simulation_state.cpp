@@ -25,6 +25,7 @@ std::uint64_t SimulationState::hash() const {
   values[9] = load_offset_m.value_or(0.0);
   std::uint64_t hash = hash_bytes(values.data(), sizeof(values), tick);
   const auto add = [&](std::uint64_t part) { hash = hash_bytes(&part, sizeof(part), hash); };
+  add(port.hash());
   if (removal) add(removal->hash());
   if (kept) add(kept->hash());
   for (const Neighbour& neighbour : neighbours) add(neighbour.hash());

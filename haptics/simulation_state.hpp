@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/core/pose.hpp"
+#include "haptics/device_port.hpp"
 #include "haptics/kept_normals.hpp"
 #include "haptics/neighbour.hpp"
 #include "haptics/removal.hpp"
@@ -14,9 +15,10 @@ namespace sulcus {
 /// Everything besides the workpiece's shape that can influence a later tick, advanced by the tick
 /// alone, hashed in one place.
 struct SimulationState {
-  std::uint64_t tick = 0;                   // that comes next
-  bool has_pose = false;                    // the tool has been somewhere: its motion is known
-  Pose tool;                                // world from tool, at the last tick
+  std::uint64_t tick = 0;  // that comes next
+  bool has_pose = false;   // the tool has been somewhere: its motion is known
+  Pose tool;               // world from tool, at the last tick
+  DevicePortState port;
   std::optional<RemovalState> removal;      // with [cutting] only
   std::optional<KeptNormals> kept;          // with haptics.keep_normals only
   std::optional<double> spindle_rad_per_s;  // with [spindle] only: it sags under load

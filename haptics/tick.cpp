@@ -1,88 +1,16 @@
 #include "haptics/tick.hpp"
 
 #include <algorithm>
-#include <array>
 
-#include "haptics/broad_phase.hpp"
-#include "haptics/evaluate_contact.hpp"
-#include "haptics/load_balance.hpp"
+#include "haptics/coupling.hpp"
+#include "haptics/device_port.hpp"
+#include "haptics/move_tool.hpp"
 #include "haptics/normals.hpp"
 #include "haptics/spindle.hpp"
-#include "haptics/tool_motion.hpp"
 
 namespace sulcus {
 
 namespace {
-
-/// How fast a load pushes the tool on, at most: a hand does not let go of it.
-constexpr double kFastestAdvance_m_per_s = 20e-3;
-
-bool is_finite(const Pose& pose) {
-  return pose.position.allFinite() && pose.orientation.coeffs().allFinite();
-}
-
-double spindle_speed_now(const TickContext& context, const SimulationState& state) {
-  return state.spindle_rad_per_s.value_or(context.burr.speed_rad_per_s);
-}
-
-/// Contact with the bodies that the burr, moved to a pose, is near.
-ContactResult contact_with_bodies(const TickContext& context, const Workpiece& workpiece,
-                                  const SimulationState& state, const Pose& tool,
-                                  bool with_stiffness, TickScratch& scratch) {
-  const double dt_s = 1.0 / context.scene.haptics.rate_hz;
-  const Twist twist = motion_between(state.has_pose ? state.tool : tool, tool, dt_s,
-                                     spindle_speed_now(context, state));
-  const Twist* const cutting = state.removal ? &twist : nullptr;
-  std::array<std::uint16_t, 1 + kMaxBodies> near{};
-  std::size_t bodies = 0;
-  scratch.forget();
-  {
-    const auto timed = scratch.contact.clock.time(Stage::kBroadPhase);
-    const Eigen::AlignedBox3d box =
-        capsule_bounds(context.burr.capsule, tool, workpiece.grid().voxel_m);
-    bodies = context.bodies.find(context.bodies.bodies, box, near);
-  }
-  ContactResult sum;
-  for (const std::uint16_t body : std::span(near).first(bodies)) {
-    if (body == 0) {
-      add(sum, evaluate_contact(workpiece, context.scene.tissues, context.burr, tool, cutting,
-                                context.scene.haptics, state.kept ? &*state.kept : nullptr,
-                                scratch.contact, with_stiffness));
-      continue;
-    }
-    auto& [contact, found] = scratch.neighbours[body - 1u];
-    found = evaluate_neighbour(state.neighbours[body - 1u], context.scene.tissues, context.burr,
-                               tool, cutting, context.scene.haptics, contact, with_stiffness);
-    add(sum, found);
-  }
-  return sum;
-}
-
-/// Takes the tool to the device's pose; with a load on along its direction until the contact holds
-/// it. What it touches there.
-ContactResult move_tool(const TickContext& context, const Workpiece& workpiece, const Pose& device,
-                        SimulationState& state, TickScratch& scratch) {
-  ContactResult contact;
-  Pose tool = device;
-  if (state.load_offset_m) {
-    const TrajectorySettings& settings = context.scene.trajectory;
-    const Eigen::Vector3d& along = settings.load_direction;
-    const LoadSearch search{*settings.load_N, 0.5 * workpiece.grid().voxel_m,
-                            kFastestAdvance_m_per_s / context.scene.haptics.rate_hz};
-    const auto evaluate = [&](double offset_m, bool with_stiffness) {
-      tool.position = device.position + offset_m * along;
-      contact = contact_with_bodies(context, workpiece, state, tool, with_stiffness, scratch);
-      return Resistance{-along.dot(contact.wrench.force_N),
-                        along.dot(contact.stiffness.topLeftCorner<3, 3>() * along)};
-    };
-    state.load_offset_m = balance_load(search, *state.load_offset_m, evaluate);
-  } else {
-    contact = contact_with_bodies(context, workpiece, state, tool, false, scratch);
-  }
-  state.tool = tool;
-  state.has_pose = true;
-  return contact;
-}
 
 CuttingRecord make_cutting_record(const TickContext& context, const SimulationState& state,
                                   const Wrench& tangential) {
@@ -171,15 +99,31 @@ void let_go(Workpiece& workpiece, std::span<const std::uint32_t> loose, Simulati
   if (state.kept) state.kept->drop(scratch.edits);
 }
 
-/// What the hand gets: the contact's wrench, or nothing and a fault where it is not finite. Limits
-/// belong to a device; a trajectory has none.
-Wrench device_edge(ContactResult& contact) {
-  if (contact.wrench.force_N.allFinite() && contact.wrench.torque_Nm.allFinite()) {
-    return contact.wrench;
-  }
+/// What the hand is to feel: the springs of the coupling, else the contact itself.
+Wrench felt_wrench(const TickContext& context, const Pose& device, const SimulationState& state,
+                   const ContactResult& contact) {
+  if (!context.scene.coupling) return contact.wrench;
+  const CouplingSprings springs(*context.scene.coupling, context.burr);
+  return pull_on_device(springs, device, state.tool, context.burr.reference_m);
+}
+
+/// A contact that is not finite counts as none, and ends the run.
+void refuse_infinite(ContactResult& contact) {
+  if (contact.wrench.force_N.allFinite() && contact.wrench.torque_Nm.allFinite()) return;
   contact.faults |= kFaultNotFinite;
   contact.wrench = {};
-  return {};
+}
+
+PortRecord make_port_record(const SimulationState& state, const Wrench& asked, int evaluations) {
+  PortRecord record;
+  record.tick = state.tick;
+  std::copy_n(asked.force_N.data(), 3, record.asked_force_N);
+  std::copy_n(asked.torque_Nm.data(), 3, record.asked_torque_Nm);
+  record.absorbed_J = state.port.passivity.energy_J;
+  record.given_out_J = state.port.passivity.given_out_J();
+  record.dissipated_J = state.port.passivity.dissipated_J;
+  record.evaluations = static_cast<std::uint64_t>(evaluations);
+  return record;
 }
 
 void write_pose(const Pose& pose, double position[3], double orientation[4]) {
@@ -222,21 +166,24 @@ TickRecord tick(const TickContext& context, Device& device, Workpiece& workpiece
   scratch.edits.clear();
   if (!loose.empty()) let_go(workpiece, loose, state, scratch);
 
-  Pose device_pose = device.pose(state.tick);
-  ContactResult contact;
-  if (is_finite(device_pose)) {
-    contact = move_tool(context, workpiece, device_pose, state, scratch);
+  const DeviceReading reading = read_pose(context, device, state.tick, state.port);
+  MovedTool moved;
+  ContactResult& contact = moved.contact;
+  if (state.port.has_pose && (reading.faults & kFaultNotFinite) == 0) {
+    moved = move_tool(context, workpiece, reading.pose, state, scratch);
     keep(context, workpiece, state, scratch);
     if (state.removal) cut(context, workpiece, state, scratch, contact);
-  } else {
-    device_pose = state.tool;  // the tool stays; the fault stops the run
-    contact.faults = kFaultNotFinite;
-    if (state.removal) scratch.cutting = make_cutting_record(context, state, {});
+  } else if (state.removal) {  // the tool stays
+    scratch.cutting = make_cutting_record(context, state, {});
   }
-  const Wrench sent = device_edge(contact);
+  contact.faults |= reading.faults;
+  refuse_infinite(contact);
+  const Wrench asked = felt_wrench(context, reading.pose, state, contact);
+  const Wrench sent = render_wrench(context, reading, asked, state.port, contact.faults);
   device.apply(sent);
 
-  TickRecord record = make_record(state, device_pose, dt_s, contact, sent);
+  TickRecord record = make_record(state, reading.pose, dt_s, contact, sent);
+  scratch.port = make_port_record(state, asked, moved.evaluations);
   record.removed =
       static_cast<std::uint32_t>(std::ranges::count_if(scratch.edits, [](const Edit& edit) {
         return edit.body == 0 && edit.cause == EditCause::kCut;

@@ -2,23 +2,14 @@
 
 #include <span>
 
-#include "engine/bodies/body_query.hpp"
 #include "engine/recording/tick_record.hpp"
-#include "engine/scene/scene.hpp"
-#include "engine/tool/burr.hpp"
 #include "engine/volume/workpiece.hpp"
 #include "haptics/device.hpp"
 #include "haptics/simulation_state.hpp"
+#include "haptics/tick_context.hpp"
 #include "haptics/tick_scratch.hpp"
 
 namespace sulcus {
-
-/// What a tick reads and never changes. The referred objects outlive it.
-struct TickContext {
-  const Scene& scene;
-  const Burr& burr;
-  BodyQuery bodies;  // body 0 is the workpiece, then SimulationState::neighbours
-};
 
 /// One haptic cycle: moves the tool, evaluates the contact, cuts, sends the force. Returns its
 /// record, but for what only the thread around it knows (times, edits_end, check). The voxels it

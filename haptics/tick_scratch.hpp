@@ -33,6 +33,7 @@ struct TickScratch {
   std::vector<NeighbourScratch> neighbours;  // one for each [[body]]
   std::vector<Edit> edits;                   // of this tick
   CuttingRecord cutting;                     // of this tick, with [cutting]
+  PortRecord port;                           // of this tick
 };
 
 }  // namespace sulcus

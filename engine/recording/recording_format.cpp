@@ -73,6 +73,19 @@ Hdf5Handle cutting_type() {
   return row;
 }
 
+Hdf5Handle port_type() {
+  Hdf5Handle row = compound(sizeof(PortRecord));
+  field(row, "tick", offsetof(PortRecord, tick), H5T_STD_U64LE);
+  vector_field(row, "asked_force_N", offsetof(PortRecord, asked_force_N), 3);
+  vector_field(row, "asked_torque_Nm", offsetof(PortRecord, asked_torque_Nm), 3);
+  field(row, "absorbed_J", offsetof(PortRecord, absorbed_J), H5T_IEEE_F64LE);
+  field(row, "given_out_J", offsetof(PortRecord, given_out_J), H5T_IEEE_F64LE);
+  field(row, "dissipated_J", offsetof(PortRecord, dissipated_J), H5T_IEEE_F64LE);
+  field(row, "evaluations", offsetof(PortRecord, evaluations), H5T_STD_U64LE);
+  field(row, "check", offsetof(PortRecord, check), H5T_STD_U64LE);
+  return row;
+}
+
 Hdf5Handle piece_type() {
   Hdf5Handle row = compound(sizeof(PieceRow));
   field(row, "piece", offsetof(PieceRow, piece), H5T_STD_U64LE);

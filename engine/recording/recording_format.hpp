@@ -17,6 +17,7 @@ namespace sulcus {
 //   /workpiece   see recording_workpiece.hpp     /burr   only where the scene does not generate it
 //   /ticks  /edits  /state_hashes                one dimension, extensible, no filters
 //   /cutting     one row for each of /ticks, only where the scene cuts
+//   /port        the same, only where it names a device or a coupling
 //   /pieces  /piece_poses  /taken_answers        only where pieces may come loose
 //   /end         one row, written when the recording is closed: what it holds
 //
@@ -29,6 +30,7 @@ inline constexpr std::uint32_t kFormatVersion = 1;
 // Rows per chunk. A flush writes the last chunk whole, so it is about as long as 50 ms of rows.
 inline constexpr hsize_t kTickChunk = 128;
 inline constexpr hsize_t kCuttingChunk = 128;
+inline constexpr hsize_t kPortChunk = 128;
 inline constexpr hsize_t kPieceChunk = 128;
 inline constexpr hsize_t kEditChunk = 1024;
 inline constexpr hsize_t kStateHashChunk = 512;
@@ -75,6 +77,7 @@ EditRow packed(const Edit& edit);
 /// The types of the rows, in memory and in the file alike: packed, little-endian.
 Hdf5Handle tick_type();
 Hdf5Handle cutting_type();
+Hdf5Handle port_type();
 Hdf5Handle piece_type();
 Hdf5Handle piece_pose_type();
 Hdf5Handle taken_answer_type();

@@ -210,6 +210,7 @@ struct RecordingReader::File {
   std::optional<StoredTable<TickRecord>> tick_table;
   std::optional<StoredTable<EditRow>> edit_table;
   std::optional<StoredTable<CuttingRecord>> cutting_table;  // where the recording cuts
+  std::optional<StoredTable<PortRecord>> port_table;        // where it has a device or a coupling
   std::size_t ticks = 0;
   std::size_t edits = 0;
   std::uint64_t last_tick = 0;
@@ -228,6 +229,9 @@ struct RecordingReader::File {
     if (H5Lexists(file, "cutting", H5P_DEFAULT) > 0) {
       cutting_table.emplace(file, "cutting", cutting_type(), bytes);
     }
+    if (H5Lexists(file, "port", H5P_DEFAULT) > 0) {
+      port_table.emplace(file, "port", port_type(), bytes);
+    }
     const StoredTable<StateHashRow> hash_table(file, "state_hashes", state_hash_type(), bytes);
     const EndRow end = read_end(file);
     const std::string damage = scan_rows();
@@ -244,12 +248,33 @@ struct RecordingReader::File {
     missing = what_is_missing(end, damage, hash_damage);
   }
 
+  /// Rows of a table that has one for each tick.
+  template <class Row>
+  std::vector<Row> of_ticks(const StoredTable<Row>& table, std::size_t first,
+                            std::size_t count) const {
+    const std::size_t begin = std::min(first, ticks);
+    auto rows = table.read(begin, std::min(count, ticks - begin));
+    if (!std::ranges::all_of(rows, [](const Row& row) { return is_sealed(row); })) {
+      throw Hdf5Error("a row changed since it was opened");
+    }
+    return rows;
+  }
+
+  /// Whether the next row is sound and of a tick.
+  template <class Row>
+  static bool follows(RowCursor<Row>& rows, std::uint64_t tick) {
+    const Row* row = rows.next();
+    return row && is_sealed(*row) && row->tick == tick;
+  }
+
   /// Counts the ticks that can be trusted; says what is wrong with the one after them.
   std::string scan_rows() {
     RowCursor<TickRecord> tick_rows(*tick_table);
     RowCursor<EditRow> edit_rows(*edit_table);
     std::optional<RowCursor<CuttingRecord>> cutting_rows;
     if (cutting_table) cutting_rows.emplace(*cutting_table);
+    std::optional<RowCursor<PortRecord>> port_rows;
+    if (port_table) port_rows.emplace(*port_table);
     while (const TickRecord* row = tick_rows.next()) {
       if (!is_sealed(*row)) return row_name("ticks", ticks) + " is damaged";
       if ((ticks > 0 && row->tick != last_tick + 1) || row->edits_end < edits) {
@@ -266,11 +291,11 @@ struct RecordingReader::File {
         }
         ++end;
       }
-      if (cutting_rows) {
-        const CuttingRecord* cut = cutting_rows->next();
-        if (!cut || !is_sealed(*cut) || cut->tick != row->tick) {
-          return row_name("cutting", ticks) + " is damaged";
-        }
+      if (cutting_rows && !follows(*cutting_rows, row->tick)) {
+        return row_name("cutting", ticks) + " is damaged";
+      }
+      if (port_rows && !follows(*port_rows, row->tick)) {
+        return row_name("port", ticks) + " is damaged";
       }
       edits = end;
       last_tick = row->tick;
@@ -390,15 +415,12 @@ std::vector<TickRecord> RecordingReader::ticks(std::size_t first, std::size_t co
 
 std::vector<CuttingRecord> RecordingReader::cutting(std::size_t first, std::size_t count) const {
   if (!file_->cutting_table) return {};
-  return file_->guarded([&] {
-    const std::size_t begin = std::min(first, file_->ticks);
-    auto rows = file_->cutting_table->read(begin, std::min(count, file_->ticks - begin));
-    if (!std::all_of(rows.begin(), rows.end(),
-                     [](const CuttingRecord& row) { return is_sealed(row); })) {
-      throw Hdf5Error("cutting: changed since it was opened");
-    }
-    return rows;
-  });
+  return file_->guarded([&] { return file_->of_ticks(*file_->cutting_table, first, count); });
+}
+
+std::vector<PortRecord> RecordingReader::port(std::size_t first, std::size_t count) const {
+  if (!file_->port_table) return {};
+  return file_->guarded([&] { return file_->of_ticks(*file_->port_table, first, count); });
 }
 
 std::vector<Edit> RecordingReader::edits(std::size_t first, std::size_t count) const {

@@ -52,6 +52,8 @@ class RecordingReader {
   std::vector<Edit> edits(std::size_t first = 0, std::size_t count = kAll) const;
   /// What was cut in ticks `first` to `first + count`; none where the recording does not cut.
   std::vector<CuttingRecord> cutting(std::size_t first = 0, std::size_t count = kAll) const;
+  /// Of the same ticks; empty where the recording has neither device nor coupling.
+  std::vector<PortRecord> port(std::size_t first = 0, std::size_t count = kAll) const;
   /// Of these ticks, rising; none where no pieces may come loose.
   const std::vector<PieceRow>& pieces() const;
   const std::vector<PiecePoseRow>& piece_poses() const;

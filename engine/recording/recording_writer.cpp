@@ -120,6 +120,7 @@ struct RecordingWriter::File {
   std::optional<Table<EditRow>> edits;
   std::optional<Table<TickRecord>> ticks;
   std::optional<Table<CuttingRecord>> cutting;  // with RecordingTables::cutting
+  std::optional<Table<PortRecord>> port;        // with RecordingTables::port
   std::optional<Table<StateHashRow>> state_hashes;
   // With RecordingTables::pieces.
   std::optional<Table<PieceRow>> pieces;
@@ -139,6 +140,7 @@ struct RecordingWriter::File {
     edits.emplace(file, "edits", edit_type(), kEditChunk);
     ticks.emplace(file, "ticks", tick_type(), kTickChunk);
     if (tables.cutting) cutting.emplace(file, "cutting", cutting_type(), kCuttingChunk);
+    if (tables.port) port.emplace(file, "port", port_type(), kPortChunk);
     if (tables.pieces) {
       pieces.emplace(file, "pieces", piece_type(), kPieceChunk);
       piece_poses.emplace(file, "piece_poses", piece_pose_type(), kPieceChunk);
@@ -163,6 +165,10 @@ struct RecordingWriter::File {
       cutting->flush();
       most = std::min<std::size_t>(most, cutting->written() - ticks->written());
     }
+    if (port) {
+      port->flush();
+      most = std::min<std::size_t>(most, port->written() - ticks->written());
+    }
     std::size_t ready = 0;
     while (ready < most && ticks->waiting_row(ready).edits_end <= edits->written()) ++ready;
     ticks->flush(ready);
@@ -184,6 +190,7 @@ struct RecordingWriter::File {
     edits.reset();
     ticks.reset();
     cutting.reset();
+    port.reset();
     pieces.reset();
     piece_poses.reset();
     taken_answers.reset();
@@ -198,6 +205,7 @@ struct RecordingWriter::File {
     if (edits) edits->forget();
     if (ticks) ticks->forget();
     if (cutting) cutting->forget();
+    if (port) port->forget();
     if (pieces) pieces->forget();
     if (piece_poses) piece_poses->forget();
     if (taken_answers) taken_answers->forget();
@@ -263,6 +271,15 @@ void RecordingWriter::append_cutting(std::span<const CuttingRecord> rows) {
   file_->guarded([&] {
     if (!file_->cutting) throw Hdf5Error("/cutting: not in this recording");
     for (const CuttingRecord& row : rows) file_->cutting->add(row);
+  });
+}
+
+bool RecordingWriter::has_port() const { return file_->port.has_value(); }
+
+void RecordingWriter::append_port(std::span<const PortRecord> rows) {
+  file_->guarded([&] {
+    if (!file_->port) throw Hdf5Error("/port: not in this recording");
+    for (const PortRecord& row : rows) file_->port->add(row);
   });
 }
 

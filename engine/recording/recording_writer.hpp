@@ -16,6 +16,7 @@ namespace sulcus {
 /// Data sets that a recording has only where the scene names what is in them.
 struct RecordingTables {
   bool cutting = false;  // /cutting
+  bool port = false;     // /port
   bool pieces = false;   // /pieces, /piece_poses, /taken_answers
 };
 
@@ -56,6 +57,9 @@ class RecordingWriter {
   /// One for each tick, in their order, before or after it; a tick waits for its row. Only with
   /// RecordingTables::cutting.
   void append_cutting(std::span<const CuttingRecord> rows);
+  bool has_port() const;
+  /// The same with RecordingTables::port.
+  void append_port(std::span<const PortRecord> rows);
   /// Pieces before their poses, answers before the tick that took them is flushed. Only with
   /// RecordingTables::pieces.
   void append_piece(const PieceRow& row);

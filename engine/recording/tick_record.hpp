@@ -10,6 +10,10 @@ enum Fault : std::uint32_t {
   kFaultContactsFull = 1u << 1,  // haptics.max_contacts exceeded: the deepest were kept
   kFaultCutStateFull = 1u << 2,  // cutting.max_cut_voxels exceeded: energy kept in the pool
   kFaultRowsDropped = 1u << 3,   // the recorder fell behind before this row
+  kFaultDeviceSilent = 1u << 4,  // the device gave no pose: its last one stands, the force fades
+  kFaultDeviceJumped =
+      1u << 5,           // its pose went further in a tick than any hand: the force fades in
+  kFaultBuzz = 1u << 6,  // the force to the device reverses over and over
 };
 
 /// One row of /ticks, in the order and types of the file. Plain, without padding: each field lies
@@ -50,6 +54,20 @@ struct CuttingRecord {
 };
 static_assert(sizeof(CuttingRecord) == 8 + 8 * 8 + 8);
 
+/// One row of /port, of the tick of the same number: what the hand was to feel, and what its loop
+/// made of it. World axes, torque about the burr's reference point.
+struct PortRecord {
+  std::uint64_t tick = 0;
+  double asked_force_N[3]{};  // of the coupling, else of the contact; before the device's limits
+  double asked_torque_Nm[3]{};
+  double absorbed_J = 0.0;        // by the simulation since the contact began; below 0: given out
+  double given_out_J = 0.0;       // by all contacts up to now
+  double dissipated_J = 0.0;      // by the passivity controller
+  std::uint64_t evaluations = 0;  // of the contact in this tick
+  std::uint64_t check = 0;        // XXH3-64 of the bytes before it
+};
+static_assert(sizeof(PortRecord) == 8 + 9 * 8 + 8 + 8);
+
 /// One row of /pieces: a piece that was cut loose and has left the workpiece.
 struct PieceRow {
   std::uint64_t piece = 0;             // numbered from 0, in the order of the rows
@@ -88,8 +106,10 @@ bool is_sealed(const TakenAnswerRow& row);
 /// Sets `check`.
 void seal(TickRecord& record);
 void seal(CuttingRecord& record);
+void seal(PortRecord& record);
 /// Whether `check` fits the row.
 bool is_sealed(const TickRecord& record);
 bool is_sealed(const CuttingRecord& record);
+bool is_sealed(const PortRecord& record);
 
 }  // namespace sulcus

@@ -110,7 +110,9 @@ enum class NormalMethod : std::uint8_t {
 };
 inline constexpr std::array<std::string_view, 6> kNormalMethodNames{
     "ldm", "ldm_fast", "ldm_paper", "weighted_sum", "weighted_sum_d2", "exact"};
-enum class Scaling : std::uint8_t { kNone, kCount, kSmooth };
+enum class Scaling : std::uint8_t { kNone, kCount, kMcNeely, kSmooth };
+inline constexpr std::array<std::string_view, 4> kScalingNames{"none", "count", "mcneely",
+                                                               "smooth"};
 
 struct HapticsSettings {
   double rate_hz = 1000.0;
@@ -122,6 +124,68 @@ struct HapticsSettings {
   int refine_per_tick = 16;  // kept normals, from ldm_fast to ldm, under ldm; 0: ldm at once
   Scaling scaling = Scaling::kSmooth;
   int max_contacts = 65536;  // capacity; beyond it the deepest are kept
+};
+
+/// Springs between the device and the tool, at the middle of the burr's head: the tool goes where
+/// they and the contact balance. Without them it follows the device exactly.
+struct CouplingSettings {
+  double stiffness_N_per_m = 700.0;  // none said: what the device's maker recommends
+  double turning_stiffness_Nm_per_rad = 0.2;
+  double force_limit_N = 3.3;  // they stretch no further; none said: the device's
+  double torque_limit_Nm = 0.1;
+  int evaluations = 5;            // of the contact, in a tick, at most
+  int contacts_per_tick = 20000;  // of all evaluations; one there always is
+};
+
+/// The hand on a simulated device: a mass on a spring and a damper, whose other end goes along the
+/// trajectory, and a force that it pushes with besides. It holds the handle in its direction by
+/// `turning_*`, which matters only where the device can be turned.
+struct HandSettings {
+  double mass_kg = 0.0;
+  double damping_N_s_per_m = 2.0;
+  double stiffness_N_per_m = 100.0;
+  double turning_damping_Nm_s_per_rad = 2e-3;
+  double turning_stiffness_Nm_per_rad = 0.3;
+  double push_N = 0.0;
+  Eigen::Vector3d push_direction{0, 0, -1};  // unit, world
+  double push_ramp_s = 0.2;                  // from the first force felt to all of the push
+};
+
+/// Faults of time and of the encoders that a simulated device is to have.
+struct LateTick {
+  std::uint64_t tick = 0;
+  double by_s = 0.0;  // the force held before acts on for so much longer
+};
+struct DeviceSilence {
+  std::uint64_t first = 0, last = 0;  // ticks in which it gives no pose
+};
+struct DeviceJump {
+  std::uint64_t tick = 0;
+  Eigen::Vector3d by_m = Eigen::Vector3d::Zero();  // its pose is off by so much from then on
+};
+
+/// A haptic device and a hand, simulated: the handle, a mass with friction at the torque reference
+/// of the burr, is driven by the hand and by the force of the last tick, and read at the encoders'
+/// resolution. Without an inertia it cannot be turned: the hand holds it in the trajectory's
+/// direction, and torques are not rendered.
+struct DeviceSettings {
+  double force_limit_N = 3.3;
+  double torque_limit_Nm = 0.0;      // 0: renders none
+  double stiffness_N_per_m = 700.0;  // the largest that its maker recommends
+  double mass_kg = 0.045;
+  double damping_N_s_per_m = 0.1;
+  double friction_N = 0.05;
+  double resolution_m = 55e-6;
+  double inertia_kg_m2 = 0.0;  // about the torque reference, any axis
+  double turning_damping_Nm_s_per_rad = 0.0;
+  double turning_friction_Nm = 0.0;
+  double angle_resolution = 0.0;  // rad
+  int delay_ticks = 0;            // between a force and its being held, 0 or 1
+  HandSettings hand;
+  std::vector<LateTick> late;
+  std::vector<DeviceSilence> silences;
+  std::vector<DeviceJump> jumps;
+  bool passivity_controller = false;
 };
 
 struct CuttingSettings {
@@ -162,7 +226,9 @@ struct Scene {
   BurrSettings burr;
   TrajectorySettings trajectory;
   HapticsSettings haptics;
-  std::vector<BodySettings> bodies;  // besides the workpiece
+  std::vector<BodySettings> bodies;      // besides the workpiece
+  std::optional<DeviceSettings> device;  // none: the tool's trajectory is followed exactly
+  std::optional<CouplingSettings> coupling;
   std::optional<CuttingSettings> cutting;
   std::optional<SpindleSettings> spindle;
   std::optional<LoosePiecesSettings> loose_pieces;

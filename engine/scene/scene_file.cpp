@@ -11,6 +11,7 @@
 #include "engine/core/units.hpp"
 #include "engine/normals/height_map.hpp"
 #include "engine/normals/normal_choice.hpp"
+#include "engine/scene/device_tables.hpp"
 #include "engine/scene/scene_overrides.hpp"
 #include "engine/scene/tissue_table.hpp"
 #include "engine/scene/toml_table.hpp"
@@ -23,7 +24,6 @@ namespace {
 
 constexpr Range kAnyLength_mm{-1e3, 1e3};
 constexpr Range kSize_mm{0.01, 1e3};
-constexpr Range kComponent{-1e6, 1e6};  // of a direction
 constexpr std::uintmax_t kMaxSceneBytes = 16 << 20;
 
 Eigen::Vector3d vector3(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
@@ -114,8 +114,13 @@ WorkpieceSettings read_workpiece(TomlTable& root) {
 
 // --- [[tissue]] ---------------------------------------------------------------------------------
 
-TissueSettings read_tissue(TomlTable& table, const std::vector<TissueSettings>& known) {
-  TissueSettings t;
+/// Behind a coupling a contact may be far stiffer than a device could render: grooves then hold.
+constexpr double kStifferBehindCoupling = 10.0;
+
+/// `other`: what one that is not known starts from.
+TissueSettings read_tissue(TomlTable& table, const std::vector<TissueSettings>& known,
+                           const TissueSettings& other) {
+  TissueSettings t = other;
   t.name = table.text("name", "");
   if (t.name.empty()) table.fail("name", "none", "a name such as \"enamel\"");
   for (const TissueSettings& k : known) {
@@ -140,12 +145,17 @@ std::vector<TissueSettings> known_tissues() {
       toml::parse(tissue_table_toml(), std::string_view("assets/tissues.toml"));
   TomlTable root(parsed, "assets/tissues.toml", "");
   std::vector<TissueSettings> all;
-  for (TomlTable& table : root.tables("tissue")) all.push_back(read_tissue(table, {}));
+  for (TomlTable& table : root.tables("tissue")) all.push_back(read_tissue(table, {}, {}));
   return all;
 }
 
 std::vector<TissueSettings> read_tissues(TomlTable& root) {
-  const std::vector<TissueSettings> known = known_tissues();
+  std::vector<TissueSettings> known = known_tissues();
+  TissueSettings other;
+  if (root.has("coupling")) {
+    for (TissueSettings& t : known) t.stiffness_N_per_m *= kStifferBehindCoupling;
+    other.stiffness_N_per_m *= kStifferBehindCoupling;
+  }
   std::vector<TissueSettings> tissues;
   if (const std::vector<std::string> names = root.strings("tissue"); !names.empty()) {
     for (const std::string& name : names) {
@@ -157,7 +167,9 @@ std::vector<TissueSettings> read_tissues(TomlTable& root) {
       tissues.push_back(*found);
     }
   } else {
-    for (TomlTable& table : root.tables("tissue")) tissues.push_back(read_tissue(table, known));
+    for (TomlTable& table : root.tables("tissue")) {
+      tissues.push_back(read_tissue(table, known, other));
+    }
   }
   if (tissues.empty()) tissues.push_back(known.front());  // one tissue, no labels
   if (tissues.size() > 255) root.fail("tissue", std::to_string(tissues.size()), "at most 255");
@@ -241,20 +253,11 @@ BurrSettings read_burr(TomlTable& root) {
   return b;
 }
 
-/// A direction of any length, as a unit vector; empty where the key is not there.
-std::optional<Eigen::Vector3d> direction_of(TomlTable& table, std::string_view key) {
-  const std::vector<double> v = table.numbers(key, 3, kComponent);
-  if (v.empty()) return {};
-  const double length = vector3(v).norm();
-  if (!(length > 1e-9)) table.fail(key, "a vector of no length", "a direction");
-  return vector3(v) / length;
-}
-
 TrajectorySettings read_trajectory(TomlTable& root) {
   TrajectorySettings t;
   auto table = root.table("trajectory");
   if (!table) root.fail("trajectory", "no such table", "[trajectory] with points_mm or a file");
-  for (const auto& p : table->points("points_mm", kAnyLength_mm)) {
+  for (const auto& p : table->rows("points_mm", 3, "x, y, z", kAnyLength_mm)) {
     t.points_m.push_back(vector3(p) * kMillimetre);
   }
   t.file = table->path("file");
@@ -263,11 +266,11 @@ TrajectorySettings read_trajectory(TomlTable& root) {
                 t.file.empty() ? "neither points nor a file" : "both points and a file",
                 "one of them");
   }
-  t.axis = direction_of(*table, "axis").value_or(t.axis);
+  t.axis = table->direction("axis").value_or(t.axis);
   t.speed_m_per_s = table->number("speed_mm_per_s", {1e-3, 1e4}, 0.4) * kMillimetre;
   t.hold_s = table->number("hold_s", {0, 1e6}, 0.0);
   t.load_N = table->number("load_N", {1e-3, 100});
-  if (const auto direction = direction_of(*table, "load_direction")) {
+  if (const auto direction = table->direction("load_direction")) {
     if (!t.load_N) table->fail("load_direction", "a direction without load_N", "both of them");
     t.load_direction = *direction;
   }
@@ -303,14 +306,13 @@ HapticsSettings read_haptics(TomlTable& root) {
   HapticsSettings h;
   auto table = root.table("haptics");
   if (!table) return h;
-  constexpr std::array<std::string_view, 3> kScalings{"none", "count", "smooth"};
   h.rate_hz = table->number("rate_hz", {10, 20000}, 1000);
   if (const auto method = table->choice("normals", kNormalMethodNames))
     h.normals = NormalMethod(*method);
   h.neighbourhood = table->integer("neighbourhood", {1, kMaxNeighbourhood}, h.neighbourhood);
   h.trace = table->integer("trace", {1, kMaxTrace}, h.normals == NormalMethod::kLdmPaper ? 5 : 12);
   read_normal_error(*table, h);
-  if (const auto scaling = table->choice("scaling", kScalings)) h.scaling = Scaling(*scaling);
+  if (const auto scaling = table->choice("scaling", kScalingNames)) h.scaling = Scaling(*scaling);
   h.keep_normals = table->boolean("keep_normals", h.keep_normals);
   h.refine_per_tick = table->integer("refine_per_tick", {0, 1 << 20}, h.refine_per_tick);
   h.max_contacts = table->integer("max_contacts", {1, 1 << 20}, h.max_contacts);
@@ -358,6 +360,21 @@ GoalSettings read_goal(TomlTable& table) {
   }
   table.finish();
   return g;
+}
+
+// --- [device], [coupling] -----------------------------------------------------------------------
+
+void read_device_tables(TomlTable& root, Scene& scene) {
+  if (auto table = root.table("device")) {
+    scene.device = read_device(*table, scene.haptics.rate_hz);
+  }
+  if (auto table = root.table("coupling")) scene.coupling = read_coupling(*table, scene.device);
+  for (const auto& [key, has] : {std::pair{"device", scene.device.has_value()},
+                                 std::pair{"coupling", scene.coupling.has_value()}}) {
+    if (has && scene.trajectory.load_N) {
+      root.fail(key, std::string("[") + key + "] beside trajectory.load_N", "one of them");
+    }
+  }
 }
 
 // --- The optional tables ------------------------------------------------------------------------
@@ -461,6 +478,7 @@ Scene parse_scene(const std::string& text, const std::string& file,
   scene.trajectory = read_trajectory(root);
   scene.haptics = read_haptics(root);
   scene.bodies = read_bodies(root, scene.tissues);
+  read_device_tables(root, scene);
   read_optional_tables(root, scene);
   root.finish();
   return scene;

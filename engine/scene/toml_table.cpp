@@ -159,20 +159,30 @@ std::vector<double> TomlTable::numbers(std::string_view key, std::size_t count, 
   return values;
 }
 
-std::vector<std::vector<double>> TomlTable::points(std::string_view key, Range range) {
+std::vector<std::vector<double>> TomlTable::rows(std::string_view key, std::size_t count,
+                                                 std::string_view names, Range range) {
   const toml::node* node = find(key);
   if (!node) return {};
-  const std::string expected = "points [[x, y, z], ...]";
+  const std::string expected = "[[" + std::string(names) + "], ...]";
   const toml::array* array = node->as_array();
   if (!array || array->empty()) fail(key, describe(*node), expected);
   std::vector<std::vector<double>> all;
   for (const toml::node& entry : *array) {
-    const toml::array* point = entry.as_array();
-    if (!point || point->size() != 3) fail(key, describe(entry), expected);
+    const toml::array* row = entry.as_array();
+    if (!row || row->size() != count) fail(key, describe(entry), expected);
     std::vector<double>& values = all.emplace_back();
-    for (const toml::node& value : *point) values.push_back(checked(key, value, range));
+    for (const toml::node& value : *row) values.push_back(checked(key, value, range));
   }
   return all;
+}
+
+std::optional<Eigen::Vector3d> TomlTable::direction(std::string_view key) {
+  const std::vector<double> v = numbers(key, 3, {-1e6, 1e6});
+  if (v.empty()) return {};
+  const Eigen::Vector3d along(v[0], v[1], v[2]);
+  const double length = along.norm();
+  if (!(length > 1e-9)) fail(key, "a vector of no length", "a direction");
+  return along / length;
 }
 
 std::optional<std::size_t> TomlTable::choice(std::string_view key,

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include <Eigen/Core>
 #include <toml++/toml.h>
 
 namespace sulcus {
@@ -38,8 +39,11 @@ class TomlTable {
   std::string text(std::string_view key, std::string otherwise);
   /// Exactly `count` numbers; empty when absent.
   std::vector<double> numbers(std::string_view key, std::size_t count, Range range);
-  /// Points of three numbers each, at least one; empty when absent.
-  std::vector<std::vector<double>> points(std::string_view key, Range range);
+  /// Rows of as many numbers as `names` ("x, y, z") says, at least one row; empty when absent.
+  std::vector<std::vector<double>> rows(std::string_view key, std::size_t count,
+                                        std::string_view names, Range range);
+  /// A direction of any length, as a unit vector; none when absent.
+  std::optional<Eigen::Vector3d> direction(std::string_view key);
   /// One of `words`, as its place among them.
   std::optional<std::size_t> choice(std::string_view key, std::span<const std::string_view> words);
   /// The strings of an array that holds nothing else; empty when it is anything else or absent.

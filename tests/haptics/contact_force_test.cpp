@@ -398,8 +398,56 @@ TEST(ContactForce, StiffnessIsTheDerivativeOfTheWrenchOnAFlatFace) {
   }
 }
 
-TEST(ContactForce, StiffnessIsPositiveSemidefinite) {
-  for (const Scaling scaling : {Scaling::kNone, Scaling::kCount, Scaling::kSmooth}) {
+TEST(ContactForce, UnderSmoothTheStiffnessHasTheDerivativesOfTheWeights) {
+  // A flat end on a pillar: 256 surface points, all as deep.
+  const Workpiece pillar(test::block({32, 32, 64}, kVoxel, {8, 8, 0}, {24, 24, 32}));
+  const Burr burr = make_burr(test::small_burr(BurrShape::kFissure, 4e-3), kVoxel);
+  const auto evaluate = [&](double depth_m) {
+    const Pose pose = test::upright({0.3e-3, 0.2e-3, -depth_m});
+    ContactScratch scratch(with(Scaling::kSmooth));
+    ContactResult result;
+    broad_phase(pillar, burr.capsule, pose, kVoxel, scratch);
+    narrow_phase(pillar, burr.field, pose, kVoxel, scratch, result);
+    for (std::size_t i = 0; i < scratch.contacts.size(); ++i) {
+      Contact contact = scratch.contacts[i];
+      const bool top = contact.cell.z() == 31;
+      contact.normal = top ? Vector3f(0, 0, 1) : Vector3f(0, 0, -1);  // dropped
+      contact.offset_m = 0.5f * static_cast<float>(kVoxel);
+      scratch.contacts.set(i, contact);
+    }
+    contact_force(pillar, test::one_tissue(), burr, pose, nullptr, Scaling::kSmooth, scratch,
+                  result, true);
+    return result;
+  };
+  // The sum of weights, 256 d / voxel, divides from 2 um on.
+  for (const double depth_m : {1.5e-6, 3e-6, 20e-6}) {
+    constexpr double kStep = 0.2e-6;
+    const double difference = (evaluate(depth_m + kStep).wrench.force_N.z() -
+                               evaluate(depth_m - kStep).wrench.force_N.z()) /
+                              (2.0 * kStep);
+    const ContactResult at = evaluate(depth_m);
+    ASSERT_EQ(at.contacts, 256u);
+    EXPECT_NEAR(at.stiffness(2, 2), difference, 2e-3 * difference) << depth_m;
+  }
+}
+
+TEST(ContactForce, McNeelysIsDividedByTheTensOfContacts) {
+  const auto force_N = [](double depth_m, Scaling scaling, std::uint32_t& contacts) {
+    const Evaluation e(flat_block(), round_burr(), test::upright({0, 0, -depth_m}), scaling);
+    contacts = e.result.contacts;
+    return e.result.wrench.force_N.z();
+  };
+  for (const double depth_m : {0.027e-3, 0.2e-3}) {
+    std::uint32_t contacts = 0;
+    const double plain_N = force_N(depth_m, Scaling::kNone, contacts);
+    const double tens = std::max(1.0, contacts / 10.0);
+    EXPECT_EQ(tens > 1.0, depth_m > 0.1e-3) << contacts;
+    EXPECT_NEAR(force_N(depth_m, Scaling::kMcNeely, contacts), plain_N / tens, 1e-6 * plain_N);
+  }
+}
+
+TEST(ContactForce, StiffnessIsPositiveSemidefiniteWhereWeightsDoNotGrow) {
+  for (const Scaling scaling : {Scaling::kNone, Scaling::kCount, Scaling::kMcNeely}) {
     const Evaluation e(flat_block(), round_burr(),
                        test::pose_along({0.2e-3, 0, -0.1e-3}, Vector3d(0.2, 0.1, 1).normalized()),
                        scaling);

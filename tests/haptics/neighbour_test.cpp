@@ -121,7 +121,7 @@ struct TwoBalls {
   TickRecord step(const Pose& pose) {
     struct Still final : Device {
       Pose at;
-      Pose pose(std::uint64_t) noexcept override { return at; }
+      std::optional<Pose> pose(std::uint64_t) noexcept override { return at; }
       void apply(const Wrench&) noexcept override {}
     } device;
     device.at = pose;

@@ -36,7 +36,7 @@ class ListDevice final : public Device {
   explicit ListDevice(std::vector<Pose> list) : poses(std::move(list)) {
     applied.reserve(poses.size() + 10);
   }
-  Pose pose(std::uint64_t tick) noexcept override {
+  std::optional<Pose> pose(std::uint64_t tick) noexcept override {
     return poses[std::min<std::size_t>(tick, poses.size() - 1)];
   }
   void apply(const Wrench& wrench) noexcept override { applied.push_back(wrench); }
@@ -471,16 +471,67 @@ TEST(Tick, ARunPlayedBackFromItsRecordsGivesTheSameBits) {
   const std::vector<TickRecord> records = run.steps(scripted, 250);
   ASSERT_GT(run.edits.size(), 100u);
 
-  std::vector<Pose> poses;
+  std::vector<std::optional<Pose>> poses;
   for (const TickRecord& r : records) {
     const double* q = r.device_orientation;
-    poses.push_back({vector(r.device_position_m), Eigen::Quaterniond(q[0], q[1], q[2], q[3])});
+    poses.push_back(Pose{vector(r.device_position_m), Eigen::Quaterniond(q[0], q[1], q[2], q[3])});
   }
   PlaybackDevice playback(poses);
   TickRun again(true);
   EXPECT_TRUE(same_bytes(again.steps(playback, 250), records));
   EXPECT_EQ(again.workpiece.hash(), run.workpiece.hash());
   EXPECT_EQ(again.state.hash(), run.state.hash());
+}
+
+/// Behind a coupling, as stiff as tissues are there.
+struct CoupledTickRun : TickRun {
+  explicit CoupledTickRun(bool cutting) : TickRun(cutting) {
+    scene.coupling.emplace();
+    scene.tissues[0].stiffness_N_per_m *= 10.0;
+  }
+};
+
+TEST(Tick, BehindACouplingTheToolStaysOutAndTheDeviceFeelsTheStretch) {
+  CoupledTickRun run(false);
+  std::vector<Pose> poses;
+  for (int i = 0; i <= 1100; ++i) poses.push_back(test::upright({0, 0, 0.1e-3 - i * 1e-6}));
+  ListDevice device(poses);
+  const TickRecord last = run.steps(device, 1100).back();
+  const double stretch_m = last.tool_position_m[2] - last.device_position_m[2];
+  EXPECT_GT(last.tool_position_m[2], -1.5 * kVoxel);
+  EXPECT_NEAR(last.force_N[2], run.scene.coupling->stiffness_N_per_m * stretch_m, 1e-9);
+  EXPECT_NEAR(last.contact_force_N[2], last.force_N[2], 0.01 * last.force_N[2]);
+  EXPECT_GE(run.scratch.port.evaluations, 1u);
+}
+
+TEST(Tick, ACouplingAllocatesNothingAndReplaysToTheSameBits) {
+  CoupledTickRun run(true), again(true);
+  // Fast enough that every budget is used.
+  std::vector<Pose> poses;
+  for (int i = 0; i < 200; ++i) poses.push_back(test::upright({i * 5e-6, 0, 0.4e-3 - i * 10e-6}));
+  ListDevice a(poses), b(poses);
+  std::vector<TickRecord> records;
+  records.reserve(200);
+  records.push_back(run.step(a));
+  const std::uint64_t before = test::allocation_count();
+  for (int i = 1; i < 200; ++i) {
+    records.push_back(tick(run.context, a, run.workpiece, run.state, run.scratch));
+  }
+  EXPECT_EQ(test::allocation_count(), before);
+  EXPECT_GT(run.state.removal->removed_J, 0.0);
+  EXPECT_TRUE(same_bytes(again.steps(b, 200), records));
+  EXPECT_EQ(again.state.hash(), run.state.hash());
+}
+
+TEST(Tick, ADeviceThatHasNeverAnsweredPutsTheToolNowhere) {
+  TickRun run(false);
+  const std::vector<std::optional<Pose>> poses{std::nullopt, test::upright({0, 0, 1e-3})};
+  PlaybackDevice device(poses);
+  const TickRecord silent = run.step(device);
+  EXPECT_EQ(silent.faults, kFaultDeviceSilent);
+  EXPECT_FALSE(run.state.has_pose);
+  EXPECT_EQ(run.step(device).faults, 0u);
+  EXPECT_EQ(run.state.tool.position.z(), 1e-3);
 }
 
 TEST(Tick, WhetherItIsTimedChangesNoResult) {

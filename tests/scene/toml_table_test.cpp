@@ -74,9 +74,9 @@ TEST(TomlTable, AWrongTypeIsNamed) {
             "f.toml: line 1, column 5, a: found [ 1, 2 ], expected 3 numbers, 0 to 9");
   EXPECT_EQ(error_of("a = [1, 2]",
                      [](TomlTable& t) {
-                       (void)t.points("a", {0, 9});
+                       (void)t.rows("a", 3, "x, y, z", {0, 9});
                      }),
-            "f.toml: line 1, column 5, a: found 1, expected points [[x, y, z], ...]");
+            "f.toml: line 1, column 5, a: found 1, expected [[x, y, z], ...]");
 }
 
 TEST(TomlTable, EveryElementIsChecked) {
@@ -90,7 +90,7 @@ TEST(TomlTable, EveryElementIsChecked) {
                        (void)t.numbers("a", 3, {0, 9});
                      }),
             "f.toml: line 1, column 5, a: found 'x', expected a number, 0 to 9");
-  const auto points = [](TomlTable& t) { (void)t.points("a", {0, 9}); };
+  const auto points = [](TomlTable& t) { (void)t.rows("a", 3, "x, y, z", {0, 9}); };
   EXPECT_NE(error_of("a = []", points), "");
   EXPECT_NE(error_of("a = [[1, 2]]", points), "");
   EXPECT_NE(error_of("a = [[1, 2, 3], [1, 2, 3, 4]]", points), "");

@@ -232,7 +232,7 @@ void run_compared(const LoadedScene& loaded, int every, Table1Run& run, const Pr
   for (std::uint64_t tick = 0; tick < loaded.ticks; ++tick) {
     tell(progress, "beside the reference: ", tick, loaded.ticks);
     const bool is_compared = tick % static_cast<std::uint64_t>(every) == 0;
-    if (is_compared) comparison.compare(pass.simulation, pass.device.pose(tick));
+    if (is_compared) comparison.compare(pass.simulation, *pass.device.pose(tick));
     const TickRecord record = pass.step();
     if (is_compared) expect_same(run.compared.back().ours, record);
   }

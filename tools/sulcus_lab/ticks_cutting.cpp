@@ -23,7 +23,7 @@ double voxels_per_tick(int wanted) { return kSharePerTick * wanted; }
 class SinkingDevice final : public Device {
  public:
   explicit SinkingDevice(const std::vector<Pose>& path) : path_(path), lift_m_(path.size(), 0.0) {}
-  Pose pose(std::uint64_t tick) noexcept override {
+  std::optional<Pose> pose(std::uint64_t tick) noexcept override {
     Pose pose = path_[tick % path_.size()];
     pose.position.z() += lift_m_[tick % path_.size()];
     return pose;

@@ -1,0 +1,97 @@
+#include "engine/scene/device_tables.hpp"
+
+#include <array>
+#include <cmath>
+
+#include "engine/core/units.hpp"
+#include "engine/scene/device_presets.hpp"
+
+namespace sulcus {
+
+namespace {
+
+constexpr Range kForce_N{0, 1e3};
+constexpr Range kTorque_mNm{0, 1e5};
+constexpr Range kTime{0, 1e6};
+
+HandSettings read_hand(TomlTable& table) {
+  const std::size_t preset = table.choice("hand", kHandPresetNames).value_or(0);
+  HandSettings h = hand_presets()[preset].settings;
+  h.mass_kg = table.number("hand_mass_g", {0, 1e4}, h.mass_kg * 1e3) * 1e-3;
+  h.damping_N_s_per_m = table.number("hand_damping_N_s_per_m", {0, 1e3}, h.damping_N_s_per_m);
+  h.stiffness_N_per_m = table.number("hand_stiffness_N_per_m", {0, 1e5}, h.stiffness_N_per_m);
+  h.turning_damping_Nm_s_per_rad = table.number("hand_turning_damping_mNm_s_per_rad", kTorque_mNm,
+                                                h.turning_damping_Nm_s_per_rad * 1e3) *
+                                   1e-3;
+  h.turning_stiffness_Nm_per_rad = table.number("hand_turning_stiffness_mNm_per_rad", kTorque_mNm,
+                                                h.turning_stiffness_Nm_per_rad * 1e3) *
+                                   1e-3;
+  h.push_N = table.number("push_N", kForce_N, h.push_N);
+  h.push_ramp_s = table.number("push_ramp_s", {0, 1e3}, h.push_ramp_s);
+  if (const auto direction = table.direction("push_direction")) h.push_direction = *direction;
+  return h;
+}
+
+/// The number of the tick at a time.
+std::uint64_t tick_at(double time_s, double rate_hz) {
+  return static_cast<std::uint64_t>(std::llround(time_s * rate_hz));
+}
+
+void read_faults(TomlTable& table, double rate_hz, DeviceSettings& d) {
+  for (const auto& row : table.rows("late_s", 2, "time_s, by_s", kTime)) {
+    d.late.push_back({tick_at(row[0], rate_hz), row[1]});
+  }
+  for (const auto& row : table.rows("silent_s", 2, "from_s, to_s", kTime)) {
+    if (row[1] < row[0]) table.fail("silent_s", "an end before its beginning", "[from_s, to_s]");
+    d.silences.push_back({tick_at(row[0], rate_hz), tick_at(row[1], rate_hz)});
+  }
+  for (const auto& row : table.rows("jump_s_mm", 4, "time_s, x_mm, y_mm, z_mm", {-1e6, 1e6})) {
+    if (row[0] < 0.0) table.fail("jump_s_mm", "a time before the start", "0 s or later");
+    d.jumps.push_back(
+        {tick_at(row[0], rate_hz), kMillimetre * Eigen::Vector3d(row[1], row[2], row[3])});
+  }
+}
+
+}  // namespace
+
+DeviceSettings read_device(TomlTable& table, double rate_hz) {
+  constexpr std::array<std::string_view, 1> kModels{"simulated"};
+  if (!table.choice("model", kModels)) table.fail("model", "none", "\"simulated\"");
+  const std::size_t preset = table.choice("preset", kDevicePresetNames).value_or(1);
+  DeviceSettings d = device_presets()[preset].settings;
+  d.hand = read_hand(table);
+  d.force_limit_N = table.number("force_limit_N", {1e-3, 1e3}, d.force_limit_N);
+  d.torque_limit_Nm = table.number("torque_limit_mNm", kTorque_mNm, d.torque_limit_Nm * 1e3) * 1e-3;
+  d.mass_kg = table.number("mass_g", {1, 1e4}, d.mass_kg * 1e3) * 1e-3;
+  d.damping_N_s_per_m = table.number("damping_N_s_per_m", {0, 1e3}, d.damping_N_s_per_m);
+  d.friction_N = table.number("friction_N", kForce_N, d.friction_N);
+  d.resolution_m =
+      table.number("resolution_mm", {0, 10}, d.resolution_m / kMillimetre) * kMillimetre;
+  d.delay_ticks = table.integer("delay_ticks", {0, 1}, d.delay_ticks);
+  d.passivity_controller = table.boolean("passivity_controller", d.passivity_controller);
+  read_faults(table, rate_hz, d);
+  table.finish();
+  return d;
+}
+
+CouplingSettings read_coupling(TomlTable& table, const std::optional<DeviceSettings>& device) {
+  CouplingSettings c;
+  if (device) {
+    c.stiffness_N_per_m = device->stiffness_N_per_m;
+    c.force_limit_N = device->force_limit_N;
+    if (device->torque_limit_Nm > 0.0) c.torque_limit_Nm = device->torque_limit_Nm;
+  }
+  c.stiffness_N_per_m =
+      table.number("stiffness_N_per_mm", {1e-3, 1e3}, c.stiffness_N_per_m / kNewtonPerMillimetre) *
+      kNewtonPerMillimetre;
+  c.turning_stiffness_Nm_per_rad =
+      table.number("turning_stiffness_Nm_per_rad", {1e-4, 1e3}, c.turning_stiffness_Nm_per_rad);
+  c.force_limit_N = table.number("force_limit_N", {1e-3, 1e3}, c.force_limit_N);
+  c.torque_limit_Nm = table.number("torque_limit_mNm", {1e-3, 1e5}, c.torque_limit_Nm * 1e3) * 1e-3;
+  c.evaluations = table.integer("evaluations", {1, 100}, c.evaluations);
+  c.contacts_per_tick = table.integer("contacts_per_tick", {1, 1 << 24}, c.contacts_per_tick);
+  table.finish();
+  return c;
+}
+
+}  // namespace sulcus

@@ -1,0 +1,81 @@
+#include "haptics/buzz_detector.hpp"
+
+#include <algorithm>
+
+#include "engine/core/hash.hpp"
+
+namespace sulcus {
+
+namespace {
+
+constexpr double kWindow_s = 0.05;
+/// Of a swing to that before the last. Impacts that die away lose more than that, but for the
+/// rounding to quanta, on which two swings in a row may be equal though the motion dies.
+constexpr double kSustained = 0.95;
+
+void note(double swing_N, BuzzState& state) {
+  std::shift_left(state.swings_N.begin(), state.swings_N.end(), 1);
+  std::shift_left(state.seen_ticks.begin(), state.seen_ticks.end(), 1);
+  state.swings_N.back() = swing_N;
+  state.seen_ticks.back() = state.tick;
+  ++state.seen;
+}
+
+/// Follows the force from one turning point to the next, and notes where it reverses.
+void follow(const Eigen::Vector3d& force_N, double threshold_N, BuzzState& state) {
+  const Eigen::Vector3d swing_N = state.furthest_N - state.turn_N;
+  const double length_N = swing_N.norm();
+  if ((force_N - state.turn_N).norm() > length_N) {
+    // Still going on, unless it has crossed over to the other side of where it began.
+    if ((force_N - state.turn_N).dot(swing_N) >= 0.0 || length_N <= threshold_N) {
+      state.furthest_N = force_N;
+      return;
+    }
+  }
+  const Eigen::Vector3d back_N = force_N - state.furthest_N;
+  const double back_length_N = back_N.norm();
+  if (back_length_N <= threshold_N) return;
+  const bool reverses = back_N.dot(swing_N) < -0.5 * back_length_N * length_N;
+  if (reverses && length_N > threshold_N) note(length_N, state);
+  state.turn_N = state.furthest_N;
+  state.furthest_N = force_N;
+}
+
+bool sustained(const BuzzState& state) {
+  for (std::size_t i = 2; i < BuzzState::kReversals; ++i) {
+    if (state.swings_N[i] < kSustained * state.swings_N[i - 2]) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool buzz(const Eigen::Vector3d& force_N, double threshold_N, double dt_s,
+          BuzzState& state) noexcept {
+  ++state.tick;
+  if (!force_N.allFinite()) return false;
+  if (!state.started) {
+    state.started = true;
+    state.turn_N = state.furthest_N = force_N;
+  }
+  follow(force_N, threshold_N, state);
+  const bool buzzes =
+      state.seen >= BuzzState::kReversals &&
+      static_cast<double>(state.tick - state.seen_ticks.front()) * dt_s <= kWindow_s &&
+      sustained(state);
+  if (buzzes) ++state.buzz_ticks;
+  return buzzes;
+}
+
+std::uint64_t BuzzState::hash() const {
+  std::array<double, 6> forces{};
+  std::copy_n(turn_N.data(), 3, forces.begin());
+  std::copy_n(furthest_N.data(), 3, forces.begin() + 3);
+  const std::array<std::uint64_t, 4> counts{tick, seen, buzz_ticks, started ? 1u : 0u};
+  std::uint64_t hash = hash_bytes(forces.data(), sizeof(forces));
+  hash = hash_bytes(swings_N.data(), sizeof(swings_N), hash);
+  hash = hash_bytes(seen_ticks.data(), sizeof(seen_ticks), hash);
+  return hash_bytes(counts.data(), sizeof(counts), hash);
+}
+
+}  // namespace sulcus

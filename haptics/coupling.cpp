@@ -1,0 +1,106 @@
+#include "haptics/coupling.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+#include "haptics/tool_motion.hpp"
+
+namespace sulcus {
+
+namespace {
+
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+  return m;
+}
+
+/// A spring's pull, no stronger than its limit, and that over the stretch.
+double held(double stiffness, double limit, const Eigen::Vector3d& stretch,
+            Eigen::Vector3d& force) {
+  const double length = stretch.norm();
+  const double now = stiffness * length > limit ? limit / length : stiffness;
+  force = now * stretch;
+  return now;
+}
+
+}  // namespace
+
+CouplingSprings::CouplingSprings(const CouplingSettings& settings, const Burr& burr)
+    : stiffness_N_per_m(settings.stiffness_N_per_m),
+      turning_stiffness_Nm_per_rad(settings.turning_stiffness_Nm_per_rad),
+      force_limit_N(settings.force_limit_N),
+      torque_limit_Nm(settings.torque_limit_Nm),
+      middle_tool(0.0, 0.5 * burr.head_length_m, 0.0) {
+  const Capsule& capsule = burr.capsule;
+  const double to_ends_m =
+      std::max((capsule.a_tool - middle_tool).norm(), (capsule.b_tool - middle_tool).norm());
+  reach_m = to_ends_m + capsule.radius_m;
+}
+
+SpringPull pull(const CouplingSprings& springs, const Pose& device, const Pose& tool) noexcept {
+  const Eigen::Vector3d stretch_m =
+      device.point(springs.middle_tool) - tool.point(springs.middle_tool);
+  const Eigen::Vector3d turn =
+      motion_between(tool, device, 1.0, 0.0).angular_rad_per_s;  // in one second: the turn
+  SpringPull now;
+  now.stiffness_N_per_m =
+      held(springs.stiffness_N_per_m, springs.force_limit_N, stretch_m, now.wrench.force_N);
+  now.turning_stiffness_Nm_per_rad = held(springs.turning_stiffness_Nm_per_rad,
+                                          springs.torque_limit_Nm, turn, now.wrench.torque_Nm);
+  return now;
+}
+
+Wrench pull_on_device(const CouplingSprings& springs, const Pose& device, const Pose& tool,
+                      double reference_m) noexcept {
+  const Wrench on_tool = pull(springs, device, tool).wrench;
+  return about(Wrench{-on_tool.force_N, -on_tool.torque_Nm}, device.point(springs.middle_tool),
+               device.point({0.0, reference_m, 0.0}));
+}
+
+Wrench about(const Wrench& wrench, const Eigen::Vector3d& from,
+             const Eigen::Vector3d& to) noexcept {
+  return {wrench.force_N, wrench.torque_Nm + (from - to).cross(wrench.force_N)};
+}
+
+Matrix6d about(const Matrix6d& stiffness, const Eigen::Vector3d& from,
+               const Eigen::Vector3d& to) noexcept {
+  // A turn r about `to` takes `from` along by r x (from - to); torques answer by the transpose.
+  Matrix6d motion = Matrix6d::Identity();
+  motion.topRightCorner<3, 3>() = -cross_matrix(from - to);
+  return motion.transpose() * stiffness * motion;
+}
+
+Vector6d coupled_step(const SpringPull& springs, const Matrix6d& contact, const Vector6d& residual,
+                      double reach_m) noexcept {
+  // Turns as the way of a point at the burr's surface: all entries are then of one unit.
+  Vector6d scale;
+  scale << 1.0, 1.0, 1.0, 1.0 / reach_m, 1.0 / reach_m, 1.0 / reach_m;
+  Matrix6d stiffness = scale.asDiagonal() * contact * scale.asDiagonal();
+  Vector6d spring;
+  spring.head<3>().setConstant(springs.stiffness_N_per_m);
+  spring.tail<3>().setConstant(springs.turning_stiffness_Nm_per_rad / (reach_m * reach_m));
+  // Nothing that is near zero or positive is touched: half the springs' own stiffness is the slack.
+  Matrix6d lifted = stiffness;
+  lifted.diagonal() += 0.5 * spring;
+  if (Eigen::LLT<Matrix6d>(lifted).info() != Eigen::Success) {
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(stiffness);
+    stiffness = solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).asDiagonal() *
+                solver.eigenvectors().transpose();
+  }
+  stiffness.diagonal() += spring;
+  return scale.cwiseProduct(stiffness.llt().solve(scale.cwiseProduct(residual)));
+}
+
+Pose moved(const Pose& tool, const Eigen::Vector3d& middle_tool, const Vector6d& step) noexcept {
+  const Eigen::Vector3d half = 0.5 * step.tail<3>();
+  Pose to;
+  to.orientation =
+      (Eigen::Quaterniond(1.0, half.x(), half.y(), half.z()) * tool.orientation).normalized();
+  const Eigen::Vector3d middle = tool.point(middle_tool) + step.head<3>();
+  to.position = middle - to.orientation * middle_tool;
+  return to;
+}
+
+}  // namespace sulcus

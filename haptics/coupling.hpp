@@ -1,0 +1,142 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include "engine/core/pose.hpp"
+#include "engine/scene/scene.hpp"
+#include "engine/tool/burr.hpp"
+#include "haptics/contact.hpp"
+
+namespace sulcus {
+
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+/// The springs between the device and the tool, attached in the middle of the burr's head, where
+/// what it touches has the shortest arms.
+struct CouplingSprings {
+  CouplingSprings(const CouplingSettings& settings, const Burr& burr);
+
+  double stiffness_N_per_m, turning_stiffness_Nm_per_rad;
+  double force_limit_N, torque_limit_Nm;
+  Eigen::Vector3d middle_tool;  // where they are attached
+  double reach_m;               // of the burr's surface from there, at most
+};
+
+/// What the springs do to the tool: force and torque about its middle, world axes; no more than
+/// the limits, whatever the stretch. Their stiffnesses are then force over stretch.
+struct SpringPull {
+  Wrench wrench;
+  double stiffness_N_per_m, turning_stiffness_Nm_per_rad;
+};
+SpringPull pull(const CouplingSprings& springs, const Pose& device, const Pose& tool) noexcept;
+
+/// What they do to the device: the opposite, the torque about its torque reference, `reference_m`
+/// from the tip.
+Wrench pull_on_device(const CouplingSprings& springs, const Pose& device, const Pose& tool,
+                      double reference_m) noexcept;
+
+/// A wrench, and a stiffness, about the point `to` (world) instead of `from`.
+Wrench about(const Wrench& wrench, const Eigen::Vector3d& from, const Eigen::Vector3d& to) noexcept;
+Matrix6d about(const Matrix6d& stiffness, const Eigen::Vector3d& from,
+               const Eigen::Vector3d& to) noexcept;
+
+/// One Newton step for a tool between springs and contact: (springs + contact) step = residual,
+/// translation of the middle and turn about it. The springs regularise what the contact leaves
+/// free; a contact that gives way the further it is pushed counts as none there (its stiffness'
+/// negative eigenvalues, turns measured at `reach_m`, are taken as zero).
+Vector6d coupled_step(const SpringPull& springs, const Matrix6d& contact, const Vector6d& residual,
+                      double reach_m) noexcept;
+
+/// The tool moved: its middle by step.head, turned about it by step.tail (rad, small).
+Pose moved(const Pose& tool, const Eigen::Vector3d& middle_tool, const Vector6d& step) noexcept;
+
+/// How far a point of the burr moves at most.
+inline double way_of(const Vector6d& step, double reach_m) noexcept {
+  return step.head<3>().norm() + reach_m * step.tail<3>().norm();
+}
+
+struct CoupledResult {
+  ContactResult contact;  // where the tool is
+  int evaluations = 0;    // of the contact
+  bool balanced = false;  // else it goes on in the next tick
+};
+
+/// Takes the tool towards where springs and contact balance: a quasi-static virtual coupling [Wan
+/// and McNeely 2003; Barbic and James 2008]. We iterate where they take one linear step, so that a
+/// contact a thousand times as stiff as the springs is met without crossing it:
+///
+///  - Newton steps with the contact's own stiffness; the springs regularise.
+///  - In contact a step takes no point of the burr further than half a voxel; in free space no
+///    further than `free_way`, so that nothing is crossed without being felt, at any speed.
+///  - A step after which the residual has turned round and grown is gone back on by a secant.
+///  - Ends within kClose_m of where it would go and kLittle of its force, or when the evaluations
+///  or the contacts of a tick
+///    are used up, counted and never timed; the next tick goes on from there.
+///
+/// It has no state but the tool's pose. `evaluate(pose) -> ContactResult` with stiffness, wrench
+/// about the torque reference; what its last call left is the contact where the tool ends.
+/// `free_way(pose, wanted_m) -> m`: how far any point of a burr without contact can go for certain.
+template <class Evaluate, class FreeWay>
+CoupledResult couple(const CouplingSprings& springs, const CouplingSettings& settings,
+                     double reference_m, double longest_step_m, const Pose& device, Pose& tool,
+                     const Evaluate& evaluate, const FreeWay& free_way) noexcept {
+  constexpr double kClose_m = 1e-6;
+  constexpr double kLittle_N = 5e-3, kLittle = 0.01;  // of what the springs pull with
+  constexpr int kFreeEvaluations = 16;                // without contact they cost little
+  CoupledResult result;
+  Pose from = tool;                            // where the last step began
+  Vector6d residual_there = Vector6d::Zero();  // and what drove it
+  Vector6d step = Vector6d::Zero();
+  std::uint64_t touched = 0;
+  for (int free = 0;;) {
+    result.contact = evaluate(tool);
+    ++result.evaluations;
+    const bool touching = result.contact.contacts > 0;
+    touched += result.contact.contacts;
+    free += touching ? 0 : 1;
+
+    const Eigen::Vector3d middle = tool.point(springs.middle_tool);
+    const Eigen::Vector3d reference = tool.point({0.0, reference_m, 0.0});
+    const SpringPull springs_now = pull(springs, device, tool);
+    const Wrench contact = about(result.contact.wrench, reference, middle);
+    Vector6d residual;
+    residual << springs_now.wrench.force_N + contact.force_N,
+        springs_now.wrench.torque_Nm + contact.torque_Nm;
+
+    if (!residual.allFinite()) break;  // the caller sees it in the contact
+    if (result.evaluations - free >= settings.evaluations || free >= kFreeEvaluations ||
+        touched + result.contact.contacts >
+            static_cast<std::uint64_t>(settings.contacts_per_tick)) {
+      break;
+    }
+    if (result.evaluations > 1) {
+      const double before = residual_there.dot(step), after = residual.dot(step);
+      if (after < 0.0 && -after > before && before > 0.0) {
+        step *= before / (before - after);
+        tool = moved(from, springs.middle_tool, step);
+        continue;
+      }
+    }
+    const Matrix6d stiffness = about(result.contact.stiffness, reference, middle);
+    step = coupled_step(springs_now, stiffness, residual, springs.reach_m);
+    const double way_m = way_of(step, springs.reach_m);
+    const double little_N = std::max(kLittle_N, kLittle * springs_now.wrench.force_N.norm());
+    if (way_m <= kClose_m && residual.head<3>().norm() <= little_N) {
+      result.balanced = true;
+      break;
+    }
+    const double longest_m = touching || way_m <= longest_step_m
+                                 ? longest_step_m
+                                 : std::max(longest_step_m, free_way(tool, way_m));
+    if (way_m > longest_m) step *= longest_m / way_m;
+    from = tool;
+    residual_there = residual;
+    tool = moved(from, springs.middle_tool, step);
+  }
+  return result;
+}
+
+}  // namespace sulcus

@@ -1,0 +1,83 @@
+#include "haptics/device_edge.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "engine/core/hash.hpp"
+
+namespace sulcus {
+
+namespace {
+
+constexpr double kRamp_s = 0.1;
+constexpr double kFall_s = 0.02;
+
+/// A vector in its own direction, no longer than `limit`. Scaled first, since the squares of large
+/// numbers overflow.
+Eigen::Vector3d shortened(const Eigen::Vector3d& v, double limit) {
+  const double largest = v.cwiseAbs().maxCoeff();
+  if (largest == 0.0) return v;
+  const Eigen::Vector3d scaled = v / largest;
+  const double length = scaled.norm();
+  if (largest * length <= limit) return v;
+  return scaled * (limit / length);
+}
+
+bool is_finite(const Wrench& wrench) {
+  return wrench.force_N.allFinite() && wrench.torque_Nm.allFinite();
+}
+
+bool equal(const Wrench& a, const Wrench& b) {
+  return a.force_N == b.force_N && a.torque_Nm == b.torque_Nm;
+}
+
+/// The ramp of the next tick.
+double next_ramp(double ramp, const DeviceEdgeLimits& limits, bool answered) {
+  return answered ? std::min(1.0, ramp + limits.dt_s / kRamp_s)
+                  : std::max(0.0, ramp - limits.dt_s / kFall_s);
+}
+
+}  // namespace
+
+Wrench device_edge(const Wrench& wanted, const DeviceEdgeLimits& limits, bool answered, bool jumped,
+                   DeviceEdgeState& state) noexcept {
+  Wrench rendered;  // what of the wanted the device has
+  if (!is_finite(wanted)) {
+    ++state.not_finite_ticks;
+  } else {
+    if (limits.force_N > 0.0) rendered.force_N = wanted.force_N;
+    if (limits.torque_Nm > 0.0) rendered.torque_Nm = wanted.torque_Nm;
+  }
+  const Wrench clamped{shortened(rendered.force_N, limits.force_N),
+                       shortened(rendered.torque_Nm, limits.torque_Nm)};
+  if (!equal(clamped, rendered)) ++state.clamped_ticks;
+
+  if (jumped) state.ramp = 0.0;
+  const Wrench ramped{state.ramp * clamped.force_N, state.ramp * clamped.torque_Nm};
+  if (!equal(ramped, clamped)) ++state.ramped_ticks;
+  state.ramp = next_ramp(state.ramp, limits, answered);
+
+  const Eigen::Vector3d force_step_N = ramped.force_N - state.sent.force_N;
+  const Eigen::Vector3d torque_step_Nm = ramped.torque_Nm - state.sent.torque_Nm;
+  const Eigen::Vector3d force_taken_N = shortened(force_step_N, limits.force_step_N);
+  const Eigen::Vector3d torque_taken_Nm = shortened(torque_step_Nm, limits.torque_step_Nm);
+  // A step that is taken whole ends where it was to go, to the last bit.
+  const bool force_whole = force_taken_N == force_step_N;
+  const bool torque_whole = torque_taken_Nm == torque_step_Nm;
+  if (!force_whole || !torque_whole) ++state.step_limited_ticks;
+  state.sent.force_N = force_whole ? ramped.force_N : state.sent.force_N + force_taken_N;
+  state.sent.torque_Nm = torque_whole ? ramped.torque_Nm : state.sent.torque_Nm + torque_taken_Nm;
+  return state.sent;
+}
+
+std::uint64_t DeviceEdgeState::hash() const {
+  std::array<double, 7> values{};
+  std::copy_n(sent.force_N.data(), 3, values.begin());
+  std::copy_n(sent.torque_Nm.data(), 3, values.begin() + 3);
+  values[6] = ramp;
+  const std::array<std::uint64_t, 4> counts{not_finite_ticks, clamped_ticks, ramped_ticks,
+                                            step_limited_ticks};
+  return hash_bytes(counts.data(), sizeof(counts), hash_bytes(values.data(), sizeof(values)));
+}
+
+}  // namespace sulcus

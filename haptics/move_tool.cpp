@@ -1,0 +1,139 @@
+#include "haptics/move_tool.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "haptics/broad_phase.hpp"
+#include "haptics/coupling.hpp"
+#include "haptics/evaluate_contact.hpp"
+#include "haptics/free_way.hpp"
+#include "haptics/load_balance.hpp"
+#include "haptics/tool_motion.hpp"
+
+namespace sulcus {
+
+namespace {
+
+/// How fast a load pushes the tool on, at most: a hand does not let go of it.
+constexpr double kFastestAdvance_m_per_s = 20e-3;
+
+/// Numbers of the bodies whose boxes come within a margin of the burr.
+struct NearBodies {
+  std::array<std::uint16_t, 1 + kMaxBodies> numbers{};
+  std::size_t count = 0;
+
+  NearBodies(const TickContext& context, const Pose& tool, double margin_m) noexcept {
+    const Eigen::AlignedBox3d box = capsule_bounds(context.burr.capsule, tool, margin_m);
+    count = context.bodies.find(context.bodies.bodies, box, numbers);
+  }
+  auto begin() const { return numbers.begin(); }
+  auto end() const { return numbers.begin() + static_cast<std::ptrdiff_t>(count); }
+};
+
+/// free_way to the workpiece and every other body.
+double free_way_to_bodies(const TickContext& context, const Workpiece& workpiece,
+                          const SimulationState& state, const Pose& tool, double wanted_m,
+                          TickScratch& scratch) noexcept {
+  double way_m = wanted_m;
+  for (const std::uint16_t body : NearBodies(context, tool, wanted_m + workpiece.grid().voxel_m)) {
+    if (body == 0) {
+      way_m = std::min(way_m, free_way(workpiece, context.burr, tool, way_m, scratch.contact));
+      continue;
+    }
+    const Neighbour& neighbour = state.neighbours[body - 1u];
+    const Pose in_grid = inverse(neighbour.world_from_grid) * tool;
+    way_m = std::min(way_m, free_way(neighbour.solid, context.burr, in_grid, way_m,
+                                     scratch.neighbours[body - 1u].contact));
+  }
+  return way_m;
+}
+
+MovedTool follow_coupling(const TickContext& context, const Workpiece& workpiece,
+                          const Pose& device, SimulationState& state,
+                          TickScratch& scratch) noexcept {
+  const CouplingSettings& settings = *context.scene.coupling;
+  const CouplingSprings springs(settings, context.burr);
+  Pose tool = state.has_pose ? state.tool : device;
+  const CoupledResult coupled = couple(
+      springs, settings, context.burr.reference_m, 0.5 * workpiece.grid().voxel_m, device, tool,
+      [&](const Pose& pose) noexcept {
+        return contact_with_bodies(context, workpiece, state, pose, true, scratch);
+      },
+      [&](const Pose& pose, double wanted_m) noexcept {
+        return free_way_to_bodies(context, workpiece, state, pose, wanted_m, scratch);
+      });
+  state.tool = tool;
+  return {coupled.contact, coupled.evaluations};
+}
+
+MovedTool follow_load(const TickContext& context, const Workpiece& workpiece, const Pose& device,
+                      SimulationState& state, TickScratch& scratch) noexcept {
+  MovedTool moved{{}, 0};
+  Pose tool = device;
+  const TrajectorySettings& settings = context.scene.trajectory;
+  const Eigen::Vector3d& along = settings.load_direction;
+  const LoadSearch search{*settings.load_N, 0.5 * workpiece.grid().voxel_m,
+                          kFastestAdvance_m_per_s / context.scene.haptics.rate_hz};
+  const auto evaluate = [&](double offset_m, bool with_stiffness) {
+    tool.position = device.position + offset_m * along;
+    const ContactResult& contact = moved.contact =
+        contact_with_bodies(context, workpiece, state, tool, with_stiffness, scratch);
+    ++moved.evaluations;
+    return Resistance{-along.dot(contact.wrench.force_N),
+                      along.dot(contact.stiffness.topLeftCorner<3, 3>() * along)};
+  };
+  state.load_offset_m = balance_load(search, *state.load_offset_m, evaluate);
+  state.tool = tool;
+  return moved;
+}
+
+}  // namespace
+
+double spindle_speed_now(const TickContext& context, const SimulationState& state) noexcept {
+  return state.spindle_rad_per_s.value_or(context.burr.speed_rad_per_s);
+}
+
+ContactResult contact_with_bodies(const TickContext& context, const Workpiece& workpiece,
+                                  const SimulationState& state, const Pose& tool,
+                                  bool with_stiffness, TickScratch& scratch) noexcept {
+  const double dt_s = 1.0 / context.scene.haptics.rate_hz;
+  const Twist twist = motion_between(state.has_pose ? state.tool : tool, tool, dt_s,
+                                     spindle_speed_now(context, state));
+  const Twist* const cutting = state.removal ? &twist : nullptr;
+  scratch.forget();
+  const NearBodies near = [&] {
+    const auto timed = scratch.contact.clock.time(Stage::kBroadPhase);
+    return NearBodies(context, tool, workpiece.grid().voxel_m);
+  }();
+  ContactResult sum;
+  for (const std::uint16_t body : near) {
+    if (body == 0) {
+      add(sum, evaluate_contact(workpiece, context.scene.tissues, context.burr, tool, cutting,
+                                context.scene.haptics, state.kept ? &*state.kept : nullptr,
+                                scratch.contact, with_stiffness));
+      continue;
+    }
+    auto& [contact, found] = scratch.neighbours[body - 1u];
+    found = evaluate_neighbour(state.neighbours[body - 1u], context.scene.tissues, context.burr,
+                               tool, cutting, context.scene.haptics, contact, with_stiffness);
+    add(sum, found);
+  }
+  return sum;
+}
+
+MovedTool move_tool(const TickContext& context, const Workpiece& workpiece, const Pose& device,
+                    SimulationState& state, TickScratch& scratch) noexcept {
+  MovedTool moved;
+  if (state.load_offset_m) {
+    moved = follow_load(context, workpiece, device, state, scratch);
+  } else if (context.scene.coupling) {
+    moved = follow_coupling(context, workpiece, device, state, scratch);
+  } else {
+    moved.contact = contact_with_bodies(context, workpiece, state, device, false, scratch);
+    state.tool = device;
+  }
+  state.has_pose = true;
+  return moved;
+}
+
+}  // namespace sulcus

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "engine/bodies/body_query.hpp"
+#include "engine/scene/scene.hpp"
+#include "engine/tool/burr.hpp"
+
+namespace sulcus {
+
+/// What a tick reads and never changes. The referred objects outlive it.
+struct TickContext {
+  const Scene& scene;
+  const Burr& burr;
+  BodyQuery bodies;  // body 0 is the workpiece, then SimulationState::neighbours
+};
+
+}  // namespace sulcus

@@ -1,0 +1,219 @@
+#include "haptics/coupling.hpp"
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include "tests/support/tools.hpp"
+
+namespace sulcus {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kVoxel = 50e-6;
+constexpr double kHalf = 0.5 * kVoxel;
+constexpr double kRadius = 0.5e-3;
+
+const Burr& burr() {
+  static const Burr round = make_burr(test::small_burr(BurrShape::kRound, 2.0 * kRadius), kVoxel);
+  return round;
+}
+
+/// A face at z = 0 that one point of the tool, `at_tool`, presses into: force K times its depth.
+struct PointOnFace {
+  double stiffness_N_per_m;
+  Vector3d at_tool = Vector3d::Zero();
+
+  ContactResult operator()(const Pose& tool) const {
+    ContactResult contact;
+    const Vector3d at = tool.point(at_tool);
+    if (at.z() >= 0.0) return contact;
+    contact.contacts = 1;
+    const Vector3d force(0, 0, -stiffness_N_per_m * at.z());
+    const Vector3d arm = at - tool.point({0.0, burr().reference_m, 0.0});
+    contact.wrench = {force, arm.cross(force)};
+    Vector6d row;
+    row << Vector3d::UnitZ(), arm.cross(Vector3d::UnitZ());
+    contact.stiffness = stiffness_N_per_m * row * row.transpose();
+    return contact;
+  }
+};
+
+/// A coupling run tick by tick towards a device that rests, with every pose it asked about.
+struct CoupledRun {
+  explicit CoupledRun(const Pose& start) : springs(settings, burr()), tool(start) {}
+
+  template <class Contact>
+  CoupledResult tick(const Pose& device, const Contact& contact, double free_m = 0.0) {
+    Pose from = tool;
+    return couple(
+        springs, settings, burr().reference_m, kHalf, device, tool,
+        [&](const Pose& pose) {
+          ContactResult found = contact(pose);
+          const double way_m = (pose.position - from.position).norm();
+          if (was_touching) longest_m = std::max(longest_m, way_m);
+          was_touching = found.contacts > 0;
+          from = pose;
+          return found;
+        },
+        [&](const Pose&, double wanted_m) { return std::min(wanted_m, free_m); });
+  }
+
+  CouplingSettings settings;
+  CouplingSprings springs;
+  Pose tool;
+  double longest_m = 0.0;  // of the steps that began in contact
+  bool was_touching = false;
+};
+
+Wrench felt(const CoupledRun& run, const Pose& device) {
+  return pull_on_device(run.springs, device, run.tool, burr().reference_m);
+}
+
+TEST(Coupling, AStiffFaceIsFeltAsBothSpringsInARow) {
+  CoupledRun run(test::upright({0, 0, 10e-6}));
+  const PointOnFace face{300e3};
+  for (int i = 0; i <= 1000; ++i) {
+    const Pose device = test::upright({0, 0, 10e-6 - i * 1e-6});
+    const CoupledResult coupled = run.tick(device, face);
+    if (i < 200) continue;
+    const double depth_m = i * 1e-6 - 10e-6;
+    const double series_N = depth_m / (1.0 / 300e3 + 1.0 / run.settings.stiffness_N_per_m);
+    ASSERT_TRUE(coupled.balanced) << i;
+    const double little_N = std::max(5e-3, 0.011 * series_N);
+    ASSERT_NEAR(felt(run, device).force_N.z(), series_N, little_N) << i;
+    ASSERT_NEAR(coupled.contact.wrench.force_N.z(), series_N, little_N) << i;
+  }
+}
+
+TEST(Coupling, NoStepInContactIsLongerThanAskedForHoweverFarTheDeviceIs) {
+  CoupledRun run(test::upright({0, 0, -1e-6}));
+  // Soft, so that the whole way is gone in contact.
+  const PointOnFace face{100.0};
+  const Pose device = test::upright({0, 0, -3e-3});
+  for (int i = 0; i < 100; ++i) run.tick(device, face);
+  EXPECT_LT(run.tool.position.z(), -1e-3);
+  EXPECT_GT(run.longest_m, 0.9 * kHalf);
+  EXPECT_LE(run.longest_m, kHalf * (1.0 + 1e-9));
+}
+
+TEST(Coupling, FreeSpaceIsCrossedAsFarAsItIsKnownToBeFree) {
+  const auto nothing = [](const Pose&) { return ContactResult{}; };
+  const Pose device = test::upright({3e-3, 0, 5e-3});
+  CoupledRun known(test::upright({0, 0, 1e-3}));
+  known.tick(device, nothing, 1.0);
+  EXPECT_LT((known.tool.position - device.position).norm(), 1e-6);
+  CoupledRun unknown(test::upright({0, 0, 1e-3}));
+  unknown.tick(device, nothing);
+  EXPECT_NEAR((unknown.tool.position - Vector3d(0, 0, 1e-3)).norm(), 15 * kHalf, 1e-9)
+      << "half a voxel at a time";
+}
+
+TEST(Coupling, TheSpringsPullNoHarderThanTheirLimits) {
+  CoupledRun run(test::upright({0, 0, 1e-6}));
+  const PointOnFace face{300e3};
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(1.2, Vector3d::UnitX()));
+  Pose device = test::upright({0, 0, -50e-3});
+  device.orientation = turn * device.orientation;
+  for (int i = 0; i < 50; ++i) run.tick(device, face);
+  const SpringPull pulled = pull(run.springs, device, run.tool);
+  EXPECT_NEAR(pulled.wrench.force_N.norm(), run.settings.force_limit_N, 1e-9);
+  EXPECT_GT(run.tool.position.z(), -0.2e-3) << "held at the face";
+}
+
+TEST(Coupling, APressOffTheAxisTurnsTheToolUntilTheTorquesBalance) {
+  // A face met at the side: the springs' middle, R up the axis, is passed at 0.8 R.
+  CoupledRun run(test::upright({0, 0, 0}));
+  const Vector3d side_tool(0.4e-3, 0.0, 0.0);
+  const PointOnFace face{300e3, side_tool};
+  run.settings.turning_stiffness_Nm_per_rad = 0.02;
+  run.springs = CouplingSprings(run.settings, burr());
+  Pose device;
+  CoupledResult coupled;
+  for (int i = 0; i <= 1000; ++i) {
+    device = test::upright({0, 0, -i * 1e-6});
+    coupled = run.tick(device, face);
+  }
+  const Vector3d middle = run.tool.point(run.springs.middle_tool);
+  const Vector3d arm = run.tool.point(side_tool) - middle;
+  const SpringPull pulled = pull(run.springs, device, run.tool);
+  const Vector3d moment = arm.cross(coupled.contact.wrench.force_N);
+  EXPECT_GT(moment.norm(), 0.2e-3);
+  EXPECT_LT((pulled.wrench.torque_Nm + moment).norm(), 0.03 * moment.norm());
+  // And the device gets both, about its own reference point.
+  const Wrench on_device = felt(run, device);
+  const Vector3d handle = device.point({0.0, burr().reference_m, 0.0});
+  const Vector3d expected =
+      moment +
+      (device.point(run.springs.middle_tool) - handle).cross(coupled.contact.wrench.force_N);
+  EXPECT_LT((on_device.torque_Nm - expected).norm(), 0.03 * expected.norm());
+}
+
+TEST(Coupling, AWrenchAndAStiffnessAboutAnotherPointDoTheSameWork) {
+  const Vector3d from(1e-3, -2e-3, 3e-3), to(-2e-3, 1e-3, 0.5e-3);
+  const Wrench wrench{{1, 2, -3}, {4e-3, -5e-3, 6e-3}};
+  Vector6d motion_to;
+  motion_to << 1e-6, 2e-6, -1e-6, 3e-4, -1e-4, 2e-4;
+  // The same motion as seen at `from`.
+  Vector6d motion_from = motion_to;
+  const Vector3d turn = motion_to.tail<3>();
+  motion_from.head<3>() += turn.cross(from - to);
+  const auto work = [](const Wrench& w, const Vector6d& m) {
+    return w.force_N.dot(m.head<3>()) + w.torque_Nm.dot(m.tail<3>());
+  };
+  EXPECT_NEAR(work(about(wrench, from, to), motion_to), work(wrench, motion_from), 1e-18);
+  Matrix6d stiffness = Matrix6d::Random();
+  stiffness = (stiffness * stiffness.transpose()).eval();
+  EXPECT_NEAR(motion_to.dot(about(stiffness, from, to) * motion_to),
+              motion_from.dot(stiffness * motion_from), 1e-18);
+}
+
+TEST(Coupling, AContactThatGivesWayCountsAsNone) {
+  SpringPull springs{{}, 700.0, 0.2};
+  Matrix6d contact = Matrix6d::Zero();
+  contact(2, 2) = 300e3;
+  contact(0, 0) = -5e3;  // the further along x, the less it holds
+  Vector6d residual = Vector6d::Zero();
+  residual[0] = 0.7;
+  residual[2] = -0.3;
+  const Vector6d step = coupled_step(springs, contact, residual, 1e-3);
+  EXPECT_NEAR(step[0], 1e-3, 1e-9) << "as far as the spring alone goes";
+  EXPECT_NEAR(step[2], -0.3 / (300e3 + 700.0), 1e-12);
+}
+
+TEST(Coupling, GoesOnInTheNextTickWhenTheContactsOfATickAreUsedUp) {
+  CoupledRun run(test::upright({0, 0, -1e-6}));
+  const PointOnFace face{1e3};
+  const auto many = [&](const Pose& pose) {
+    ContactResult contact = face(pose);
+    contact.contacts *= 12000;
+    return contact;
+  };
+  const Pose device = test::upright({0, 0, -1e-3});
+  EXPECT_EQ(run.tick(device, many).evaluations, 1);
+  const Vector3d first = run.tool.position;
+  run.settings.contacts_per_tick = 36000;
+  const CoupledResult more = run.tick(device, many);
+  EXPECT_EQ(more.evaluations, 3);
+  EXPECT_FALSE(more.balanced);
+  EXPECT_GT((run.tool.position - first).norm(), kHalf);
+}
+
+TEST(Coupling, AContactThatIsNotFiniteMovesNothing) {
+  CoupledRun run(test::upright({0, 0, 0}));
+  const auto broken = [](const Pose&) {
+    ContactResult contact;
+    contact.contacts = 1;
+    contact.wrench.force_N.x() = std::numeric_limits<double>::quiet_NaN();
+    return contact;
+  };
+  EXPECT_EQ(run.tick(test::upright({0, 0, -1e-3}), broken).evaluations, 1);
+  EXPECT_EQ(run.tool.position, Vector3d(0, 0, 0));
+}
+
+}  // namespace
+}  // namespace sulcus

@@ -1,0 +1,237 @@
+#include "haptics/device_edge.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace sulcus {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Wrench force(double x, double y = 0.0, double z = 0.0) { return {Vector3d(x, y, z), {0, 0, 0}}; }
+
+/// An edge and what it sent last.
+struct Edge {
+  DeviceEdgeLimits limits;
+  DeviceEdgeState state;
+  Wrench sent;
+  double largest_step_N = 0.0;
+
+  void send(const Wrench& wanted, int ticks = 1, bool answered = true, bool jumped = false) {
+    for (int i = 0; i < ticks; ++i) {
+      const Vector3d before_N = sent.force_N;
+      sent = device_edge(wanted, limits, answered, jumped, state);
+      largest_step_N = std::max(largest_step_N, (sent.force_N - before_N).norm());
+    }
+  }
+};
+
+/// One whose ramp is through.
+Edge running() {
+  Edge edge;
+  edge.send({}, 200);
+  return edge;
+}
+
+TEST(DeviceEdge, WhatIsWithinTheLimitsPassesToTheLastBit) {
+  Edge edge = running();
+  const DeviceEdgeState before = edge.state;
+  for (int i = 0; i < 100; ++i) {
+    const Wrench wanted = force(i % 2 == 0 ? 0.3 : 1e-9 / 3.0, 0.1, -0.013 * i);
+    edge.send(wanted);
+    EXPECT_EQ(edge.sent.force_N, wanted.force_N);
+  }
+  EXPECT_EQ(edge.state.clamped_ticks, before.clamped_ticks);
+  EXPECT_EQ(edge.state.ramped_ticks, before.ramped_ticks);
+  EXPECT_EQ(edge.state.step_limited_ticks, before.step_limited_ticks);
+  EXPECT_EQ(edge.state.not_finite_ticks, 0u);
+}
+
+TEST(DeviceEdge, FirstContactAt20MmPerSComesThroughWhole) {
+  // A device of 55 um resolution on the stiffest coupling, 1.2 N/mm.
+  Edge edge = running();
+  for (int i = 0; i < 100; ++i) {
+    const double depth_m = 55e-6 * std::floor(20e-6 * i / 55e-6);
+    edge.send(force(1200.0 * depth_m));
+    EXPECT_EQ(edge.sent.force_N.x(), 1200.0 * depth_m);
+  }
+}
+
+TEST(DeviceEdge, IfAnythingIsNotFiniteNothingIsSent) {
+  const std::vector<Wrench> broken{force(kNaN),
+                                   force(0.0, kInfinity),
+                                   force(0.0, 0.0, -kInfinity),
+                                   {Vector3d(0.1, 0.0, 0.0), Vector3d(0.0, kNaN, 0.0)}};
+  for (const Wrench& wanted : broken) {
+    Edge edge;
+    edge.limits.torque_Nm = 0.1;
+    edge.send({Vector3d(0.1, 0, 0), Vector3d(0.01, 0, 0)}, 200);
+    ASSERT_EQ(edge.sent.torque_Nm.x(), 0.01);
+    edge.send(wanted);
+    EXPECT_EQ(edge.sent.force_N, Vector3d::Zero().eval());
+    EXPECT_EQ(edge.sent.torque_Nm, Vector3d::Zero().eval());
+    EXPECT_EQ(edge.state.not_finite_ticks, 1u);
+    edge.send(force(0.2));
+    EXPECT_EQ(edge.sent.force_N.x(), 0.2) << "nothing of it stays";
+  }
+}
+
+TEST(DeviceEdge, AForceBeyondTheLimitKeepsItsDirection) {
+  for (const double size : {4.0, 1e3, 1e200, 1e308}) {
+    Edge edge = running();
+    edge.send(force(0.6 * size, 0.0, -0.8 * size), 50);
+    EXPECT_NEAR(edge.sent.force_N.x(), 0.6 * 3.3, 1e-12) << size;
+    EXPECT_NEAR(edge.sent.force_N.z(), -0.8 * 3.3, 1e-12) << size;
+    EXPECT_EQ(edge.state.clamped_ticks, 50u);
+  }
+}
+
+TEST(DeviceEdge, ADeviceWithoutTorquesGetsNone) {
+  Edge edge = running();
+  edge.send({Vector3d(1.0, 0, 0), Vector3d(0.05, 0, 0)}, 50);
+  EXPECT_EQ(edge.sent.torque_Nm, Vector3d::Zero().eval());
+  EXPECT_EQ(edge.sent.force_N.x(), 1.0);
+  EXPECT_EQ(edge.state.clamped_ticks, 0u) << "what is not rendered is not clamped";
+}
+
+TEST(DeviceEdge, TorquesAreClampedAndStepLimitedByThemselves) {
+  Edge edge;
+  edge.limits.torque_Nm = 0.1;
+  edge.send({}, 200);
+  edge.send({Vector3d(0.2, 0, 0), Vector3d(0, 5.0, 0)});
+  EXPECT_EQ(edge.sent.force_N.x(), 0.2);
+  EXPECT_NEAR(edge.sent.torque_Nm.y(), edge.limits.torque_step_Nm, 1e-12);
+  edge.send({Vector3d(0.2, 0, 0), Vector3d(0, 5.0, 0)}, 50);
+  EXPECT_NEAR(edge.sent.torque_Nm.y(), 0.1, 1e-12);
+}
+
+TEST(DeviceEdge, TheForceRisesOverATenthOfASecond) {
+  Edge edge;
+  for (int i = 0; i < 150; ++i) {
+    edge.send(force(2.0));
+    EXPECT_NEAR(edge.sent.force_N.x(), 2.0 * std::min(1.0, i / 100.0), 1e-9) << i;
+  }
+  EXPECT_EQ(edge.state.ramped_ticks, 100u);
+}
+
+TEST(DeviceEdge, ALargeForceAtTheStartDoesNotPassTheRamp) {
+  Edge edge;
+  for (int i = 0; i < 100; ++i) {
+    edge.send(force(1e6));
+    EXPECT_LE(edge.sent.force_N.x(), 3.3 * i / 100.0 + 1e-9) << i;
+  }
+}
+
+TEST(DeviceEdge, TheRampIsAsLongAtAnotherRate) {
+  Edge edge;
+  edge.limits.dt_s = 0.25e-3;
+  edge.send(force(2.0), 201);
+  EXPECT_NEAR(edge.sent.force_N.x(), 1.0, 1e-9);
+}
+
+TEST(DeviceEdge, WithoutAnAnswerTheForceFallsIn20MsAndThenRisesAgain) {
+  Edge edge = running();
+  edge.send(force(0.4), 10);
+  ASSERT_EQ(edge.sent.force_N.x(), 0.4);
+  edge.largest_step_N = 0.0;
+  edge.send(force(0.4), 11, false);
+  EXPECT_NEAR(edge.sent.force_N.x(), 0.2, 1e-9) << "half way";
+  edge.send(force(0.4), 10, false);
+  EXPECT_NEAR(edge.sent.force_N.x(), 0.0, 1e-9);
+  edge.send(force(0.4), 500, false);
+  EXPECT_NEAR(edge.sent.force_N.x(), 0.0, 1e-9);
+  edge.send(force(0.4), 51);
+  EXPECT_NEAR(edge.sent.force_N.x(), 0.2, 1e-9) << "half way up";
+  EXPECT_LE(edge.largest_step_N, 0.4 / 20 + 1e-9) << "nothing jumps";
+}
+
+TEST(DeviceEdge, OneLostAnswerIsHardlyFelt) {
+  Edge edge = running();
+  edge.send(force(1.0), 10);
+  edge.largest_step_N = 0.0;
+  edge.send(force(1.0), 1, false);
+  edge.send(force(1.0), 10);
+  EXPECT_EQ(edge.sent.force_N.x(), 1.0);
+  EXPECT_LE(edge.largest_step_N, 0.05 + 1e-9);
+}
+
+TEST(DeviceEdge, AfterAJumpOfTheDeviceItStartsAnewWithoutAJumpOfTheForce) {
+  Edge edge = running();
+  edge.send(force(3.0), 20);
+  ASSERT_EQ(edge.sent.force_N.x(), 3.0);
+  edge.largest_step_N = 0.0;
+  edge.send(force(-3.0), 1, true, true);
+  EXPECT_NEAR(edge.sent.force_N.x(), 2.5, 1e-9);
+  edge.send(force(-3.0), 49);
+  EXPECT_NEAR(edge.sent.force_N.x(), -3.0 * 0.49, 1e-9);
+  edge.send(force(-3.0), 60);
+  EXPECT_EQ(edge.sent.force_N.x(), -3.0);
+  EXPECT_LE(edge.largest_step_N, 0.5 + 1e-9);
+}
+
+TEST(DeviceEdge, AStepIsTakenInPartsInWhateverDirection) {
+  Edge edge = running();
+  edge.send(force(1.2), 20);
+  const std::uint64_t before = edge.state.step_limited_ticks;
+  edge.largest_step_N = 0.0;
+  edge.send(force(0.0, 1.6));  // 2 N off, along (-0.6, 0.8)
+  EXPECT_NEAR(edge.sent.force_N.x(), 1.2 - 0.3, 1e-12);
+  EXPECT_NEAR(edge.sent.force_N.y(), 0.4, 1e-12);
+  edge.send(force(0.0, 1.6), 4);
+  EXPECT_EQ(edge.sent.force_N, Vector3d(0.0, 1.6, 0.0)) << "it gets there, to the last bit";
+  EXPECT_LE(edge.largest_step_N, 0.5 + 1e-12);
+  EXPECT_GE(edge.state.step_limited_ticks - before, 3u);
+  EXPECT_LE(edge.state.step_limited_ticks - before, 4u) << "the last may be whole but for rounding";
+}
+
+TEST(DeviceEdge, WhateverIsWantedWhatIsSentIsFiniteAndWithinAllLimits) {
+  // A linear congruence, so that the wrenches are the same on every machine.
+  std::uint32_t seed = 1;
+  const auto next = [&] {
+    seed = seed * 1664525u + 1013904223u;
+    return static_cast<double>(seed >> 8) / (1 << 23) - 1.0;
+  };
+  Edge edge;
+  edge.limits.torque_Nm = 0.1;
+  for (int i = 0; i < 20000; ++i) {
+    const double size = i % 7 == 0 ? 1e5 : 2.0;
+    Wrench wanted{size * Vector3d(next(), next(), next()), Vector3d(next(), next(), next())};
+    if (i % 97 == 0) wanted.force_N.y() = kNaN;
+    const Wrench before = edge.sent;
+    edge.send(wanted, 1, i % 500 > 20, i % 1700 == 0);
+    ASSERT_LE(edge.sent.force_N.norm(), 3.3 * (1 + 1e-12));
+    ASSERT_LE(edge.sent.torque_Nm.norm(), 0.1 * (1 + 1e-12));
+    ASSERT_LE((edge.sent.force_N - before.force_N).norm(), 0.5 * (1 + 1e-12));
+    ASSERT_LE((edge.sent.torque_Nm - before.torque_Nm).norm(), 0.02 * (1 + 1e-12));
+  }
+  EXPECT_EQ(edge.state.not_finite_ticks, 20000u / 97 + 1);
+}
+
+TEST(DeviceEdge, EverythingThatMattersLaterIsHashed) {
+  const std::vector<std::function<void(DeviceEdgeState&)>> changes{
+      [](auto& s) { s.sent.force_N.z() = 1e-9; },
+      [](auto& s) { s.sent.torque_Nm.x() = 1e-9; },
+      [](auto& s) { s.ramp = 0.5; },
+      [](auto& s) { ++s.not_finite_ticks; },
+      [](auto& s) { ++s.clamped_ticks; },
+      [](auto& s) { ++s.ramped_ticks; },
+      [](auto& s) { ++s.step_limited_ticks; },
+  };
+  EXPECT_EQ(DeviceEdgeState().hash(), DeviceEdgeState().hash());
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    DeviceEdgeState state;
+    changes[i](state);
+    EXPECT_NE(state.hash(), DeviceEdgeState().hash()) << "change " << i;
+  }
+}
+
+}  // namespace
+}  // namespace sulcus
