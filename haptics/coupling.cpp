@@ -1,5 +1,8 @@
 #include "haptics/coupling.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -91,6 +94,15 @@ Vector6d coupled_step(const SpringPull& springs, const Matrix6d& contact, const 
   }
   stiffness.diagonal() += spring;
   return scale.cwiseProduct(stiffness.llt().solve(scale.cwiseProduct(residual)));
+}
+
+double part_within(const Eigen::Vector3d& gone_m, const Eigen::Vector3d& step_m,
+                   double longest_m) noexcept {
+  if ((gone_m + step_m).norm() <= longest_m) return 1.0;
+  // |gone + part step| = longest, for part.
+  const double square = step_m.squaredNorm(), along = gone_m.dot(step_m);
+  const double room = std::max(0.0, longest_m * longest_m - gone_m.squaredNorm());
+  return std::clamp((-along + std::sqrt(along * along + square * room)) / square, 0.0, 1.0);
 }
 
 Pose moved(const Pose& tool, const Eigen::Vector3d& middle_tool, const Vector6d& step) noexcept {

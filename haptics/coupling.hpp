@@ -58,6 +58,11 @@ inline double way_of(const Vector6d& step, double reach_m) noexcept {
   return step.head<3>().norm() + reach_m * step.tail<3>().norm();
 }
 
+/// The longest part of a step, all of it at most, with which a tool whose middle has gone `gone_m`
+/// in this tick does not go beyond `longest_m`.
+double part_within(const Eigen::Vector3d& gone_m, const Eigen::Vector3d& step_m,
+                   double longest_m) noexcept;
+
 struct CoupledResult {
   ContactResult contact;  // where the tool is
   int evaluations = 0;    // of the contact
@@ -71,6 +76,11 @@ struct CoupledResult {
 ///  - Newton steps with the contact's own stiffness; the springs regularise.
 ///  - In contact a step takes no point of the burr further than half a voxel; in free space no
 ///    further than `free_way`, so that nothing is crossed without being felt, at any speed.
+///  - In a tick the tool goes no further than the device has gone since the last, `device_way_m`,
+///  and
+///    what changes the springs' force by kLargestChange_N, beyond what changes nothing as they are
+///    at their limit: what slips off an edge with the springs stretched does not leave the hand's
+///    force behind in one tick.
 ///  - A step after which the residual has turned round and grown is gone back on by a secant.
 ///  - Ends within kClose_m of where it would go and kLittle of its force, or when the evaluations
 ///  or the contacts of a tick
@@ -81,11 +91,19 @@ struct CoupledResult {
 /// `free_way(pose, wanted_m) -> m`: how far any point of a burr without contact can go for certain.
 template <class Evaluate, class FreeWay>
 CoupledResult couple(const CouplingSprings& springs, const CouplingSettings& settings,
-                     double reference_m, double longest_step_m, const Pose& device, Pose& tool,
-                     const Evaluate& evaluate, const FreeWay& free_way) noexcept {
+                     double reference_m, double longest_step_m, double device_way_m,
+                     const Pose& device, Pose& tool, const Evaluate& evaluate,
+                     const FreeWay& free_way) noexcept {
   constexpr double kClose_m = 1e-6;
   constexpr double kLittle_N = 5e-3, kLittle = 0.01;  // of what the springs pull with
   constexpr int kFreeEvaluations = 16;                // without contact they cost little
+  constexpr double kLargestChange_N = 0.15;
+  const Pose begin = tool;
+  const double beyond_limit_m =
+      (device.point(springs.middle_tool) - begin.point(springs.middle_tool)).norm() -
+      springs.force_limit_N / springs.stiffness_N_per_m;
+  const double longest_way_m =
+      device_way_m + std::max(0.0, beyond_limit_m) + kLargestChange_N / springs.stiffness_N_per_m;
   CoupledResult result;
   Pose from = tool;                            // where the last step began
   Vector6d residual_there = Vector6d::Zero();  // and what drove it
@@ -132,6 +150,8 @@ CoupledResult couple(const CouplingSprings& springs, const CouplingSettings& set
                                  ? longest_step_m
                                  : std::max(longest_step_m, free_way(tool, way_m));
     if (way_m > longest_m) step *= longest_m / way_m;
+    step *= part_within(middle - begin.point(springs.middle_tool), step.head<3>(), longest_way_m);
+    if (way_of(step, springs.reach_m) == 0.0) break;  // as far as it may go in this tick
     from = tool;
     residual_there = residual;
     tool = moved(from, springs.middle_tool, step);

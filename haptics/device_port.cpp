@@ -71,13 +71,14 @@ DeviceReading read_pose(const TickContext& context, Device& device, std::uint64_
     reading.pose = state.pose;
     return reading;
   }
-  if (context.scene.device && state.has_pose) {
+  if (state.has_pose) {
+    reading.way_m = (reading.pose.position - state.pose.position).norm();
     const double fastest_m = kFastestHandle_m_per_s / context.scene.haptics.rate_hz;
-    reading.jumped = (reading.pose.position - state.pose.position).norm() > fastest_m;
-    if (reading.jumped) {
-      ++state.jumped_ticks;
-      reading.faults |= kFaultDeviceJumped;
-    }
+    reading.jumped = context.scene.device && reading.way_m > fastest_m;
+  }
+  if (reading.jumped) {
+    ++state.jumped_ticks;
+    reading.faults |= kFaultDeviceJumped;
   }
   state.has_pose |= reading.answered;
   state.pose = reading.pose;

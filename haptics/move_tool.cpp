@@ -8,6 +8,7 @@
 #include "haptics/evaluate_contact.hpp"
 #include "haptics/free_way.hpp"
 #include "haptics/load_balance.hpp"
+#include "haptics/normals.hpp"
 #include "haptics/tool_motion.hpp"
 
 namespace sulcus {
@@ -48,16 +49,31 @@ double free_way_to_bodies(const TickContext& context, const Workpiece& workpiece
   return way_m;
 }
 
+/// Of all bodies.
+void keep_found(const HapticsSettings& settings, SimulationState& state,
+                TickScratch& scratch) noexcept {
+  const auto timed = scratch.contact.clock.time(Stage::kNormals);
+  if (state.kept) keep_found(settings, state.tick, scratch.contact, *state.kept);
+  for (std::size_t i = 0; i < state.neighbours.size(); ++i) {
+    if (!state.neighbours[i].kept) continue;
+    keep_found(settings, state.tick, scratch.neighbours[i].contact, *state.neighbours[i].kept);
+  }
+}
+
 MovedTool follow_coupling(const TickContext& context, const Workpiece& workpiece,
-                          const Pose& device, SimulationState& state,
+                          const DeviceReading& device, SimulationState& state,
                           TickScratch& scratch) noexcept {
   const CouplingSettings& settings = *context.scene.coupling;
   const CouplingSprings springs(settings, context.burr);
-  Pose tool = state.has_pose ? state.tool : device;
+  Pose tool = state.has_pose ? state.tool : device.pose;
   const CoupledResult coupled = couple(
-      springs, settings, context.burr.reference_m, 0.5 * workpiece.grid().voxel_m, device, tool,
+      springs, settings, context.burr.reference_m, 0.5 * workpiece.grid().voxel_m, device.way_m,
+      device.pose, tool,
       [&](const Pose& pose) noexcept {
-        return contact_with_bodies(context, workpiece, state, pose, true, scratch);
+        const ContactResult contact =
+            contact_with_bodies(context, workpiece, state, pose, true, scratch);
+        keep_found(context.scene.haptics, state, scratch);
+        return contact;
       },
       [&](const Pose& pose, double wanted_m) noexcept {
         return free_way_to_bodies(context, workpiece, state, pose, wanted_m, scratch);
@@ -121,16 +137,17 @@ ContactResult contact_with_bodies(const TickContext& context, const Workpiece& w
   return sum;
 }
 
-MovedTool move_tool(const TickContext& context, const Workpiece& workpiece, const Pose& device,
-                    SimulationState& state, TickScratch& scratch) noexcept {
+MovedTool move_tool(const TickContext& context, const Workpiece& workpiece,
+                    const DeviceReading& device, SimulationState& state,
+                    TickScratch& scratch) noexcept {
   MovedTool moved;
   if (state.load_offset_m) {
-    moved = follow_load(context, workpiece, device, state, scratch);
+    moved = follow_load(context, workpiece, device.pose, state, scratch);
   } else if (context.scene.coupling) {
     moved = follow_coupling(context, workpiece, device, state, scratch);
   } else {
-    moved.contact = contact_with_bodies(context, workpiece, state, device, false, scratch);
-    state.tool = device;
+    moved.contact = contact_with_bodies(context, workpiece, state, device.pose, false, scratch);
+    state.tool = device.pose;
   }
   state.has_pose = true;
   return moved;

@@ -24,7 +24,8 @@ struct MovedTool {
 
 /// Takes the tool to the device's pose; with a coupling towards where its springs and the contact
 /// balance; with a load on along the load until the contact holds it.
-MovedTool move_tool(const TickContext& context, const Workpiece& workpiece, const Pose& device,
-                    SimulationState& state, TickScratch& scratch) noexcept;
+MovedTool move_tool(const TickContext& context, const Workpiece& workpiece,
+                    const DeviceReading& device, SimulationState& state,
+                    TickScratch& scratch) noexcept;
 
 }  // namespace sulcus

@@ -110,6 +110,14 @@ void normals(const Workpiece& workpiece, const HapticsSettings& settings, const 
   }
 }
 
+void keep_found(const HapticsSettings& settings, std::uint64_t tick, const ContactScratch& scratch,
+                KeptNormals& kept) noexcept {
+  if (!use_tool(settings.normals)) return;
+  for (std::size_t q = 0; q < scratch.queries.size(); ++q) {
+    kept.keep(scratch.contacts.keys()[scratch.queried[q]], scratch.estimates[q], false, tick);
+  }
+}
+
 void keep_normals(const Workpiece& workpiece, const HapticsSettings& settings, std::uint64_t tick,
                   ContactScratch& scratch, KeptNormals& kept) noexcept {
   if (!use_tool(settings.normals)) return;
@@ -121,9 +129,7 @@ void keep_normals(const Workpiece& workpiece, const HapticsSettings& settings, s
       kept.touch(leaf, tick);
     }
   }
-  for (std::size_t q = 0; q < scratch.queries.size(); ++q) {
-    kept.keep(contacts.keys()[scratch.queried[q]], scratch.estimates[q], false, tick);
-  }
+  keep_found(settings, tick, scratch, kept);
   if (settings.normals != NormalMethod::kLdm || settings.refine_per_tick == 0) return;
 
   const auto most = std::min(static_cast<std::size_t>(settings.refine_per_tick), scratch.capacity);

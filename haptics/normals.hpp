@@ -14,6 +14,11 @@ namespace sulcus {
 void normals(const Workpiece& workpiece, const HapticsSettings& settings, const KeptNormals* kept,
              ContactScratch& scratch) noexcept;
 
+/// Keeps what an evaluation has found, so that the next in the same tick does not find it again.
+/// Changes no result: the workpiece stays as it is until the contact is done with.
+void keep_found(const HapticsSettings& settings, std::uint64_t tick, const ContactScratch& scratch,
+                KeptNormals& kept) noexcept;
+
 /// After the contact has been evaluated, once a tick and before anything is cut: keeps what was
 /// found, and refines up to `settings.refine_per_tick` normals from ldm_fast to ldm, in the order
 /// of the contacts. The forces of this tick are not changed.

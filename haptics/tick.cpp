@@ -170,7 +170,7 @@ TickRecord tick(const TickContext& context, Device& device, Workpiece& workpiece
   MovedTool moved;
   ContactResult& contact = moved.contact;
   if (state.port.has_pose && (reading.faults & kFaultNotFinite) == 0) {
-    moved = move_tool(context, workpiece, reading.pose, state, scratch);
+    moved = move_tool(context, workpiece, reading, state, scratch);
     keep(context, workpiece, state, scratch);
     if (state.removal) cut(context, workpiece, state, scratch, contact);
   } else if (state.removal) {  // the tool stays

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
@@ -49,13 +50,15 @@ struct CoupledRun {
 
   template <class Contact>
   CoupledResult tick(const Pose& device, const Contact& contact, double free_m = 0.0) {
+    const double way_m = device_before ? (device.position - device_before->position).norm() : 0.0;
+    device_before = device;
     Pose from = tool;
     return couple(
-        springs, settings, burr().reference_m, kHalf, device, tool,
+        springs, settings, burr().reference_m, kHalf, way_m, device, tool,
         [&](const Pose& pose) {
           ContactResult found = contact(pose);
-          const double way_m = (pose.position - from.position).norm();
-          if (was_touching) longest_m = std::max(longest_m, way_m);
+          const double step_m = (pose.position - from.position).norm();
+          if (was_touching) longest_m = std::max(longest_m, step_m);
           was_touching = found.contacts > 0;
           from = pose;
           return found;
@@ -66,6 +69,7 @@ struct CoupledRun {
   CouplingSettings settings;
   CouplingSprings springs;
   Pose tool;
+  std::optional<Pose> device_before;
   double longest_m = 0.0;  // of the steps that began in contact
   bool was_touching = false;
 };
@@ -105,12 +109,29 @@ TEST(Coupling, FreeSpaceIsCrossedAsFarAsItIsKnownToBeFree) {
   const auto nothing = [](const Pose&) { return ContactResult{}; };
   const Pose device = test::upright({3e-3, 0, 5e-3});
   CoupledRun known(test::upright({0, 0, 1e-3}));
+  known.device_before = known.tool;  // the device goes all of the way in this tick
   known.tick(device, nothing, 1.0);
   EXPECT_LT((known.tool.position - device.position).norm(), 1e-6);
   CoupledRun unknown(test::upright({0, 0, 1e-3}));
+  unknown.device_before = unknown.tool;
   unknown.tick(device, nothing);
   EXPECT_NEAR((unknown.tool.position - Vector3d(0, 0, 1e-3)).norm(), 15 * kHalf, 1e-9)
       << "half a voxel at a time";
+}
+
+TEST(Coupling, WhatSlipsOffIsLetGoOverTicksNotInOne) {
+  const auto nothing = [](const Pose&) { return ContactResult{}; };
+  const Pose device = test::upright({0, 0, -4e-3});
+  CoupledRun run(test::upright({0, 0, 0}));
+  run.device_before = device;
+  double last_N = felt(run, device).force_N.z();
+  for (int i = 0; i < 25; ++i) {
+    run.tick(device, nothing, 1.0);
+    const double now_N = felt(run, device).force_N.z();
+    EXPECT_LE(last_N - now_N, 0.15 + 1e-9) << i;
+    last_N = now_N;
+  }
+  EXPECT_NEAR(last_N, 0.0, 1e-3);
 }
 
 TEST(Coupling, TheSpringsPullNoHarderThanTheirLimits) {
