@@ -125,9 +125,11 @@ CoupledResult couple(const CouplingSprings& springs, const CouplingSettings& set
         springs_now.wrench.torque_Nm + contact.torque_Nm;
 
     if (!residual.allFinite()) break;  // the caller sees it in the contact
+    // One step there always is: a tool that cannot move leaves the hand with the force it had.
+    const bool used_up =
+        touched + result.contact.contacts > static_cast<std::uint64_t>(settings.contacts_per_tick);
     if (result.evaluations - free >= settings.evaluations || free >= kFreeEvaluations ||
-        touched + result.contact.contacts >
-            static_cast<std::uint64_t>(settings.contacts_per_tick)) {
+        (used_up && result.evaluations > 1)) {
       break;
     }
     if (result.evaluations > 1) {

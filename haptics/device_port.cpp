@@ -36,8 +36,8 @@ PassivitySettings passivity_settings(const TickContext& context) {
   return settings;
 }
 
-/// What the hand feels a contact as stiff as, at most.
-double felt_stiffness_N_per_m(const Scene& scene) {
+/// What the hand feels a contact as stiff as, at most, N/m.
+double felt_stiffness(const Scene& scene) {
   if (scene.coupling) return scene.coupling->stiffness_N_per_m;
   double stiffest = 0.0;
   for (const TissueSettings& t : scene.tissues) stiffest = std::max(stiffest, t.stiffness_N_per_m);
@@ -107,7 +107,7 @@ Wrench render_wrench(const TickContext& context, const DeviceReading& reading, c
   hold_wrench(sent, settings, state.passivity);
   if (scene.device || scene.coupling) {
     const double resolution_m = scene.device ? scene.device->resolution_m : 0.0;
-    const double threshold_N = buzz_threshold_N(felt_stiffness_N_per_m(scene), resolution_m);
+    const double threshold_N = buzz_threshold_N(felt_stiffness(scene), resolution_m);
     if (buzz(asked.force_N, threshold_N, dt_s, state.buzz)) faults |= kFaultBuzz;
   }
   return sent;

@@ -134,7 +134,7 @@ struct CouplingSettings {
   double force_limit_N = 3.3;  // they stretch no further; none said: the device's
   double torque_limit_Nm = 0.1;
   int evaluations = 5;            // of the contact, in a tick, at most
-  int contacts_per_tick = 20000;  // of all evaluations; one there always is
+  int contacts_per_tick = 20000;  // of all evaluations; two of those there always are
 };
 
 /// The hand on a simulated device: a mass on a spring and a damper, whose other end goes along the

@@ -215,13 +215,14 @@ TEST(Coupling, GoesOnInTheNextTickWhenTheContactsOfATickAreUsedUp) {
     return contact;
   };
   const Pose device = test::upright({0, 0, -1e-3});
-  EXPECT_EQ(run.tick(device, many).evaluations, 1);
+  EXPECT_EQ(run.tick(device, many).evaluations, 2) << "a step there always is";
+  EXPECT_GT(run.tool.position.z(), -1e-6 - 1.01 * kHalf);
   const Vector3d first = run.tool.position;
   run.settings.contacts_per_tick = 36000;
   const CoupledResult more = run.tick(device, many);
   EXPECT_EQ(more.evaluations, 3);
   EXPECT_FALSE(more.balanced);
-  EXPECT_GT((run.tool.position - first).norm(), kHalf);
+  EXPECT_GT((run.tool.position - first).norm(), 1.5 * kHalf);
 }
 
 TEST(Coupling, AContactThatIsNotFiniteMovesNothing) {

@@ -18,7 +18,9 @@ namespace {
 class LoopDevice final : public Device {
  public:
   explicit LoopDevice(std::span<const Pose> poses) : poses_(poses) {}
-  std::optional<Pose> pose(std::uint64_t tick) noexcept override { return poses_[tick % poses_.size()]; }
+  std::optional<Pose> pose(std::uint64_t tick) noexcept override {
+    return poses_[tick % poses_.size()];
+  }
   void apply(const Wrench&) noexcept override {}
 
  private:

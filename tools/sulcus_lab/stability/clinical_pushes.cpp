@@ -1,0 +1,249 @@
+#include "tools/sulcus_lab/stability/clinical_pushes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <tbb/parallel_for.h>
+
+#include "engine/core/units.hpp"
+#include "engine/scene/device_presets.hpp"
+#include "tools/sulcus_lab/stability/pushes.hpp"
+
+namespace sulcus::lab {
+
+namespace {
+
+using Eigen::Vector3d;
+
+struct Head {
+  const char* name;
+  const char* toml;
+  double radius_m, length_m;
+  bool on_side;
+};
+constexpr std::array<Head, 7> kHeads{
+    {{"round 1.0", "shape = 'round'\ndiameter_mm = 1.0", 0.5e-3, 1e-3, false},
+     {"fissure on its side", "shape = 'fissure'\ndiameter_mm = 1.0\nlength_mm = 2.5", 0.5e-3,
+      2.5e-3, true},
+     {"round 0.5", "shape = 'round'\ndiameter_mm = 0.5", 0.25e-3, 0.5e-3, false},
+     {"round 2.0", "shape = 'round'\ndiameter_mm = 2.0", 1e-3, 2e-3, false},
+     {"fissure on its tip", "shape = 'fissure'\ndiameter_mm = 1.0\nlength_mm = 2.5", 0.5e-3, 2.5e-3,
+      false},
+     {"flame on its tip", "shape = 'flame'\ndiameter_mm = 1.0\nlength_mm = 2.5", 0.5e-3, 2.5e-3,
+      false},
+     {"flame on its side", "shape = 'flame'\ndiameter_mm = 1.0\nlength_mm = 2.5", 0.5e-3, 2.5e-3,
+      true}}};
+
+/// Where a burr is pressed: a scene's [workpiece], the point, and the direction out of the solid.
+struct Site {
+  std::string name, workpiece;
+  Vector3d point_m, out;
+};
+
+std::vector<Site> sites(bool brief) {
+  std::vector<Site> all;
+  for (const double tilt_deg : {30.0, 0.0, 15.0, 45.0}) {
+    char text[200];
+    std::snprintf(text, sizeof(text),
+                  "[workpiece]\nshape = 'plate'\ncells = [192, 192, 192]\n"
+                  "plate.thickness_mm = 2.0\nplate.tilt_deg = %g\n",
+                  tilt_deg);
+    const double tilt = tilt_deg * kDegree;
+    const Vector3d out(std::sin(tilt), 0.0, std::cos(tilt));
+    all.push_back(
+        {"face at " + std::to_string(static_cast<int>(tilt_deg)) + " deg", text, 1e-3 * out, out});
+    if (brief) break;
+  }
+  // Places on the way along the sulcus of scenes/cut_sulcus.toml, put in the middle of the grid.
+  struct Pit {
+    const char* name;
+    double x_mm, y_mm, z_mm;
+  };
+  for (const Pit& pit :
+       {Pit{"central pit", 0.40, 0.0, 5.649}, Pit{"mesial fossa", 2.4, -0.2, 6.315},
+        Pit{"distal fossa", -2.4, -0.19, 5.862}}) {
+    char text[200];
+    std::snprintf(text, sizeof(text),
+                  "[workpiece]\nshape = 'molar'\ncells = [192, 192, 192]\n"
+                  "position_mm = [%g, %g, %g]\n",
+                  -pit.x_mm, -pit.y_mm, -pit.z_mm);
+    all.push_back({pit.name, text, Vector3d::Zero(), Vector3d::UnitZ()});
+    if (brief) break;
+  }
+  return all;
+}
+
+struct Task {
+  const Site* site;
+  const Head* head;
+  Push push;
+  PushResult result;
+};
+
+std::vector<Task> tasks_of(const std::vector<Site>& all_sites, std::size_t heads, bool brief) {
+  std::vector<Task> tasks;
+  for (const Site& site : all_sites) {
+    for (std::size_t h = 0; h < heads; ++h) {
+      const Head& head = kHeads[h];
+      for (const char* device : {"omni", "touch"}) {
+        for (const std::string_view hand : kHandPresetNames) {
+          for (const int delay : {1, 0}) {
+            for (const double force_N : {0.5, 1.0, 2.0}) {
+              for (const bool cutting : {false, true}) {
+                Push push;
+                push.device = device;
+                push.hand = hand;
+                push.delay = delay;
+                push.force_N = force_N;
+                push.cutting = cutting;
+                push.into = -site.out;
+                // A head on its side lies along the sulcus.
+                push.axis = head.on_side
+                                ? (Vector3d::UnitX() - site.out.x() * site.out).normalized()
+                                : site.out;
+                tasks.push_back({&site, &head, push, {}});
+              }
+            }
+            if (brief) break;
+          }
+          if (brief) break;
+        }
+        if (brief) break;
+      }
+    }
+  }
+  return tasks;
+}
+
+void run(Task& task) {
+  const Head& head = *task.head;
+  const std::string text = "tissue = ['enamel']\n" + task.site->workpiece + "[burr]\n" + head.toml +
+                           "\nfield = 'auto'\n";
+  constexpr double kAbove_m = 0.8e-3;
+  Vector3d start = task.site->point_m + kAbove_m * task.site->out;
+  if (head.on_side) {
+    start += head.radius_m * task.site->out - 0.5 * head.length_m * task.push.axis;
+  }
+  task.result = run_push(task.push, text, start, 3e-3);
+}
+
+double coupling_of(const std::string& device) {
+  for (const DevicePreset& preset : device_presets()) {
+    if (preset.name == device) return preset.settings.stiffness_N_per_m;
+  }
+  return 0.0;
+}
+
+}  // namespace
+
+CaseResult clinical_pushes(bool brief) {
+  const std::vector<Site> all_sites = sites(brief);
+  const std::size_t heads = brief ? 2 : kHeads.size();
+  std::vector<Task> tasks = tasks_of(all_sites, heads, brief);
+  tbb::parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) { run(tasks[i]); });
+
+  CaseResult result;
+  for (const Site& site : all_sites) {
+    for (std::size_t h = 0; h < heads; ++h) {
+      for (const bool cutting : {false, true}) {
+        double runs = 0.0, not_held = 0.0, unstable = 0.0, step_N = 0.0;
+        double rms = 0.0, share = HUGE_VAL;
+        const Task *worst_rms = nullptr, *worst_share = nullptr;
+        for (const Task& task : tasks) {
+          if (task.site != &site || task.head != &kHeads[h] || task.push.cutting != cutting)
+            continue;
+          const PushResult& r = task.result;
+          ++runs;
+          not_held += !r.reached || r.popped;
+          unstable += !r.stable();
+          step_N = std::max(step_N, r.step_N);
+          if (!worst_rms || r.rms_m / r.resolution_m > rms) {
+            rms = r.rms_m / r.resolution_m;
+            worst_rms = &task;
+          }
+          if (task.push.force_N < 1.0) continue;
+          const double s = r.stiffness_N_per_m / coupling_of(task.push.device);
+          if (s < share) {
+            share = s;
+            worst_share = &task;
+          }
+        }
+        StabilityRow row;
+        row.case_name = "clinical_pushes";
+        row.burr_mm = 2e3 * kHeads[h].radius_m;
+        const std::string where =
+            std::string(kHeads[h].name) + ", " + site.name + (cutting ? ", cutting" : "") + ": ";
+        const auto add = [&](const char* quantity, double value, std::optional<double> limit,
+                             bool at_least, const Task* of) {
+          row.quantity = where + quantity;
+          row.value = value;
+          row.limit = limit;
+          row.at_least = at_least;
+          row.device = of ? of->push.device : "";
+          row.hand = of ? of->push.hand : "";
+          row.delay = of ? of->push.delay : 0;
+          row.push_N = of ? of->push.force_N : 0.0;
+          result.rows.push_back(row);
+        };
+        add("runs", runs, {}, false, nullptr);
+        add("popped through", not_held, 0.0, false, nullptr);
+        add("unstable", unstable, 0.0, false, nullptr);
+        add("rms of the handle over one resolution", rms, 1.0, false, worst_rms);
+        if (!cutting && worst_share) {
+          add("felt share of the coupling", share, 0.9, true, worst_share);
+        }
+        add("force_step_N", step_N, {}, false, nullptr);
+      }
+    }
+  }
+  return result;
+}
+
+CaseResult pressed_off_axis(bool brief) {
+  CaseResult result;
+  const Site face = sites(true).front();
+  for (const std::string_view hand : kHandPresetNames) {
+    for (const double force_N : {0.5, 1.0, 2.0}) {
+      for (const int delay : {0, 1}) {
+        Task task{&face, &kHeads[0], {}, {}};
+        task.push.device = "premium15";
+        task.push.hand = hand;
+        task.push.delay = delay;
+        task.push.force_N = force_N;
+        task.push.into = -face.out;
+        task.push.axis = Eigen::AngleAxisd(15.0 * kDegree, Vector3d::UnitY()) * face.out;
+        run(task);
+        const PushResult& r = task.result;
+        StabilityRow row;
+        row.case_name = "pressed_off_axis";
+        row.device = task.push.device;
+        row.hand = hand;
+        row.delay = delay;
+        row.push_N = force_N;
+        const auto add = [&](const char* quantity, double value, std::optional<double> limit) {
+          row.quantity = quantity;
+          row.value = value;
+          row.limit = limit;
+          result.rows.push_back(row);
+        };
+        const DeviceSettings& device = device_presets()[2].settings;
+        const double held_Nm = HandSettings{}.turning_stiffness_Nm_per_rad * r.turn;
+        add("turned_deg", r.turn / kDegree, {});
+        add("torque against the hand's spring_percent",
+            100.0 * std::abs(held_Nm - r.torque_Nm) / std::max(1e-9, r.torque_Nm), 5.0);
+        add("rms of the turn over one resolution", r.turn_rms / device.angle_resolution, 1.0);
+        add("rms of the handle over one resolution", r.rms_m / r.resolution_m, 1.0);
+        add("popped through", !r.reached || r.popped, 0.0);
+      }
+    }
+    if (brief) break;
+  }
+  return result;
+}
+
+}  // namespace sulcus::lab

@@ -1,0 +1,146 @@
+#include "tools/sulcus_lab/stability/pushes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "engine/scene/trajectory.hpp"
+#include "haptics/simulated_device.hpp"
+
+namespace sulcus::lab {
+
+namespace {
+
+constexpr double kApproach_m_per_s = 20e-3;
+constexpr double kRamp_s = 0.3;
+constexpr double kBeyond_m = 1e-3;
+constexpr double kJudged_s = 0.6;
+
+/// Root mean square about the mean, or about the straight line that fits best.
+double rms_about(const std::vector<double>& v, bool line) {
+  const auto n = static_cast<double>(v.size());
+  if (v.empty()) return 0.0;
+  const double mean = std::accumulate(v.begin(), v.end(), 0.0) / n;
+  double slope = 0.0, spread = 0.0;
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const double t = static_cast<double>(i) - 0.5 * (n - 1.0);
+    slope += t * (v[i] - mean);
+    spread += t * t;
+  }
+  slope = line && spread > 0.0 ? slope / spread : 0.0;
+  double squares = 0.0;
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const double t = static_cast<double>(i) - 0.5 * (n - 1.0);
+    squares += std::pow(v[i] - mean - slope * t, 2);
+  }
+  return std::sqrt(squares / n);
+}
+
+double mean_of(const std::vector<double>& v) {
+  return v.empty() ? 0.0 : std::accumulate(v.begin(), v.end(), 0.0) / static_cast<double>(v.size());
+}
+
+std::string device_text(const Push& push, const std::string& model) {
+  std::string text = "\n[device]\nmodel = 'simulated'\npreset = '" + model + "'\nhand = '" +
+                     push.hand + "'\ndelay_ticks = " + std::to_string(push.delay) +
+                     "\npush_ramp_s = " + std::to_string(kRamp_s) +
+                     "\npush_N = " + std::to_string(push.force_N) + "\n";
+  if (!push.friction) text += "friction_N = 0\n";
+  return text;
+}
+
+/// Depth of the way, from the start, at which a tool that is moved along it first feels anything.
+double first_contact_m(const Push& push, const std::string& text, const Eigen::Vector3d& start_m,
+                       double reach_m, const VoxelModel* solid) {
+  Rig rig(push.method, method_scene(push.method, text),
+          solid ? std::optional<VoxelModel>(*solid) : std::nullopt);
+  PathDevice path(path_along({start_m, start_m + reach_m * push.into}, 5e-3, 1000.0, push.axis));
+  for (std::size_t tick = 0; tick < path.ticks(); ++tick) {
+    const Felt felt = rig.step(path);
+    if (felt.force_N.norm() > 1e-3) return (felt.device.position - start_m).dot(push.into);
+  }
+  return HUGE_VAL;
+}
+
+}  // namespace
+
+PushResult run_push(const Push& push, const std::string& text, const Eigen::Vector3d& start_m,
+                    double reach_m, std::optional<double> stiffness_N_per_m,
+                    const VoxelModel* solid) {
+  PushResult result;
+  const double contact_m = first_contact_m(push, text, start_m, reach_m, solid);
+  if (contact_m == HUGE_VAL) return result;
+  result.reached = true;
+  Scene scene = method_scene(
+      push.method, text + (push.cutting ? "\n[cutting]\n" : "") + device_text(push, push.device),
+      stiffness_N_per_m);
+  scene.device->hand.push_direction = push.into;
+  result.resolution_m = scene.device->resolution_m;
+  Rig rig(push.method, scene, solid ? std::optional<VoxelModel>(*solid) : std::nullopt);
+
+  // The hand comes at 20 mm/s until it is where the wanted force will hold it, so that in the end
+  // its spring takes no part in the press, and the force is the push.
+  const double felt_N_per_m = scene.coupling
+                                  ? scene.coupling->stiffness_N_per_m
+                                  : scene.tissues.front().stiffness_N_per_m *
+                                        (push.method == ContactMethod::kNone ? 20.0 : 1.0);
+  const double in_m = push.force_N / felt_N_per_m;
+  const double lead_m = std::min(1e-3, 0.5 * contact_m);
+  const Eigen::Quaterniond turn = orientation_along(push.axis);
+  const Eigen::Vector3d from = start_m + (contact_m - lead_m) * push.into;
+  const Eigen::Vector3d touch = start_m + contact_m * push.into;
+  const double touch_s = lead_m / kApproach_m_per_s;
+  std::vector<TimedPose> way{{0.0, {from, turn}}, {touch_s, {touch, turn}}};
+  // Friction leaves the handle short of where its spring would bring it: first a little too far.
+  const double contact_s = touch_s + kBeyond_m / kApproach_m_per_s;
+  way.push_back({contact_s, {touch + kBeyond_m * push.into, turn}});
+  way.push_back({contact_s + kRamp_s, {touch + in_m * push.into, turn}});
+  const Trajectory hand(std::move(way));
+  SimulatedDevice device(*scene.device, hand, scene.haptics.rate_hz, scene.burr.reference_m);
+
+  const double dt_s = 1.0 / scene.haptics.rate_hz;
+  const auto ticks = static_cast<std::size_t>((touch_s + push.duration_s) / dt_s);
+  const auto judged_from = ticks - static_cast<std::size_t>(kJudged_s / dt_s);
+  std::vector<double> handle_m, tool_m, felt_N, contacts, in_device_m, torque_Nm, turned;
+  Eigen::Vector3d last_N = Eigen::Vector3d::Zero();
+  std::size_t touched = 0;
+  const double radius_m = 0.5 * scene.burr.diameter_m;
+  for (std::size_t tick = 0; tick < ticks; ++tick) {
+    const Felt felt = rig.step(device);
+    const double depth_m = (felt.tool.position - touch).dot(push.into);
+    result.felt_N.push_back(static_cast<float>(felt.force_N.norm()));
+    result.depth_mm.push_back(static_cast<float>(1e3 * depth_m));
+    // While cutting the surface itself recedes: the tool then pops through where its head is wholly
+    // beneath, with nothing in contact.
+    if (!push.cutting && depth_m > radius_m) result.popped = true;
+    if (felt.contacts > 0) ++touched;
+    if (touched > 5) result.step_N = std::max(result.step_N, (felt.force_N - last_N).norm());
+    last_N = felt.force_N;
+    if (tick < judged_from) continue;
+    if (push.cutting && felt.contacts == 0 && felt.force_N.norm() > 0.9 * push.force_N) {
+      result.popped = true;
+    }
+    const SimulatedDeviceState& state = device.state();
+    handle_m.push_back(state.position.dot(push.into));
+    tool_m.push_back(felt.tool.position.dot(push.into));
+    felt_N.push_back(-felt.force_N.dot(push.into));
+    in_device_m.push_back((felt.device.position - touch).dot(push.into));
+    contacts.push_back(felt.contacts);
+    torque_Nm.push_back(felt.torque_Nm.norm());
+    turned.push_back(2.0 * (state.orientation * turn.conjugate()).vec().norm());
+  }
+  result.rms_m = rms_about(handle_m, push.cutting);
+  result.tool_rms_m = rms_about(tool_m, push.cutting);
+  result.contact_N = mean_of(felt_N);
+  result.contacts = mean_of(contacts);
+  const double in_device_mean_m = mean_of(in_device_m);
+  result.stiffness_N_per_m =
+      in_device_mean_m > 0.0 ? result.contact_N / in_device_mean_m : HUGE_VAL;
+  result.torque_Nm = mean_of(torque_Nm);
+  result.turn = mean_of(turned);
+  result.turn_rms = rms_about(turned, push.cutting);
+  result.buzz_ticks = rig.simulation().state().port.buzz.buzz_ticks;
+  return result;
+}
+
+}  // namespace sulcus::lab
