@@ -76,15 +76,14 @@ struct CoupledResult {
 ///  - Newton steps with the contact's own stiffness; the springs regularise.
 ///  - In contact a step takes no point of the burr further than half a voxel; in free space no
 ///    further than `free_way`, so that nothing is crossed without being felt, at any speed.
-///  - In a tick the tool goes no further than the device has gone since the last, `device_way_m`,
-///  and
-///    what changes the springs' force by kLargestChange_N, beyond what changes nothing as they are
-///    at their limit: what slips off an edge with the springs stretched does not leave the hand's
-///    force behind in one tick.
+///  - In a tick the tool goes no further than the device has gone since the last,
+///    `device_way_m`, and what changes the springs' force by kLargestChange_N, and what changes it
+///    by nothing while they are at their limit: when the tool slips off an edge the force falls
+///    over ticks, not in one.
 ///  - A step after which the residual has turned round and grown is gone back on by a secant.
 ///  - Ends within kClose_m of where it would go and kLittle of its force, or when the evaluations
-///  or the contacts of a tick
-///    are used up, counted and never timed; the next tick goes on from there.
+///    or the contacts of a tick are used up, counted and never timed; the next tick goes on from
+///    there.
 ///
 /// It has no state but the tool's pose. `evaluate(pose) -> ContactResult` with stiffness, wrench
 /// about the torque reference; what its last call left is the contact where the tool ends.

@@ -19,7 +19,7 @@ namespace sulcus {
 ///   hold_wrench(sent, settings, state)                    without `control`, the observer alone
 struct PassivitySettings {
   double limit_N = 3.3;             // the damping takes no force beyond it
-  double damping_N_s_per_m = 10.0;  // at most; the authors' bound is mass / tick, 45 for 45 g
+  double damping_N_s_per_m = 10.0;  // at most; mass / tick, 45 for 45 g, would stop it at once
   bool renders_torque = false;      // the device does
   bool delayed = false;             // the device applies a wrench a tick after it was sent
   double dt_s = 1e-3;               // of a tick

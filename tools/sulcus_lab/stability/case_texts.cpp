@@ -137,4 +137,42 @@ static_assert(std::size(kCaseTexts) == 20);
 
 std::span<const CaseText> case_texts() { return kCaseTexts; }
 
+std::span<const CaseText> other_texts() {
+  static constexpr CaseText kTexts[] = {
+      {"harness", "The loop that measures, checked",
+       "A simulation of a haptic loop can be wrong by itself, and then tells nothing of methods.",
+       "The simulated device is pushed against a plain wall, a spring and a damper, without "
+       "friction or quantisation, and the stiffest wall at which it comes to rest is found.",
+       "Within 2 % of the stiffness at which the spectral radius of the sampled system is one, and "
+       "within 10 % of the delay rule where the wall has no damping; with damping the rule leaves "
+       "too much out, and is only told."},
+      {"pressed_off_axis", "A burr aslant turns the handle",
+       "A tool of three degrees of freedom has no torques; one of six may turn back and forth.",
+       "A round burr is pressed on a face at 30 degrees with its shank 15 degrees off the face's "
+       "normal, on a device that renders torques and a hand that holds its direction by a spring.",
+       "What the hand's spring holds is the torque that is felt, within 5 %; handle and turn shake "
+       "by less than what the device can tell apart."},
+      {"clinical_pushes", "What dentists press with, held",
+       "Forces that a device can render in a stable way are a tenth of what dentists press with, "
+       "unless the tool hangs on it by a spring.",
+       "0.5, 1 and 2 N on faces at four tilts and at three places of the molar's sulcus; round, "
+       "fissure and flame burrs, on tips and sides; two devices, three hands, no delay and one "
+       "tick; the spindle stopped, and cutting. A row has the worst of its settings.",
+       "None through, the handle shakes by less than a resolution over the last 0.6 s (while "
+       "cutting: about its own straight line), and from 1 N on at least 90 % of the coupling's "
+       "stiffness is felt."},
+      {"coupled_tick", "What the coupling costs",
+       "It evaluates the contact several times in a tick.",
+       "Burrs with about 30 and 2,000 voxels in contact slide over a face at 1 to 20 mm/s; beside "
+       "it the plain tick, with the tool put at the same places.",
+       "At most five plain ticks, and under a millisecond in the 99th percentile."},
+      {"random_pushes", "Pushes at random",
+       "Cases that somebody thought of leave out what nobody did.",
+       "Places, directions, burrs and speeds of up to 100 mm/s by seeds, half of them cutting; any "
+       "seed can be run by itself.",
+       "Nothing crossed, nothing over the coupling's limit or not finite, and no step of over "
+       "0.3 N in a tick after the first contact."}};
+  return kTexts;
+}
+
 }  // namespace sulcus::lab

@@ -18,4 +18,7 @@ struct CaseText {
 /// The twenty cases, in the order in which they are numbered.
 std::span<const CaseText> case_texts();
 
+/// What is measured besides, in the order of the command.
+std::span<const CaseText> other_texts();
+
 }  // namespace sulcus::lab

@@ -71,7 +71,8 @@ std::vector<Pose> path_along(const std::vector<Eigen::Vector3d>& corners_m, doub
   std::vector<Pose> poses{{corners_m.front(), orientation_along(axis)}};
   const double step_m = speed_m_per_s / rate_hz;
   for (std::size_t c = 1; c < corners_m.size(); ++c) {
-    const Eigen::Vector3d from = corners_m[c - 1], way = corners_m[c] - from;
+    const Eigen::Vector3d& from = corners_m[c - 1];
+    const Eigen::Vector3d way = corners_m[c] - from;
     const int steps = std::max(1, static_cast<int>(std::ceil(way.norm() / step_m - 1e-9)));
     for (int s = 1; s <= steps; ++s) {
       poses.push_back({from + way * (static_cast<double>(s) / steps), poses.front().orientation});

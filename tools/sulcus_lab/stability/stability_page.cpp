@@ -188,7 +188,9 @@ std::vector<CaseRows> sorted_by_case(std::span<const StabilityRow> rows) {
 
 /// Null for a case without a text.
 const CaseText* text_of(const std::string& name) {
-  const auto texts = case_texts();
+  const bool is_case =
+      std::ranges::any_of(case_texts(), [&](const CaseText& text) { return text.name == name; });
+  const auto texts = is_case ? case_texts() : other_texts();
   const auto at = std::find_if(texts.begin(), texts.end(),
                                [&](const CaseText& text) { return text.name == name; });
   return at == texts.end() ? nullptr : &*at;
