@@ -319,7 +319,11 @@ CaseResult opposing_faces(const CaseOptions& options) {
         for (const float told : {0.0f, 1.0f}) {
           const VoxelQuery query{middle, told * Eigen::Vector3f::UnitZ()};
           std::vector<VoxelQuery> row(11, query);
-          for (std::size_t q = 0; q < row.size(); q += 2) row[q].voxel.z() -= 1;
+          // Among others, where the pattern has one below it: only surface voxels may be asked for.
+          const Cell below = middle - Cell::UnitZ();
+          for (std::size_t q = 0; q < row.size() && workpiece.is_surface(below); q += 2) {
+            row[q].voxel = below;
+          }
           std::vector<SurfaceEstimate> found(row.size());
           estimate_surfaces(workpiece, row, scene.haptics, found);
           const SurfaceEstimate alone =
