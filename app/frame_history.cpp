@@ -150,9 +150,7 @@ FrameState FrameHistory::state() const {
   state.title = title_;
   state.time_s = latest_.time_s;
   state.tick = latest_.tick;
-  const double* p = latest_.tool_position_m;
-  const double* q = latest_.tool_orientation;
-  state.world_from_tool = {{p[0], p[1], p[2]}, Eigen::Quaterniond(q[0], q[1], q[2], q[3])};
+  state.world_from_tool = pose_of(latest_.tool_position_m, latest_.tool_orientation);
   state.burr_turn_rad = turn_rad_;
   for (int a = 0; a < 3; ++a) {
     state.force_N[a] = latest_.force_N[a];

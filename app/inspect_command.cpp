@@ -64,7 +64,8 @@ void inspect_scene(const std::string& file) {
   }
   std::printf("trajectory       %.3f s, %.0f ticks\n", trajectory.duration_s(),
               trajectory.duration_s() * scene.haptics.rate_hz);
-  std::printf("parts            %s%s%s\n", scene.cutting ? "cutting " : "",
+  std::printf("parts            %s%s%s%s%s\n", scene.device ? "device " : "",
+              scene.coupling ? "coupling " : "", scene.cutting ? "cutting " : "",
               scene.render ? "render " : "", scene.record ? "record" : "");
 }
 

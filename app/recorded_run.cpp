@@ -78,9 +78,7 @@ RecordedRun open_recorded_run(const std::string& path) {
       poses.emplace_back();
       continue;
     }
-    const double* p = row.device_position_m;
-    const double* q = row.device_orientation;
-    poses.push_back(Pose{{p[0], p[1], p[2]}, Eigen::Quaterniond(q[0], q[1], q[2], q[3])});
+    poses.push_back(pose_of(row.device_position_m, row.device_orientation));
   }
   std::vector<TakenAnswer> late;
   for (const TakenAnswerRow& row : reader.taken_answers()) late.push_back({row.asked, row.taken});
@@ -120,9 +118,7 @@ std::vector<std::span<const std::uint32_t>> RecordedPieces::advance_to_tick(std:
   for (; next_ < rows_.size() && rows_[next_].tick <= tick; ++next_) {
     const PiecePoseRow& row = rows_[next_];
     if (row.piece >= poses_.size()) continue;
-    const double* q = row.orientation;
-    poses_[row.piece] = {{row.position_m[0], row.position_m[1], row.position_m[2]},
-                         Eigen::Quaterniond(q[0], q[1], q[2], q[3])};
+    poses_[row.piece] = pose_of(row.position_m, row.orientation);
   }
   return come;
 }

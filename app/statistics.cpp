@@ -16,8 +16,7 @@ double length(const double (&v)[3]) { return std::sqrt(v[0] * v[0] + v[1] * v[1]
 }  // namespace
 
 void RunStatistics::reserve(std::size_t ticks) {
-  for (auto* values : {&tick_us, &late_us, &force_N, &torque_mNm, &asked_force_N, &evaluations})
-    values->reserve(ticks);
+  for (auto* values : {&tick_us, &late_us, &force_N, &torque_mNm}) values->reserve(ticks);
   for (auto& values : stage_us) values.reserve(ticks);
   contacts.reserve(ticks);
 }
@@ -36,8 +35,10 @@ void RunStatistics::add(const TickReport& report) {
   }
   force_step_max_N = std::max(force_step_max_N, length(step));
   asked_step_max_N = std::max(asked_step_max_N, length(asked_step));
-  asked_force_N.push_back(static_cast<float>(length(port.asked_force_N)));
-  evaluations.push_back(static_cast<float>(port.evaluations));
+  asked_force_sum_N += length(port.asked_force_N);
+  asked_force_max_N = std::max(asked_force_max_N, length(port.asked_force_N));
+  evaluations_sum += static_cast<double>(port.evaluations);
+  evaluations_max = std::max(evaluations_max, port.evaluations);
   force_hash = hash_bytes(force, sizeof(force), force_hash);
   force_hash = hash_bytes(torque, sizeof(torque), force_hash);
   tick_us.push_back(r.step_us);

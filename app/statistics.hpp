@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -17,15 +18,18 @@ struct RunStatistics {
   double leaves_sum = 0.0, tested_sum = 0.0;
   std::uint32_t leaves_max = 0, tested_max = 0;
   double force_step_max_N = 0.0;
-  std::vector<float> asked_force_N;  // magnitude, before the device's limits
+  double asked_force_sum_N = 0.0, asked_force_max_N = 0.0;  // before the device's limits
   double asked_step_max_N = 0.0;
-  std::vector<float> evaluations;  // of the contact, in a tick
+  double evaluations_sum = 0.0;  // of the contact, in a tick
+  std::uint64_t evaluations_max = 0;
   std::uint64_t removed = 0;
   std::array<std::uint64_t, 32> faults{};  // ticks with each bit
   std::uint64_t force_hash = 0;            // over all forces and torques, in order
 
   void reserve(std::size_t ticks);
   void add(const TickReport& report);
+  /// Ticks with a fault.
+  std::uint64_t fault_ticks(Fault fault) const { return faults[std::countr_zero(+fault)]; }
 
  private:
   double last_force_[3]{}, last_asked_[3]{};

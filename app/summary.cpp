@@ -173,17 +173,18 @@ Json goal_json(const GoalFigures& goal, double voxel_mm3) {
 
 /// What went through the device's port, and what a scene names of it.
 void add_port(const Scene& scene, const DevicePortState& port, const RunStatistics& s, Json& j) {
+  const double ticks = std::max<double>(1.0, static_cast<double>(s.tick_us.size()));
   const PassivityState& passivity = port.passivity;
   j["passivity"] = {{"least_J", passivity.least_J}, {"given_out_J", passivity.given_out_J()}};
   if (scene.coupling) {
     j["coupling"] = {
         {"stiffness_N_per_mm", scene.coupling->stiffness_N_per_m / kNewtonPerMillimetre},
-        {"evaluations", {{"mean", mean(s.evaluations)}, {"max", largest(s.evaluations)}}}};
+        {"evaluations", {{"mean", s.evaluations_sum / ticks}, {"max", s.evaluations_max}}}};
   }
   if (scene.device || scene.coupling) {
-    j["asked_force_N"] = {{"mean", mean(s.asked_force_N)}, {"max", largest(s.asked_force_N)}};
+    j["asked_force_N"] = {{"mean", s.asked_force_sum_N / ticks}, {"max", s.asked_force_max_N}};
     j["asked_force_step_N"] = {{"max", s.asked_step_max_N}};
-    j["buzz_ticks"] = port.buzz.buzz_ticks;
+    j["buzz_ticks"] = s.fault_ticks(kFaultBuzz);
   }
   if (!scene.device) return;
   if (scene.device->passivity_controller) {
@@ -193,8 +194,8 @@ void add_port(const Scene& scene, const DevicePortState& port, const RunStatisti
   j["device"] = {{"clamped_ticks", port.edge.clamped_ticks},
                  {"step_limited_ticks", port.edge.step_limited_ticks},
                  {"ramped_ticks", port.edge.ramped_ticks},
-                 {"silent_ticks", port.silent_ticks},
-                 {"jumped_ticks", port.jumped_ticks}};
+                 {"silent_ticks", s.fault_ticks(kFaultDeviceSilent)},
+                 {"jumped_ticks", s.fault_ticks(kFaultDeviceJumped)}};
 }
 
 Json faults_json(const RunStatistics& statistics) {

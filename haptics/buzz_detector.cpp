@@ -59,19 +59,16 @@ bool buzz(const Eigen::Vector3d& force_N, double threshold_N, double dt_s,
     state.turn_N = state.furthest_N = force_N;
   }
   follow(force_N, threshold_N, state);
-  const bool buzzes =
-      state.seen >= BuzzState::kReversals &&
-      static_cast<double>(state.tick - state.seen_ticks.front()) * dt_s <= kWindow_s &&
-      sustained(state);
-  if (buzzes) ++state.buzz_ticks;
-  return buzzes;
+  return state.seen >= BuzzState::kReversals &&
+         static_cast<double>(state.tick - state.seen_ticks.front()) * dt_s <= kWindow_s &&
+         sustained(state);
 }
 
 std::uint64_t BuzzState::hash() const {
   std::array<double, 6> forces{};
   std::copy_n(turn_N.data(), 3, forces.begin());
   std::copy_n(furthest_N.data(), 3, forces.begin() + 3);
-  const std::array<std::uint64_t, 4> counts{tick, seen, buzz_ticks, started ? 1u : 0u};
+  const std::array<std::uint64_t, 3> counts{tick, seen, started ? 1u : 0u};
   std::uint64_t hash = hash_bytes(forces.data(), sizeof(forces));
   hash = hash_bytes(swings_N.data(), sizeof(swings_N), hash);
   hash = hash_bytes(seen_ticks.data(), sizeof(seen_ticks), hash);

@@ -45,8 +45,7 @@ CouplingSprings::CouplingSprings(const CouplingSettings& settings, const Burr& b
 SpringPull pull(const CouplingSprings& springs, const Pose& device, const Pose& tool) noexcept {
   const Eigen::Vector3d stretch_m =
       device.point(springs.middle_tool) - tool.point(springs.middle_tool);
-  const Eigen::Vector3d turn =
-      motion_between(tool, device, 1.0, 0.0).angular_rad_per_s;  // in one second: the turn
+  const Eigen::Vector3d turn = small_turn(tool.orientation, device.orientation);
   SpringPull now;
   now.stiffness_N_per_m =
       held(springs.stiffness_N_per_m, springs.force_limit_N, stretch_m, now.wrench.force_N);

@@ -71,7 +71,7 @@ struct CoupledResult {
 
 /// Takes the tool towards where springs and contact balance: a quasi-static virtual coupling [Wan
 /// and McNeely 2003; Barbic and James 2008]. We iterate where they take one linear step, so that a
-/// contact a thousand times as stiff as the springs is met without crossing it:
+/// contact hundreds of times as stiff as the springs is met without crossing it:
 ///
 ///  - Newton steps with the contact's own stiffness; the springs regularise.
 ///  - In contact a step takes no point of the burr further than half a voxel; in free space no

@@ -36,14 +36,6 @@ PassivitySettings passivity_settings(const TickContext& context) {
   return settings;
 }
 
-/// What the hand feels a contact as stiff as, at most, N/m.
-double felt_stiffness(const Scene& scene) {
-  if (scene.coupling) return scene.coupling->stiffness_N_per_m;
-  double stiffest = 0.0;
-  for (const TissueSettings& t : scene.tissues) stiffest = std::max(stiffest, t.stiffness_N_per_m);
-  return stiffest;
-}
-
 }  // namespace
 
 std::uint64_t DevicePortState::hash() const {
@@ -51,9 +43,15 @@ std::uint64_t DevicePortState::hash() const {
   std::copy_n(pose.position.data(), 3, values.begin());
   std::copy_n(pose.orientation.coeffs().data(), 4, values.begin() + 3);
   values[7] = has_pose ? 1.0 : 0.0;
-  const std::array<std::uint64_t, 5> parts{edge.hash(), passivity.hash(), buzz.hash(), silent_ticks,
-                                           jumped_ticks};
+  const std::array<std::uint64_t, 3> parts{edge.hash(), passivity.hash(), buzz.hash()};
   return hash_bytes(parts.data(), sizeof(parts), hash_bytes(values.data(), sizeof(values)));
+}
+
+double felt_stiffness(const Scene& scene) noexcept {
+  if (scene.coupling) return scene.coupling->stiffness_N_per_m;
+  double stiffest = 0.0;
+  for (const TissueSettings& t : scene.tissues) stiffest = std::max(stiffest, t.stiffness_N_per_m);
+  return stiffest;
 }
 
 DeviceReading read_pose(const TickContext& context, Device& device, std::uint64_t tick,
@@ -62,10 +60,7 @@ DeviceReading read_pose(const TickContext& context, Device& device, std::uint64_
   const std::optional<Pose> pose = device.pose(tick);
   reading.answered = pose.has_value();
   reading.pose = pose.value_or(state.pose);
-  if (!reading.answered) {
-    ++state.silent_ticks;
-    reading.faults |= kFaultDeviceSilent;
-  }
+  if (!reading.answered) reading.faults |= kFaultDeviceSilent;
   if (!is_finite(reading.pose)) {
     reading.faults |= kFaultNotFinite;
     reading.pose = state.pose;
@@ -76,10 +71,7 @@ DeviceReading read_pose(const TickContext& context, Device& device, std::uint64_
     const double fastest_m = kFastestHandle_m_per_s / context.scene.haptics.rate_hz;
     reading.jumped = context.scene.device && reading.way_m > fastest_m;
   }
-  if (reading.jumped) {
-    ++state.jumped_ticks;
-    reading.faults |= kFaultDeviceJumped;
-  }
+  if (reading.jumped) reading.faults |= kFaultDeviceJumped;
   state.has_pose |= reading.answered;
   state.pose = reading.pose;
   return reading;

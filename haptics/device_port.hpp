@@ -18,7 +18,6 @@ struct DevicePortState {
   DeviceEdgeState edge;
   PassivityState passivity;
   BuzzState buzz;
-  std::uint64_t silent_ticks = 0, jumped_ticks = 0;  // of the run
 
   std::uint64_t hash() const;
 };
@@ -31,6 +30,9 @@ struct DeviceReading {
   bool jumped = false;       // further from the last than a hand moves a handle: 5 m/s
   std::uint32_t faults = 0;  // bits of Fault
 };
+
+/// What a hand feels a scene's contacts as stiff as, at most, N/m: what buzz is listened for with.
+double felt_stiffness(const Scene& scene) noexcept;
 
 /// Asks a device. A pose that is not finite ends the run: kFaultNotFinite, and the pose is the last
 /// one.

@@ -79,12 +79,14 @@ MovedTool follow_coupling(const TickContext& context, const Workpiece& workpiece
         return free_way_to_bodies(context, workpiece, state, pose, wanted_m, scratch);
       });
   state.tool = tool;
-  return {coupled.contact, coupled.evaluations};
+  return {coupled.contact,
+          pull_on_device(springs, device.pose, tool, context.burr.reference_m),
+          coupled.evaluations};
 }
 
 MovedTool follow_load(const TickContext& context, const Workpiece& workpiece, const Pose& device,
                       SimulationState& state, TickScratch& scratch) noexcept {
-  MovedTool moved{{}, 0};
+  MovedTool moved;
   Pose tool = device;
   const TrajectorySettings& settings = context.scene.trajectory;
   const Eigen::Vector3d& along = settings.load_direction;
@@ -100,6 +102,7 @@ MovedTool follow_load(const TickContext& context, const Workpiece& workpiece, co
   };
   state.load_offset_m = balance_load(search, *state.load_offset_m, evaluate);
   state.tool = tool;
+  moved.asked = moved.contact.wrench;
   return moved;
 }
 
@@ -147,6 +150,8 @@ MovedTool move_tool(const TickContext& context, const Workpiece& workpiece,
     moved = follow_coupling(context, workpiece, device, state, scratch);
   } else {
     moved.contact = contact_with_bodies(context, workpiece, state, device.pose, false, scratch);
+    moved.asked = moved.contact.wrench;
+    moved.evaluations = 1;
     state.tool = device.pose;
   }
   state.has_pose = true;

@@ -19,7 +19,8 @@ ContactResult contact_with_bodies(const TickContext& context, const Workpiece& w
 /// What a tick did with the tool.
 struct MovedTool {
   ContactResult contact;  // where it is now
-  int evaluations = 1;    // of the contact
+  Wrench asked;           // what the hand is to feel: the coupling's springs, else the contact
+  int evaluations = 0;    // of the contact
 };
 
 /// Takes the tool to the device's pose; with a coupling towards where its springs and the contact

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptics/tool_motion.hpp"
+
 namespace sulcus {
 
 using Eigen::Quaterniond;
@@ -43,13 +45,6 @@ Vector3d next_velocity(const Dynamics& d, const Vector3d& velocity, const HandEn
   const double taken = d.friction / resisting;
   if (speed <= taken) return Vector3d::Zero();
   return (1.0 - taken / speed) * next;
-}
-
-/// The turn that takes `from` to `to`, the short way round, as twice its quaternion's vector part:
-/// the rotation vector as far as a turn is small.
-Vector3d small_turn(const Quaterniond& from, const Quaterniond& to) noexcept {
-  const Quaterniond turn = to * from.conjugate();
-  return (turn.w() < 0.0 ? -2.0 : 2.0) * turn.vec();
 }
 
 /// The inverse: what `small_turn` makes of it and of `from` is `turn`, which is 2 long at most.

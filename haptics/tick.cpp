@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "haptics/coupling.hpp"
 #include "haptics/device_port.hpp"
 #include "haptics/move_tool.hpp"
 #include "haptics/normals.hpp"
@@ -99,14 +98,6 @@ void let_go(Workpiece& workpiece, std::span<const std::uint32_t> loose, Simulati
   if (state.kept) state.kept->drop(scratch.edits);
 }
 
-/// What the hand is to feel: the springs of the coupling, else the contact itself.
-Wrench felt_wrench(const TickContext& context, const Pose& device, const SimulationState& state,
-                   const ContactResult& contact) {
-  if (!context.scene.coupling) return contact.wrench;
-  const CouplingSprings springs(*context.scene.coupling, context.burr);
-  return pull_on_device(springs, device, state.tool, context.burr.reference_m);
-}
-
 /// A contact that is not finite counts as none, and ends the run.
 void refuse_infinite(ContactResult& contact) {
   if (contact.wrench.force_N.allFinite() && contact.wrench.torque_Nm.allFinite()) return;
@@ -114,15 +105,15 @@ void refuse_infinite(ContactResult& contact) {
   contact.wrench = {};
 }
 
-PortRecord make_port_record(const SimulationState& state, const Wrench& asked, int evaluations) {
+PortRecord make_port_record(const SimulationState& state, const MovedTool& moved) {
   PortRecord record;
   record.tick = state.tick;
-  std::copy_n(asked.force_N.data(), 3, record.asked_force_N);
-  std::copy_n(asked.torque_Nm.data(), 3, record.asked_torque_Nm);
+  std::copy_n(moved.asked.force_N.data(), 3, record.asked_force_N);
+  std::copy_n(moved.asked.torque_Nm.data(), 3, record.asked_torque_Nm);
   record.absorbed_J = state.port.passivity.energy_J;
   record.given_out_J = state.port.passivity.given_out_J();
   record.dissipated_J = state.port.passivity.dissipated_J;
-  record.evaluations = static_cast<std::uint64_t>(evaluations);
+  record.evaluations = static_cast<std::uint64_t>(moved.evaluations);
   return record;
 }
 
@@ -178,12 +169,11 @@ TickRecord tick(const TickContext& context, Device& device, Workpiece& workpiece
   }
   contact.faults |= reading.faults;
   refuse_infinite(contact);
-  const Wrench asked = felt_wrench(context, reading.pose, state, contact);
-  const Wrench sent = render_wrench(context, reading, asked, state.port, contact.faults);
+  const Wrench sent = render_wrench(context, reading, moved.asked, state.port, contact.faults);
   device.apply(sent);
 
   TickRecord record = make_record(state, reading.pose, dt_s, contact, sent);
-  scratch.port = make_port_record(state, asked, moved.evaluations);
+  scratch.port = make_port_record(state, moved);
   record.removed =
       static_cast<std::uint32_t>(std::ranges::count_if(scratch.edits, [](const Edit& edit) {
         return edit.body == 0 && edit.cause == EditCause::kCut;

@@ -30,6 +30,12 @@ inline Pose inverse(const Pose& pose) {
   return {pose.orientation.conjugate() * -pose.position, pose.orientation.conjugate()};
 }
 
+/// As files have one: position, and orientation (w, x, y, z).
+inline Pose pose_of(const double (&position)[3], const double (&orientation)[4]) {
+  const double* q = orientation;
+  return {{position[0], position[1], position[2]}, Eigen::Quaterniond(q[0], q[1], q[2], q[3])};
+}
+
 /// Turns about x, then y, then z, axes that stay; rad.
 inline Eigen::Quaterniond rotation_xyz(const Eigen::Vector3d& angles) {
   return Eigen::AngleAxisd(angles.z(), Eigen::Vector3d::UnitZ()) *

@@ -1,23 +1,17 @@
 #include "engine/scene/device_presets.hpp"
 
+#include <stdexcept>
+#include <string>
+
 #include "engine/core/units.hpp"
 
 namespace sulcus {
 
 namespace {
 
-/// Mass, damping, friction and resolution as in the loops that the stability measurements simulate.
-/// Its data sheet gives 0.26 N of friction.
-DeviceSettings omni() {
-  DeviceSettings d;
-  d.force_limit_N = 3.3;
-  d.stiffness_N_per_m = 700.0;
-  d.mass_kg = 0.045;
-  d.damping_N_s_per_m = 0.1;
-  d.friction_N = 0.05;
-  d.resolution_m = 55e-6;
-  return d;
-}
+/// What DeviceSettings says of itself. Mass, damping, friction and resolution as in the loops that
+/// the stability measurements simulate; its data sheet gives 0.26 N of friction.
+DeviceSettings omni() { return {}; }
 
 /// The same mechanism as far as is published: mass, damping, friction and resolution are the
 /// Omni's.
@@ -58,12 +52,23 @@ DeviceSettings falcon() {
   return d;
 }
 
+/// What HandSettings says of itself.
+HandSettings light() { return {}; }
+
 HandSettings hand(double mass_kg, double damping_N_s_per_m, double stiffness_N_per_m) {
   HandSettings h;
   h.mass_kg = mass_kg;
   h.damping_N_s_per_m = damping_N_s_per_m;
   h.stiffness_N_per_m = stiffness_N_per_m;
   return h;
+}
+
+template <class Preset>
+const auto& settings_of(std::span<const Preset> presets, std::string_view name) {
+  for (const Preset& preset : presets) {
+    if (preset.name == name) return preset.settings;
+  }
+  throw std::logic_error("no preset has the name " + std::string(name));
 }
 
 }  // namespace
@@ -76,11 +81,17 @@ std::span<const DevicePreset> device_presets() noexcept {
   return presets;
 }
 
+const DeviceSettings& device_preset(std::string_view name) {
+  return settings_of(device_presets(), name);
+}
+
 std::span<const HandPreset> hand_presets() noexcept {
-  static const std::array<HandPreset, 3> presets{{{kHandPresetNames[0], hand(0.0, 2.0, 100.0)},
+  static const std::array<HandPreset, 3> presets{{{kHandPresetNames[0], light()},
                                                   {kHandPresetNames[1], hand(0.05, 8.0, 300.0)},
                                                   {kHandPresetNames[2], hand(0.554, 6.45, 135.0)}}};
   return presets;
 }
+
+const HandSettings& hand_preset(std::string_view name) { return settings_of(hand_presets(), name); }
 
 }  // namespace sulcus

@@ -15,8 +15,8 @@ constexpr Range kTorque_mNm{0, 1e5};
 constexpr Range kTime{0, 1e6};
 
 HandSettings read_hand(TomlTable& table) {
-  const std::size_t preset = table.choice("hand", kHandPresetNames).value_or(0);
-  HandSettings h = hand_presets()[preset].settings;
+  const auto preset = table.choice("hand", kHandPresetNames);
+  HandSettings h = hand_preset(preset ? kHandPresetNames[*preset] : "light");
   h.mass_kg = table.number("hand_mass_g", {0, 1e4}, h.mass_kg * 1e3) * 1e-3;
   h.damping_N_s_per_m = table.number("hand_damping_N_s_per_m", {0, 1e3}, h.damping_N_s_per_m);
   h.stiffness_N_per_m = table.number("hand_stiffness_N_per_m", {0, 1e5}, h.stiffness_N_per_m);
@@ -57,8 +57,8 @@ void read_faults(TomlTable& table, double rate_hz, DeviceSettings& d) {
 DeviceSettings read_device(TomlTable& table, double rate_hz) {
   constexpr std::array<std::string_view, 1> kModels{"simulated"};
   if (!table.choice("model", kModels)) table.fail("model", "none", "\"simulated\"");
-  const std::size_t preset = table.choice("preset", kDevicePresetNames).value_or(1);
-  DeviceSettings d = device_presets()[preset].settings;
+  const auto preset = table.choice("preset", kDevicePresetNames);
+  DeviceSettings d = device_preset(preset ? kDevicePresetNames[*preset] : "omni");
   d.hand = read_hand(table);
   d.force_limit_N = table.number("force_limit_N", {1e-3, 1e3}, d.force_limit_N);
   d.torque_limit_Nm = table.number("torque_limit_mNm", kTorque_mNm, d.torque_limit_Nm * 1e3) * 1e-3;

@@ -97,7 +97,6 @@ std::vector<int> spoken(const std::vector<double>& force_N, double threshold_N,
       ticks.push_back(tick);
     }
   }
-  EXPECT_EQ(ticks.size(), state.buzz_ticks);
   return ticks;
 }
 
@@ -294,7 +293,6 @@ TEST(BuzzDetector, EverythingThatMattersLaterIsHashed) {
       [](auto& s) { ++s.seen; },
       [](auto& s) { s.swings_N.back() = 1e-9; },
       [](auto& s) { s.seen_ticks.front() = 1; },
-      [](auto& s) { ++s.buzz_ticks; },
   };
   EXPECT_EQ(BuzzState().hash(), BuzzState().hash());
   for (std::size_t i = 0; i < changes.size(); ++i) {

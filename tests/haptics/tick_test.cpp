@@ -473,8 +473,7 @@ TEST(Tick, ARunPlayedBackFromItsRecordsGivesTheSameBits) {
 
   std::vector<std::optional<Pose>> poses;
   for (const TickRecord& r : records) {
-    const double* q = r.device_orientation;
-    poses.push_back(Pose{vector(r.device_position_m), Eigen::Quaterniond(q[0], q[1], q[2], q[3])});
+    poses.push_back(pose_of(r.device_position_m, r.device_orientation));
   }
   PlaybackDevice playback(poses);
   TickRun again(true);

@@ -52,17 +52,19 @@ TEST(StabilityPushes, RandomPushesNeverCrossAndComeAgainFromTheirSeeds) {
   const Workpiece tooth(test::ball({192, 192, 192}, 50e-6, {95.0, 94.0, 96.5}, 50.0));
   const std::vector<std::uint64_t> seeds{1, 2, 3, 4, 5, 6};
   const std::vector<RandomPush> pushes = run_random_pushes(tooth, seeds);
+  constexpr double kForceLimit_N = CouplingSettings{}.force_limit_N;
   for (const RandomPush& push : pushes) {
     EXPECT_TRUE(push.touched) << push.seed;
     EXPECT_FALSE(push.crossed) << push.seed;
     EXPECT_TRUE(push.finite) << push.seed;
-    EXPECT_LE(push.step_N, 0.3) << push.seed;
+    EXPECT_LE(push.step_N, kLargestStep_N) << push.seed;
+    EXPECT_FALSE(fails(push, kForceLimit_N)) << push.seed;
     EXPECT_EQ(push.cutting, push.seed % 2 == 1);
   }
   const RandomPush again = run_random_push(tooth, 3);
   EXPECT_EQ(again.force_N, pushes[2].force_N);
   EXPECT_EQ(again.step_N, pushes[2].step_N);
-  for (const StabilityRow& row : random_push_rows("ball", pushes, 3.3).rows) {
+  for (const StabilityRow& row : random_push_rows("ball", pushes, kForceLimit_N).rows) {
     EXPECT_TRUE(row.pass()) << row.quantity << " " << row.value;
   }
 }

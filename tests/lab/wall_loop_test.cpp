@@ -1,6 +1,5 @@
-#include "tools/sulcus_lab/wall_loop.hpp"
+#include "tools/sulcus_lab/stability/wall_loop.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -13,13 +12,8 @@ namespace {
 /// An Omni held by a hand of the presets.
 WallLoop omni_loop(std::string_view hand, int delay_ticks, double wall_damping) {
   WallLoop loop;
-  const auto named = [](std::string_view name) {
-    return [name](const auto& preset) { return preset.name == name; };
-  };
-  const auto devices = device_presets();
-  loop.device = std::find_if(devices.begin(), devices.end(), named("omni"))->settings;
-  const auto hands = hand_presets();
-  loop.device.hand = std::find_if(hands.begin(), hands.end(), named(hand))->settings;
+  loop.device = device_preset("omni");
+  loop.device.hand = hand_preset(hand);
   loop.device.delay_ticks = delay_ticks;
   loop.wall_damping_N_s_per_m = wall_damping;
   return loop;

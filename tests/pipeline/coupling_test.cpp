@@ -16,17 +16,7 @@ namespace {
 using test::sulcus_command;
 
 /// A hand that presses on a block through a device and a coupling.
-const std::string kPressScene = R"(
-[workpiece]
-shape = "box"
-voxel_mm = 0.05
-cells = [64, 64, 64]
-[workpiece.box]
-size_mm = [2, 2, 2]
-[burr]
-diameter_mm = 0.8
-speed_rpm = 100000
-field = [48, 192, 48]
+const std::string kPressScene = test::kBlockAndBurr + R"(
 [trajectory]
 points_mm = [[0, 0, 1.5], [0, 0, -0.4]]
 speed_mm_per_s = 20

@@ -58,9 +58,7 @@ TEST_F(SideCutting, TheLoadIsHeldAndTheWorkIsThatOfTheRecordedForceTorqueAndSpee
   int held = 0;
   for (std::size_t i = 1; i < ticks.size(); ++i) {
     const auto pose = [](const TickRecord& t) {
-      const double* q = t.tool_orientation;
-      return Pose{{t.tool_position_m[0], t.tool_position_m[1], t.tool_position_m[2]},
-                  Eigen::Quaterniond(q[0], q[1], q[2], q[3])};
+      return pose_of(t.tool_position_m, t.tool_orientation);
     };
     // The handpiece does not turn here, so that every point of it moves as the tip does.
     const Eigen::Vector3d velocity = (pose(ticks[i]).position - pose(ticks[i - 1]).position) / dt_s;

@@ -4,9 +4,8 @@
 
 namespace sulcus::test {
 
-/// A 2 mm block of 64^3 voxels with a small burr: probing, done in a fraction of a second.
-inline const std::string kProbeScene = R"(
-title = "small"
+/// A 2 mm block of 64^3 voxels and a small burr.
+inline const std::string kBlockAndBurr = R"(
 [workpiece]
 shape = "box"
 voxel_mm = 0.05
@@ -17,6 +16,10 @@ size_mm = [2, 2, 2]
 diameter_mm = 0.8
 speed_rpm = 100000
 field = [48, 192, 48]
+)";
+
+/// Probing it, done in a fraction of a second.
+inline const std::string kProbeScene = "title = \"small\"" + kBlockAndBurr + R"(
 [trajectory]
 points_mm = [[-0.6, 0, 1.2], [-0.6, 0, 0.92], [0.6, 0, 0.92], [0.6, 0, 1.2]]
 speed_mm_per_s = 4

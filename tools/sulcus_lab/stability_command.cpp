@@ -24,7 +24,7 @@
 #include "tools/sulcus_lab/stability/frontier.hpp"
 #include "tools/sulcus_lab/stability/random_pushes.hpp"
 #include "tools/sulcus_lab/stability/stability_page.hpp"
-#include "tools/sulcus_lab/wall_loop.hpp"
+#include "tools/sulcus_lab/stability/wall_loop.hpp"
 
 namespace sulcus::lab {
 
@@ -50,16 +50,15 @@ struct StabilityOptions {
 /// Three limits of the same loops: theory's, the simulated device's, and the rule of thumb.
 CaseResult harness() {
   CaseResult result;
-  for (const WallLimits& limits : measure_wall_limits(device_presets()[1].settings)) {
+  for (const WallLimits& limits : measure_wall_limits(device_preset("omni"))) {
     StabilityRow row;
     row.case_name = kHarness;
     row.device = "omni";
     row.hand = limits.hand;
     row.delay = limits.delay_ticks;
-    std::ostringstream wall;
-    wall << "wall with B = " << limits.wall_damping_N_s_per_m << ": ";
+    const std::string wall = with_number("wall with B = %g: ", limits.wall_damping_N_s_per_m);
     const auto add = [&](const char* quantity, double value, std::optional<double> limit) {
-      row.quantity = wall.str() + quantity;
+      row.quantity = wall + quantity;
       row.value = value;
       row.limit = limit;
       result.rows.push_back(row);
@@ -106,9 +105,7 @@ CaseResult random_pushes(const StabilityOptions& options) {
     const std::vector<RandomPush> pushes = run_random_pushes(teeth[t].second, seeds);
     constexpr double kLimit_N = CouplingSettings{}.force_limit_N;
     for (const RandomPush& p : pushes) {
-      const bool fails =
-          p.crossed || !p.finite || p.force_N > kLimit_N * (1 + 1e-9) || p.step_N > 0.3;
-      if (!fails && options.seeds.empty()) continue;
+      if (!fails(p, kLimit_N) && options.seeds.empty()) continue;
       std::printf("%s: seed %llu, %s at %.1f mm/s%s: force %.3f N, step %.3f N%s%s\n",
                   teeth[t].first.c_str(), static_cast<unsigned long long>(p.seed), p.burr.c_str(),
                   p.speed_mm_per_s, p.cutting ? ", cutting" : "", p.force_N, p.step_N,
@@ -140,7 +137,7 @@ void write_row(CsvFile& csv, const StabilityRow& row) {
   line << row.case_name << ',' << kContactMethodNames[static_cast<std::size_t>(row.method)] << ','
        << row.device << ',' << row.hand << ',' << cell(row.burr_mm) << ',' << row.delay << ','
        << cell(row.push_N) << ",\"" << row.quantity << "\"," << cell(row.value) << ','
-       << (row.limit ? cell(*row.limit) : "") << ',' << (row.pass() ? "yes" : "no");
+       << (row.limit ? cell(*row.limit) + (row.pass() ? ",yes" : ",no") : ",");
   csv.write(line.str());
 }
 

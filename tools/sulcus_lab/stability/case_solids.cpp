@@ -102,19 +102,6 @@ bool is_held_outside(ContactMethod method) {
   return method == ContactMethod::kCoupling || method == ContactMethod::kSinglePoint;
 }
 
-StabilityRow case_row(std::string_view name, ContactMethod method, std::string_view quantity,
-                      std::string_view setting, double value, std::optional<double> limit,
-                      bool at_least) {
-  StabilityRow row;
-  row.case_name = name;
-  row.method = method;
-  row.quantity = std::string(quantity) + (setting.empty() ? "" : ": ") + std::string(setting);
-  row.value = value;
-  row.limit = limit;
-  row.at_least = at_least;
-  return row;
-}
-
 ForceTrace case_trace(std::string_view name, ContactMethod method, std::string_view label,
                       std::span<const Felt> ticks, const Vector3d& along) {
   ForceTrace trace;

@@ -1,11 +1,12 @@
 #pragma once
 
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "engine/core/units.hpp"
+#include "engine/scene/scene.hpp"
 #include "engine/volume/voxel_model.hpp"
 #include "tools/sulcus_lab/stability/cases.hpp"
 #include "tools/sulcus_lab/stability/rig.hpp"
@@ -17,6 +18,10 @@ namespace sulcus::lab {
 
 inline constexpr double kCaseVoxel_m = 34.8e-6;
 inline constexpr double kCaseRadius_m = 0.5e-3;  // of the burr
+// Of [coupling] where no device is named.
+inline constexpr double kCaseForceLimit_N = CouplingSettings{}.force_limit_N;
+inline constexpr double kCaseSpring_N_per_mm =
+    CouplingSettings{}.stiffness_N_per_m / kNewtonPerMillimetre;
 
 /// Voxels whose centre p, in voxels from the scene's origin, is solid(p). `cells` are multiples of
 /// 8, so that the origin is a corner of eight voxels.
@@ -74,11 +79,6 @@ std::vector<Felt> run_path(ContactMethod method, const Scene& scene, const Voxel
 
 /// Whether the tool is held by a device's spring, so that it stays outside.
 bool is_held_outside(ContactMethod method);
-
-/// `quantity` with its unit; `setting`: what sets the run apart from others of the case.
-StabilityRow case_row(std::string_view name, ContactMethod method, std::string_view quantity,
-                      std::string_view setting, double value, std::optional<double> limit = {},
-                      bool at_least = false);
 
 /// Force along a direction, and how deep the tool's tip is below z = 0.
 ForceTrace case_trace(std::string_view name, ContactMethod method, std::string_view label,

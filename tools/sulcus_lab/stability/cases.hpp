@@ -27,18 +27,20 @@ CaseResult thin_wall_stiffness(const CaseOptions& options);
 CaseResult tunnelling(const CaseOptions& options);
 CaseResult sticking(const CaseOptions& options);
 CaseResult deep_inside(const CaseOptions& options);
-// cases_surface.cpp
+// cases_normals.cpp
 CaseResult edge_normals(const CaseOptions& options);
 CaseResult tilted_planes(const CaseOptions& options);
 CaseResult opposing_faces(const CaseOptions& options);
+// cases_contacts.cpp
 CaseResult vanishing_voxels(const CaseOptions& options);
 CaseResult count_steps(const CaseOptions& options);
 CaseResult spur(const CaseOptions& options);
 CaseResult wedge(const CaseOptions& options);
-// cases_loop.cpp
+// cases_pressed.cpp
 CaseResult buzz_case(const CaseOptions& options);
-CaseResult sample_and_hold(const CaseOptions& options);
 CaseResult coupling_mismatch(const CaseOptions& options);
+// cases_thrown.cpp
+CaseResult sample_and_hold(const CaseOptions& options);
 CaseResult proxy_thrown(const CaseOptions& options);
 CaseResult late_tick(const CaseOptions& options);
 // cases_cutting.cpp

@@ -6,7 +6,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -18,6 +17,7 @@
 #include "engine/core/units.hpp"
 #include "engine/scene/trajectory.hpp"
 #include "haptics/tool_motion.hpp"
+#include "tools/sulcus_lab/stability/case_solids.hpp"
 #include "tools/sulcus_lab/stability/cases.hpp"
 #include "tools/sulcus_lab/stability/rig.hpp"
 
@@ -29,41 +29,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kVoxel_m = 34.8e-6;
-
-template <class Solid>
-VoxelModel make_solid(const Eigen::Vector3i& cells, double voxel_m, const Solid& solid) {
-  VoxelModel model;
-  model.grid = {cells, voxel_m};
-  model.leaves.resize(model.grid.leaf_count());
-  for (int k = 0; k < cells.z(); ++k) {
-    for (int j = 0; j < cells.y(); ++j) {
-      for (int i = 0; i < cells.x(); ++i) {
-        if (solid(Cell(i, j, k))) model.set({i, j, k}, true);
-      }
-    }
-  }
-  return model;
-}
-
-StabilityRow row_of(std::string_view name, ContactMethod method, double burr_mm,
-                    std::string quantity, double value, std::optional<double> limit = {}) {
-  StabilityRow row;
-  row.case_name = name;
-  row.method = method;
-  row.burr_mm = burr_mm;
-  row.quantity = std::move(quantity);
-  row.value = value;
-  row.limit = limit;
-  return row;
-}
-
-std::string with_number(const char* form, double number) {
-  char text[128];
-  std::snprintf(text, sizeof text, form, number);
-  return text;
-}
-
 // --- A piece cut loose --------------------------------------------------------------------------
 
 constexpr double kSmallBurr_mm = 0.3;
@@ -71,8 +36,12 @@ constexpr double kSmallBurr_mm = 0.3;
 /// Base, a bridge of 3 x 3 voxels, 12 high, and an island of 10 x 10 x 10 on it.
 constexpr int kIslandSide = 10, kBridgeLow = 8, kBridgeHigh = 20;
 VoxelModel island() {
-  return make_solid({32, 32, 40}, kVoxel_m, [](const Cell& c) {
-    const auto within = [](int at, int from, int count) { return at >= from && at < from + count; };
+  const Eigen::Vector3i cells(32, 32, 40);
+  return solid_where(cells, [&](const Vector3d& p) {
+    const Vector3d c = p + 0.5 * cells.cast<double>();  // from the grid's corner
+    const auto within = [](double at, int from, int count) {
+      return at > from && at < from + count;
+    };
     if (c.z() < kBridgeLow) return true;
     if (c.z() < kBridgeHigh) return within(c.x(), 14, 3) && within(c.y(), 14, 3);
     return c.z() < kBridgeHigh + kIslandSide && within(c.x(), 11, kIslandSide) &&
@@ -180,18 +149,17 @@ CaseResult loose_piece(const CaseOptions& options) {
   for (const ContactMethod method : options.methods) {
     if (method == ContactMethod::kSinglePoint) continue;  // it cuts nothing
     Loosened run = cut_loose(method);
-    const auto add = [&](std::string quantity, double value, std::optional<double> limit = {}) {
-      result.rows.push_back(
-          row_of("loose_piece", method, kSmallBurr_mm, std::move(quantity), value, limit));
+    const auto add = [&](const char* quantity, double value, std::optional<double> limit = {},
+                         bool at_least = false) {
+      result.rows.push_back(case_row("loose_piece", method, quantity, "", value, limit, at_least));
+      result.rows.back().burr_mm = kSmallBurr_mm;
     };
     add("contact_for_ms",
         run.loosened < 0 ? HUGE_VAL : std::max(0, run.last_contact - run.loosened + 1), kWithin_ms);
     add("left_after_ms", run.left < 0 ? HUGE_VAL : run.left - run.loosened, kWithin_ms);
     add("voxels_left_behind", static_cast<double>(run.remaining), 0.0);
-    add("voxels", static_cast<double>(run.voxels), kLeastVoxels);
-    result.rows.back().at_least = true;
-    add("fallen_mm", run.fallen_m / kMillimetre, kLeastFall_mm);
-    result.rows.back().at_least = true;
+    add("voxels", static_cast<double>(run.voxels), kLeastVoxels, true);
+    add("fallen_mm", run.fallen_m / kMillimetre, kLeastFall_mm, true);
     result.traces.push_back(
         {"loose_piece", "a bridge cut under an island", method, 1e-3, std::move(run.force_N), {}});
   }
@@ -211,7 +179,7 @@ struct Overloaded {
   std::uint64_t evaluations = 0;  // in such a tick, at most
   double tick_us = 0.0;           // median of the ticks with nearly as many
   double cap_used = 0.0;          // contacts evaluated in a tick by contacts_per_tick
-  int stale = 0, unbalanced = 0;  // ticks
+  int stale = 0;                  // ticks
   double still_felt_N = 0.0;      // long after the device has gone
   std::vector<float> force_N;
 };
@@ -296,9 +264,9 @@ CaseResult overload(const CaseOptions& options) {
     for (const int count : counts) {
       Overloaded run = press_flat(method, count);
       const auto add = [&](const char* quantity, double value, std::optional<double> limit = {}) {
-        result.rows.push_back(row_of("overload", method, diameter_mm_for(count),
-                                     std::string(quantity) + with_number(": %.0f", count), value,
-                                     limit));
+        result.rows.push_back(
+            case_row("overload", method, quantity, std::to_string(count), value, limit));
+        result.rows.back().burr_mm = diameter_mm_for(count);
       };
       add("contacts", run.contacts);
       add("evaluations", static_cast<double>(run.evaluations));
@@ -418,7 +386,7 @@ field = 'auto'
     const Vector3d torque_Nm(record.tangential_torque_Nm[0], record.tangential_torque_Nm[1],
                              record.tangential_torque_Nm[2]);
     const Vector3d arm_m = felt.tool.direction(scene.burr.reference_m * Vector3d::UnitY());
-    const Vector3d turn = motion_between(last, felt.tool, 1.0, 0.0).angular_rad_per_s +
+    const Vector3d turn = small_turn(last.orientation, felt.tool.orientation) +
                           record.spindle_rad_per_s * dt_s * felt.tool.direction(Vector3d::UnitY());
     integrated_J -= force_N.dot(felt.tool.position - last.position) +
                     (torque_Nm + arm_m.cross(force_N)).dot(turn);
@@ -462,22 +430,22 @@ CaseResult cutting_energy(const CaseOptions& options) {
   for (const ContactMethod method : options.methods) {
     if (method == ContactMethod::kSinglePoint) continue;  // it cuts nothing
     double least = HUGE_VAL, most = 0.0, enamel = 0.0;
-    const auto add = [&](std::string quantity, double value, std::optional<double> limit = {}) {
+    const auto add = [&](const char* quantity, const std::string& setting, double value,
+                         std::optional<double> limit = {}, bool at_least = false) {
       result.rows.push_back(
-          row_of("cutting_energy", method, 1.0, std::move(quantity), value, limit));
+          case_row("cutting_energy", method, quantity, setting, value, limit, at_least));
       result.rows.back().push_N = kLoad_N;
     };
     for (const SideCut& cut : cuts) {
       CutResult run = cut_side(method, cut, dentine_s);
-      const std::string setting = ": " + cut.tissue + with_number(", %g mm", cut.voxel_mm) +
-                                  with_number(", %g Hz", cut.rate_hz);
-      add("balance_error" + setting, run.balance, kBalance);
-      add("power_error" + setting, run.integrated, kIntegrated);
-      add("removed_mm3" + setting, run.removed_mm3);
-      add("load_N" + setting, run.load_N);
+      const std::string setting =
+          cut.tissue + with_number(", %g mm", cut.voxel_mm) + with_number(", %g Hz", cut.rate_hz);
+      add("balance_error", setting, run.balance, kBalance);
+      add("power_error", setting, run.integrated, kIntegrated);
+      add("removed_mm3", setting, run.removed_mm3);
+      add("load_N", setting, run.load_N);
       if (cut.tissue == "dentine") {
-        add("dentine_by_enamel", enamel > 0.0 ? run.removed_mm3 / enamel : 0.0, 1.0);
-        result.rows.back().at_least = true;
+        add("dentine_by_enamel", "", enamel > 0.0 ? run.removed_mm3 / enamel : 0.0, 1.0, true);
         continue;
       }
       least = std::min(least, run.removed_mm3);
@@ -492,7 +460,7 @@ CaseResult cutting_energy(const CaseOptions& options) {
                                  {}});
       }
     }
-    add("volume_spread", least > 0.0 ? most / least - 1.0 : HUGE_VAL, kSpread);
+    add("volume_spread", "", least > 0.0 ? most / least - 1.0 : HUGE_VAL, kSpread);
   }
   return result;
 }

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -20,8 +19,6 @@ namespace {
 
 constexpr double kVoxel_mm = kCaseVoxel_m / kMillimetre;
 constexpr double kRadius_mm = kCaseRadius_m / kMillimetre;
-// Of [coupling] where no device is named.
-constexpr double kForceLimit_N = 3.3, kSpring_N_per_mm = 0.7;
 
 /// Where over a voxel the tool comes down.
 std::vector<Vector3d> places_mm(bool brief) {
@@ -44,7 +41,7 @@ Vector3d up(double mm) { return Vector3d(0.0, 0.0, mm); }
 CaseResult thin_wall(const CaseOptions& options) {
   constexpr double kSlow_mm_per_s = 4.0, kFast_mm_per_s = 25.0, kToolDepth_mm = 0.2;
   constexpr double kFall_N = 0.01, kRounding_N = 1e-6;
-  const double beyond_mm = kForceLimit_N / kSpring_N_per_mm + kToolDepth_mm;
+  const double beyond_mm = kCaseForceLimit_N / kCaseSpring_N_per_mm + kToolDepth_mm;
   const std::vector<int> walls =
       options.brief ? std::vector<int>{1, 2} : std::vector<int>{1, 2, 3, 6, 12};
   CaseResult result;
@@ -64,7 +61,7 @@ CaseResult thin_wall(const CaseOptions& options) {
       result.rows.push_back(
           case_row("thin_wall", method, "force_reversal_N", wall_of(voxels), fall_N, kFall_N));
       result.rows.push_back(case_row("thin_wall", method, "force_reached_N", wall_of(voxels),
-                                     reached_N, kForceLimit_N - kRounding_N, true));
+                                     reached_N, kCaseForceLimit_N - kRounding_N, true));
       if (voxels == 2) {
         result.traces.push_back(case_trace("thin_wall", method, wall_of(voxels), ticks));
       }
@@ -214,19 +211,18 @@ CaseResult deep_inside(const CaseOptions& options) {
       }
       add("not_finite_ticks", setting, not_finite, 0.0);
       add("force_reversal_N", setting, largest_fall_N(std::span(ticks).first(in)), kFall_N);
-      add("largest_force_N", setting, largest_N, kForceLimit_N);
+      add("largest_force_N", setting, largest_N, kCaseForceLimit_N);
       add("outward_force_N", setting, ticks[out].force_N.z(), kFriction_N, true);
       return ticks;
     };
     for (const double depth : depths) {
-      std::ostringstream setting;
-      setting << depth << " R deep";
+      const std::string setting = with_number("%g R deep", depth);
       std::vector<Pose> path = case_path({up(0.1), -up(depth * kRadius_mm)}, kSpeed_mm_per_s, 100);
       const std::size_t in = path.size();
       go_on(path, up(0.1), kSpeed_mm_per_s, 20);
-      const std::vector<Felt> ticks = judge(setting.str(), path, in, in - 1);
+      const std::vector<Felt> ticks = judge(setting, path, in, in - 1);
       if (depth == 3.0) {
-        result.traces.push_back(case_trace("deep_inside", method, setting.str(), ticks));
+        result.traces.push_back(case_trace("deep_inside", method, setting, ticks));
       }
     }
     if (method == ContactMethod::kSinglePoint) continue;  // refused as a burr, or not at all

@@ -132,13 +132,6 @@ void run(Task& task) {
   task.result = run_push(task.push, text, start, 3e-3);
 }
 
-double coupling_of(const std::string& device) {
-  for (const DevicePreset& preset : device_presets()) {
-    if (preset.name == device) return preset.settings.stiffness_N_per_m;
-  }
-  return 0.0;
-}
-
 }  // namespace
 
 CaseResult clinical_pushes(bool brief) {
@@ -167,7 +160,7 @@ CaseResult clinical_pushes(bool brief) {
             worst_rms = &task;
           }
           if (task.push.force_N < 1.0) continue;
-          const double s = r.stiffness_N_per_m / coupling_of(task.push.device);
+          const double s = r.stiffness_N_per_m / device_preset(task.push.device).stiffness_N_per_m;
           if (s < share) {
             share = s;
             worst_share = &task;
@@ -231,7 +224,7 @@ CaseResult pressed_off_axis(bool brief) {
           row.limit = limit;
           result.rows.push_back(row);
         };
-        const DeviceSettings& device = device_presets()[2].settings;
+        const DeviceSettings& device = device_preset(task.push.device);
         const double held_Nm = HandSettings{}.turning_stiffness_Nm_per_rad * r.turn;
         add("turned_deg", r.turn / kDegree, {});
         add("torque against the hand's spring_percent",

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string>
 #include <vector>
 
 #include "engine/core/realtime.hpp"
+#include "app/statistics.hpp"
 #include "tools/sulcus_lab/stability/rig.hpp"
 
 namespace sulcus::lab {
@@ -14,7 +14,7 @@ namespace sulcus::lab {
 namespace {
 
 struct Timed {
-  std::vector<double> us;
+  std::vector<float> us;
   double contacts = 0.0, evaluations = 0.0;  // means
   std::vector<Pose> tools;
 };
@@ -25,7 +25,7 @@ Timed timed_run(Rig& rig, PathDevice& path, std::size_t from) {
   for (std::size_t tick = 0; tick < path.ticks(); ++tick) {
     const std::uint64_t begin = thread_cpu_ns();
     const Felt felt = rig.step(path);
-    const double us = 1e-3 * static_cast<double>(thread_cpu_ns() - begin);
+    const auto us = static_cast<float>(1e-3 * static_cast<double>(thread_cpu_ns() - begin));
     run.tools.push_back(felt.tool);
     if (tick < from) continue;
     run.us.push_back(us);
@@ -35,16 +35,6 @@ Timed timed_run(Rig& rig, PathDevice& path, std::size_t from) {
   run.contacts /= static_cast<double>(run.us.size());
   run.evaluations /= static_cast<double>(run.us.size());
   return run;
-}
-
-double mean_of(const std::vector<double>& v) {
-  return std::accumulate(v.begin(), v.end(), 0.0) / static_cast<double>(v.size());
-}
-
-double p99_of(std::vector<double> v) {
-  const auto at = v.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(v.size() - 1));
-  std::nth_element(v.begin(), at, v.end());
-  return *at;
 }
 
 }  // namespace
@@ -96,10 +86,10 @@ CaseResult coupled_tick(bool brief) {
         result.rows.push_back(row);
       };
       add("evaluations in a tick", iterated.evaluations, {});
-      add("coupled_us", mean_of(iterated.us), {});
-      add("plain_us", mean_of(once.us), {});
-      add("coupled over plain", mean_of(iterated.us) / mean_of(once.us), 5.0);
-      add("coupled p99_us", p99_of(iterated.us), 1000.0);
+      add("coupled_us", mean(iterated.us), {});
+      add("plain_us", mean(once.us), {});
+      add("coupled over plain", mean(iterated.us) / mean(once.us), 5.0);
+      add("coupled p99_us", quantile(iterated.us, 0.99), 1000.0);
     }
   }
   return result;

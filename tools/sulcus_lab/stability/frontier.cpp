@@ -11,7 +11,7 @@
 #include "engine/core/units.hpp"
 #include "engine/scene/device_presets.hpp"
 #include "tools/sulcus_lab/stability/pushes.hpp"
-#include "tools/sulcus_lab/wall_loop.hpp"
+#include "tools/sulcus_lab/stability/wall_loop.hpp"
 
 namespace sulcus::lab {
 
@@ -84,7 +84,7 @@ std::vector<DampingPoint> measure_damping() {
     for (const int delay : {0, 1}) {
       for (double damping = 0.0; damping <= 100.0; damping += 2.5) {
         WallLoop loop;
-        loop.device = device_presets()[1].settings;
+        loop.device = device_preset("omni");
         loop.device.hand = hand.settings;
         loop.device.delay_ticks = delay;
         loop.wall_damping_N_s_per_m = damping;

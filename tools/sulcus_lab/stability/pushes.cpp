@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "engine/scene/trajectory.hpp"
 #include "haptics/simulated_device.hpp"
+#include "haptics/tool_motion.hpp"
+#include "tools/sulcus_lab/stability/series.hpp"
 
 namespace sulcus::lab {
 
@@ -15,30 +16,6 @@ constexpr double kApproach_m_per_s = 20e-3;
 constexpr double kRamp_s = 0.3;
 constexpr double kBeyond_m = 1e-3;
 constexpr double kJudged_s = 0.6;
-
-/// Root mean square about the mean, or about the straight line that fits best.
-double rms_about(const std::vector<double>& v, bool line) {
-  const auto n = static_cast<double>(v.size());
-  if (v.empty()) return 0.0;
-  const double mean = std::accumulate(v.begin(), v.end(), 0.0) / n;
-  double slope = 0.0, spread = 0.0;
-  for (std::size_t i = 0; i < v.size(); ++i) {
-    const double t = static_cast<double>(i) - 0.5 * (n - 1.0);
-    slope += t * (v[i] - mean);
-    spread += t * t;
-  }
-  slope = line && spread > 0.0 ? slope / spread : 0.0;
-  double squares = 0.0;
-  for (std::size_t i = 0; i < v.size(); ++i) {
-    const double t = static_cast<double>(i) - 0.5 * (n - 1.0);
-    squares += std::pow(v[i] - mean - slope * t, 2);
-  }
-  return std::sqrt(squares / n);
-}
-
-double mean_of(const std::vector<double>& v) {
-  return v.empty() ? 0.0 : std::accumulate(v.begin(), v.end(), 0.0) / static_cast<double>(v.size());
-}
 
 std::string device_text(const Push& push, const std::string& model) {
   std::string text = "\n[device]\nmodel = 'simulated'\npreset = '" + model + "'\nhand = '" +
@@ -107,6 +84,7 @@ PushResult run_push(const Push& push, const std::string& text, const Eigen::Vect
   const double radius_m = 0.5 * scene.burr.diameter_m;
   for (std::size_t tick = 0; tick < ticks; ++tick) {
     const Felt felt = rig.step(device);
+    result.buzz_ticks += (felt.faults & kFaultBuzz) != 0;
     const double depth_m = (felt.tool.position - touch).dot(push.into);
     result.felt_N.push_back(static_cast<float>(felt.force_N.norm()));
     result.depth_mm.push_back(static_cast<float>(1e3 * depth_m));
@@ -127,19 +105,21 @@ PushResult run_push(const Push& push, const std::string& text, const Eigen::Vect
     in_device_m.push_back((felt.device.position - touch).dot(push.into));
     contacts.push_back(felt.contacts);
     torque_Nm.push_back(felt.torque_Nm.norm());
-    turned.push_back(2.0 * (state.orientation * turn.conjugate()).vec().norm());
+    turned.push_back(small_turn(turn, state.orientation).norm());
   }
-  result.rms_m = rms_about(handle_m, push.cutting);
-  result.tool_rms_m = rms_about(tool_m, push.cutting);
-  result.contact_N = mean_of(felt_N);
-  result.contacts = mean_of(contacts);
-  const double in_device_mean_m = mean_of(in_device_m);
+  const auto rms_of = [&](const std::vector<double>& values) {
+    return push.cutting ? detrended_rms(values) : rms(values);
+  };
+  result.rms_m = rms_of(handle_m);
+  result.tool_rms_m = rms_of(tool_m);
+  result.contact_N = mean(felt_N);
+  result.contacts = mean(contacts);
+  const double in_device_mean_m = mean(in_device_m);
   result.stiffness_N_per_m =
       in_device_mean_m > 0.0 ? result.contact_N / in_device_mean_m : HUGE_VAL;
-  result.torque_Nm = mean_of(torque_Nm);
-  result.turn = mean_of(turned);
-  result.turn_rms = rms_about(turned, push.cutting);
-  result.buzz_ticks = rig.simulation().state().port.buzz.buzz_ticks;
+  result.torque_Nm = mean(torque_Nm);
+  result.turn = mean(turned);
+  result.turn_rms = rms_of(turned);
   return result;
 }
 

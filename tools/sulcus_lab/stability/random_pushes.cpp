@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <tbb/parallel_for.h>
 
+#include "engine/core/units.hpp"
 #include "engine/normals/coarse_normal.hpp"
 #include "engine/scene/trajectory.hpp"
 #include "tools/sulcus_lab/stability/rig.hpp"
@@ -17,8 +18,11 @@ namespace sulcus::lab {
 
 namespace {
 
-constexpr int kPart = 160;  // voxels along an edge of what a push is run in
-constexpr double kWidest = 50.0 * 0.017453292519943295;  // rad
+constexpr int kPart = 160;                  // voxels along an edge of what a push is run in
+constexpr double kWidest = 50.0 * kDegree;  // off the surface's normal
+
+/// The most that a push may give, to the rounding of its square root.
+double largest_force_N(double force_limit_N) { return force_limit_N * (1.0 + 1e-9); }
 
 struct BurrKind {
   const char* name;
@@ -160,6 +164,11 @@ std::vector<RandomPush> run_random_pushes(const Workpiece& tooth,
   return pushes;
 }
 
+bool fails(const RandomPush& push, double force_limit_N) {
+  return push.crossed || !push.finite || push.force_N > largest_force_N(force_limit_N) ||
+         push.step_N > kLargestStep_N;
+}
+
 CaseResult random_push_rows(const std::string& tooth, std::span<const RandomPush> pushes,
                             double force_limit_N) {
   CaseResult result;
@@ -184,8 +193,8 @@ CaseResult random_push_rows(const std::string& tooth, std::span<const RandomPush
     add("pushes", count, {});
     add("crossed", crossed, 0.0);
     add("not finite", not_finite, 0.0);
-    add("force_N", force_N, force_limit_N * (1.0 + 1e-9));
-    add("force_step_N", step_N, 0.3);
+    add("force_N", force_N, largest_force_N(force_limit_N));
+    add("force_step_N", step_N, kLargestStep_N);
   }
   return result;
 }

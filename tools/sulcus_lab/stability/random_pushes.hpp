@@ -34,8 +34,12 @@ RandomPush run_random_push(const Workpiece& tooth, std::uint64_t seed);
 std::vector<RandomPush> run_random_pushes(const Workpiece& tooth,
                                           std::span<const std::uint64_t> seeds);
 
-/// Rows of the case `random_pushes`, of a tooth by name, with the seeds that failed a limit in the
-/// quantity's place.
+/// The largest change of the force in a tick that passes.
+inline constexpr double kLargestStep_N = 0.3;
+/// Whether one misses any limit of the rows below.
+bool fails(const RandomPush& push, double force_limit_N);
+
+/// Rows of the case `random_pushes`, of a tooth by name: the worst of all its pushes.
 CaseResult random_push_rows(const std::string& tooth, std::span<const RandomPush> pushes,
                             double force_limit_N);
 

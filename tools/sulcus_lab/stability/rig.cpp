@@ -14,10 +14,6 @@ namespace {
 
 Eigen::Vector3d vector(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
 
-Pose pose_of(const double (&position)[3], const double (&q)[4]) {
-  return {vector(position), Eigen::Quaterniond(q[0], q[1], q[2], q[3])};
-}
-
 }  // namespace
 
 double stiffness_of(ContactMethod method) {
@@ -82,8 +78,7 @@ std::vector<Pose> path_along(const std::vector<Eigen::Vector3d>& corners_m, doub
 }
 
 Rig::Rig(ContactMethod method, const Scene& scene, std::optional<VoxelModel> solid)
-    : method_(method),
-      simulation_(std::make_unique<Simulation>(scene,
+    : simulation_(std::make_unique<Simulation>(scene,
                                                solid ? std::move(*solid) : build_workpiece(scene),
                                                std::vector<Neighbour>{}, load_burr(scene))),
       force_limit_N_(scene.device ? scene.device->force_limit_N : HUGE_VAL) {

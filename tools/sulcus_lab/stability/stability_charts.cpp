@@ -202,151 +202,202 @@ std::vector<Frame> frames_of(std::span<const ForceTrace> traces) {
   return frames;
 }
 
+/// What the frames of a picture share: what is drawn, how far the axes go, and a grid of frames,
+/// the depth under the force in each. Sizes in pixels, heights from the top.
+struct ForcePicture {
+  std::span<const ForceTrace> traces;
+  std::vector<Frame> frames;
+  std::vector<ContactMethod> methods;  // in their order
+  std::vector<std::string> labels;
+  double seconds = 1e-3, deepest_mm = 0.0, shallowest_mm = 0.0;
+  Extent shown_N;
+  bool with_depth = false;
+
+  bool many() const { return frames.size() > 1; }
+  bool in_ms() const { return seconds < 0.5; }
+  double per_second() const { return in_ms() ? 1e3 : 1.0; }
+  /// Small frames share one key, unless each is of one method and says so.
+  bool with_key() const { return many() && methods.size() > 1 && labels.size() > 1; }
+
+  static constexpr int kWidth = 1400;
+  std::size_t columns() const { return frames.size() == 1 ? 1 : frames.size() <= 4 ? 2 : 3; }
+  std::size_t rows() const { return (frames.size() + columns() - 1) / columns(); }
+  int head() const { return with_key() ? 78 : many() ? 48 : 64; }
+  int depth_height() const { return many() ? 110 : 180; }
+  int row_height() const { return (many() ? 300 : 420) + (with_depth ? depth_height() : 0); }
+  int height() const { return head() + static_cast<int>(rows()) * row_height(); }
+  double across(double pixels) const { return pixels / kWidth; }
+  double up(double pixels_from_top) const { return 1.0 - pixels_from_top / height(); }
+};
+
+ForcePicture picture_of(std::span<const ForceTrace> traces) {
+  ForcePicture p;
+  p.traces = traces;
+  p.frames = frames_of(traces);
+  for (const ForceTrace& trace : traces) {
+    place_in(p.methods, trace.method);
+    place_in(p.labels, trace.label);
+    p.seconds = std::max(p.seconds, trace.dt_s * static_cast<double>(trace.force_N.size()));
+    const Extent depth = extent_of(trace.depth_mm);
+    p.deepest_mm = std::max(p.deepest_mm, depth.high);
+    p.shallowest_mm = std::min(p.shallowest_mm, depth.low);
+    p.with_depth = p.with_depth || !trace.depth_mm.empty();
+  }
+  std::sort(p.methods.begin(), p.methods.end());
+  p.shown_N = shown_of(traces);
+  return p;
+}
+
+/// What a trace is called where its frame does not say it.
+std::string name_of(const ForcePicture& p, const ForceTrace& trace) {
+  std::string name;
+  if (p.methods.size() > 1 || p.labels.size() == 1) name = title_of(trace.method);
+  if (p.labels.size() > 1 && !p.many()) name += (name.empty() ? "" : ", ") + trace.label;
+  return name;
+}
+
+std::string style_of(const ForcePicture& p, const ForceTrace& trace) {
+  const auto label = static_cast<std::size_t>(
+      std::find(p.labels.begin(), p.labels.end(), trace.label) - p.labels.begin());
+  const Look& look = look_of(trace.method);
+  const bool by_method = p.methods.size() > 1;
+  return std::string(" with lines lw ") + number_for_gnuplot(by_method ? look.width : 2.2) +
+         " lc rgb '" +
+         (by_method || p.many() ? look.colour : kLabelColours[label % std::size(kLabelColours)]) +
+         "' dt " + (by_method && !p.many() ? kDashes[label % std::size(kDashes)] : "solid");
+}
+
+/// Of each trace $force and $depth with its number.
+std::string force_blocks(const ForcePicture& p) {
+  constexpr std::size_t kParts = 900;  // about what the frame has pixels
+  std::string text;
+  for (std::size_t t = 0; t < p.traces.size(); ++t) {
+    const double dt = p.traces[t].dt_s * p.per_second();
+    text += block("force" + std::to_string(t), thinned(p.traces[t].force_N, dt, kParts)) +
+            block("depth" + std::to_string(t), thinned(p.traces[t].depth_mm, dt, kParts));
+  }
+  return text;
+}
+
+/// The picture's title, and under it the key that small frames share.
+std::string picture_head(const ForcePicture& p) {
+  std::string text = "set multiplot\nset key off\nset label 1 " +
+                     quoted_for_gnuplot("Force over time: " + spaced_name(p.traces[0].case_name)) +
+                     " at screen " + number_for_gnuplot(p.across(70)) + "," +
+                     number_for_gnuplot(p.up(26)) + " left font 'sans,14' tc rgb '#111111'\n";
+  if (!p.with_key()) return text;
+  std::string entries;
+  for (const ContactMethod method : p.methods) {
+    entries += std::string(entries.empty() ? "" : ", ") + "NaN with lines lw " +
+               number_for_gnuplot(look_of(method).width) + " lc rgb '" + look_of(method).colour +
+               "' title " + quoted_for_gnuplot(title_of(method));
+  }
+  return text + key_across(p.across(70), p.across(ForcePicture::kWidth - 30), p.up(42), entries) +
+         "unset label 1\n";
+}
+
+/// What gnuplot is to plot in a frame; empty: nothing.
+struct FramePlots {
+  std::string forces, depths;
+  std::string gone;  // which traces leave the frame, and how far
+};
+
+FramePlots plots_of(const ForcePicture& p, const Frame& frame) {
+  FramePlots plots;
+  std::vector<std::size_t> order = frame.traces;
+  // The default method last, on top.
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return p.traces[a].method > p.traces[b].method;
+  });
+  for (const std::size_t t : order) {
+    const ForceTrace& trace = p.traces[t];
+    const Extent extent = extent_of(trace.force_N);
+    std::string title = name_of(p, trace);
+    std::string leaves;
+    if (extent.high > p.shown_N.high) leaves = "up to " + newtons(extent.high);
+    if (extent.low < p.shown_N.low) {
+      leaves += (leaves.empty() ? "to " : ", to ") + newtons(extent.low);
+    }
+    if (!leaves.empty()) {
+      plots.gone +=
+          (plots.gone.empty() ? "" : "; ") + (title.empty() ? trace.label : title) + " " + leaves;
+      title += " (" + leaves + ")";
+    }
+    if (!trace.force_N.empty()) {
+      plots.forces += (plots.forces.empty() ? "plot $force" : ", $force") + std::to_string(t) +
+                      " using 1:2" + style_of(p, trace) + " title " + quoted_for_gnuplot(title);
+    }
+    if (!trace.depth_mm.empty()) {
+      plots.depths += (plots.depths.empty() ? "plot $depth" : ", $depth") + std::to_string(t) +
+                      " using 1:2" + style_of(p, trace) + " notitle";
+    }
+  }
+  return plots;
+}
+
+/// The title of a small frame, and on the right what leaves it.
+std::string frame_head(const ForcePicture& p, const std::string& title, const std::string& gone,
+                       double left, double right, double top) {
+  return "set label 2 " + quoted_for_gnuplot(title) + " at screen " +
+         number_for_gnuplot(p.across(left)) + "," + number_for_gnuplot(p.up(top - 12)) +
+         " left font 'sans,12' tc rgb '#111111'\n" +
+         (gone.empty()
+              ? "unset label 3\n"
+              : "set label 3 " + quoted_for_gnuplot(gone) + " at screen " +
+                    number_for_gnuplot(p.across(right)) + "," + number_for_gnuplot(p.up(top - 11)) +
+                    " right font 'sans,9' tc rgb '#444444' front\n");
+}
+
+/// The key of a frame that has the picture to itself, beside it.
+std::string key_beside(const ForcePicture& p, double right, double top) {
+  return "set key at screen " + number_for_gnuplot(p.across(right + 20)) + "," +
+         number_for_gnuplot(p.up(top)) +
+         " left top Left reverse samplen 3 spacing 1.5 font 'sans,11' tc rgb '#111111'\n";
+}
+
+std::string frame_text(const ForcePicture& p, std::size_t f) {
+  const bool many = p.many();
+  const double tile =
+      static_cast<double>(ForcePicture::kWidth - 30) / static_cast<double>(p.columns());
+  const double left = 70 + tile * static_cast<double>(f % p.columns());
+  const double right = left + tile - 80 - (many ? 0 : 330);
+  const double top =
+      p.head() + p.row_height() * static_cast<int>(f / p.columns()) + (many ? 26 : 0);
+  const double bottom =
+      top + p.row_height() - (many ? 26 : 0) - 66 - (p.with_depth ? p.depth_height() : 0);
+  const std::string time_label = std::string("set format x '%g'\nset xlabel 'time, ") +
+                                 (p.in_ms() ? "ms" : "s") + "' offset 0,0.4 tc rgb '#222222'\n";
+  const FramePlots plots = plots_of(p, p.frames[f]);
+  std::string text = margins(p.across(left), p.across(right), p.up(bottom), p.up(top));
+  text += many ? "set key off\n" + frame_head(p, p.frames[f].title, plots.gone, left, right, top)
+               : key_beside(p, right, top);
+  text += range("y", p.shown_N.low, p.shown_N.high) +
+          "set ytics autofreq\nset ylabel 'force, N' offset 1,0 tc rgb '#222222'\n" +
+          (plots.depths.empty() ? time_label : std::string("set format x ''\nunset xlabel\n"));
+  // A frame with no force is drawn empty, so that its depth keeps its place.
+  text += (plots.forces.empty() ? std::string("plot NaN notitle") : plots.forces) +
+          "\nunset label 1\nunset label 2\nunset label 3\n";
+  if (plots.depths.empty()) return text;
+  const double depth_top = bottom + 14, depth_bottom = bottom + p.depth_height();
+  const double span_mm = std::max(p.deepest_mm - p.shallowest_mm, 1e-3), room = 0.08 * span_mm;
+  return text + margins(p.across(left), p.across(right), p.up(depth_bottom), p.up(depth_top)) +
+         "set key off\n" +
+         // Downwards, as the tool goes.
+         range("y", p.deepest_mm + room, p.shallowest_mm - (p.shallowest_mm < 0.0 ? room : 0.0)) +
+         "set ytics " + number_for_gnuplot(coarse_step(span_mm)) +
+         "\nset ylabel 'depth, mm' offset 1,0 tc rgb '#222222'\n" + time_label + plots.depths +
+         "\n";
+}
+
 }  // namespace
 
 bool draw_force_traces(std::span<const ForceTrace> traces, const std::string& file_png) {
   if (traces.empty()) return false;
-  const std::vector<Frame> frames = frames_of(traces);
-  std::vector<ContactMethod> methods;
-  std::vector<std::string> labels;
-  double seconds = 1e-3, deepest = 0.0, shallowest = 0.0;
-  bool with_depth = false;
-  for (const ForceTrace& trace : traces) {
-    place_in(methods, trace.method);
-    place_in(labels, trace.label);
-    seconds = std::max(seconds, trace.dt_s * static_cast<double>(trace.force_N.size()));
-    const Extent depth = extent_of(trace.depth_mm);
-    deepest = std::max(deepest, depth.high);
-    shallowest = std::min(shallowest, depth.low);
-    with_depth = with_depth || !trace.depth_mm.empty();
-  }
-  const bool in_ms = seconds < 0.5;
-  const bool many = frames.size() > 1;
-  const Extent shown = shown_of(traces);
-
-  // What a trace is called where its frame does not say it.
-  const auto name_of = [&](const ForceTrace& trace) {
-    std::string name;
-    if (methods.size() > 1 || labels.size() == 1) name = title_of(trace.method);
-    if (labels.size() > 1 && !many) name += (name.empty() ? "" : ", ") + trace.label;
-    return name;
-  };
-  const auto style_of = [&](const ForceTrace& trace) {
-    const std::size_t label = place_in(labels, trace.label);
-    const Look& look = look_of(trace.method);
-    const bool by_method = methods.size() > 1;
-    return std::string(" with lines lw ") + number_for_gnuplot(by_method ? look.width : 2.2) +
-           " lc rgb '" +
-           (by_method || many ? look.colour : kLabelColours[label % std::size(kLabelColours)]) +
-           "' dt " + (by_method && !many ? kDashes[label % std::size(kDashes)] : "solid");
-  };
-
-  std::string text = kFrame;
-  for (std::size_t t = 0; t < traces.size(); ++t) {
-    const double dt = traces[t].dt_s * (in_ms ? 1e3 : 1.0);
-    constexpr std::size_t kParts = 900;  // about what the frame has pixels
-    text += block("force" + std::to_string(t), thinned(traces[t].force_N, dt, kParts)) +
-            block("depth" + std::to_string(t), thinned(traces[t].depth_mm, dt, kParts));
-  }
-
-  // A grid of frames, depth under force in each; sizes in pixels.
-  const std::size_t columns = frames.size() == 1 ? 1 : frames.size() <= 4 ? 2 : 3;
-  const std::size_t rows = (frames.size() + columns - 1) / columns;
-  // Small frames share one key, unless each is of one method and says so.
-  const bool with_key = many && methods.size() > 1 && labels.size() > 1;
-  const int width = 1400, head = with_key ? 78 : many ? 48 : 64;
-  const int row_height = (many ? 300 : 420) + (with_depth ? (many ? 110 : 180) : 0);
-  const int height = head + static_cast<int>(rows) * row_height;
-  const auto across = [&](double pixels) { return pixels / width; };
-  const auto up = [&](double pixels_from_top) { return 1.0 - pixels_from_top / height; };
-  const double tile = static_cast<double>(width - 30) / static_cast<double>(columns);
-
-  text += "set multiplot\nset key off\nset label 1 " +
-          quoted_for_gnuplot("Force over time: " + spaced_name(traces[0].case_name)) +
-          " at screen " + number_for_gnuplot(across(70)) + "," + number_for_gnuplot(up(26)) +
-          " left font 'sans,14' tc rgb '#111111'\n";
-  if (with_key) {
-    std::sort(methods.begin(), methods.end());
-    std::string entries;
-    for (const ContactMethod method : methods) {
-      entries += std::string(entries.empty() ? "" : ", ") + "NaN with lines lw " +
-                 number_for_gnuplot(look_of(method).width) + " lc rgb '" + look_of(method).colour +
-                 "' title " + quoted_for_gnuplot(title_of(method));
-    }
-    text += key_across(across(70), across(width - 30), up(42), entries) + "unset label 1\n";
-  }
-  text += range("x", 0.0, seconds * (in_ms ? 1e3 : 1.0));
-
-  for (std::size_t f = 0; f < frames.size(); ++f) {
-    const double left = 70 + tile * static_cast<double>(f % columns);
-    const double right = left + tile - 80 - (many ? 0 : 330);
-    const double top = head + row_height * static_cast<int>(f / columns) + (many ? 26 : 0);
-    const double bottom =
-        top + row_height - (many ? 26 : 0) - 66 - (with_depth ? (many ? 110 : 180) : 0);
-    const std::string time_label = std::string("set format x '%g'\nset xlabel 'time, ") +
-                                   (in_ms ? "ms" : "s") + "' offset 0,0.4 tc rgb '#222222'\n";
-    std::string keys = "set key off\n";
-    if (!many) {
-      keys = "set key at screen " + number_for_gnuplot(across(right + 20)) + "," +
-             number_for_gnuplot(up(top)) +
-             " left top Left reverse samplen 3 spacing 1.5 font 'sans,11' tc rgb '#111111'\n";
-    }
-    std::string forces, depths, gone;
-    std::vector<std::size_t> order = frames[f].traces;
-    // The default method last, on top.
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      return traces[a].method > traces[b].method;
-    });
-    for (const std::size_t t : order) {
-      const ForceTrace& trace = traces[t];
-      const Extent extent = extent_of(trace.force_N);
-      std::string title = name_of(trace);
-      std::string leaves;
-      if (extent.high > shown.high) leaves = "up to " + newtons(extent.high);
-      if (extent.low < shown.low)
-        leaves += (leaves.empty() ? "to " : ", to ") + newtons(extent.low);
-      if (!leaves.empty()) {
-        gone += (gone.empty() ? "" : "; ") + (title.empty() ? trace.label : title) + " " + leaves;
-        title += " (" + leaves + ")";
-      }
-      if (!trace.force_N.empty()) {
-        forces += (forces.empty() ? "plot $force" : ", $force") + std::to_string(t) + " using 1:2" +
-                  style_of(trace) + " title " + quoted_for_gnuplot(title);
-      }
-      if (!trace.depth_mm.empty()) {
-        depths += (depths.empty() ? "plot $depth" : ", $depth") + std::to_string(t) + " using 1:2" +
-                  style_of(trace) + " notitle";
-      }
-    }
-    text += margins(across(left), across(right), up(bottom), up(top)) + keys;
-    if (many) {
-      text += "set label 2 " + quoted_for_gnuplot(frames[f].title) + " at screen " +
-              number_for_gnuplot(across(left)) + "," + number_for_gnuplot(up(top - 12)) +
-              " left font 'sans,12' tc rgb '#111111'\n";
-      text += gone.empty()
-                  ? "unset label 3\n"
-                  : "set label 3 " + quoted_for_gnuplot(gone) + " at screen " +
-                        number_for_gnuplot(across(right)) + "," + number_for_gnuplot(up(top - 11)) +
-                        " right font 'sans,9' tc rgb '#444444' front\n";
-    }
-    text += range("y", shown.low, shown.high) +
-            "set ytics autofreq\nset ylabel 'force, N' offset 1,0 tc rgb '#222222'\n" +
-            (depths.empty() ? time_label : std::string("set format x ''\nunset xlabel\n"));
-    // A frame with no force is drawn empty, so that its depth keeps its place.
-    text += (forces.empty() ? std::string("plot NaN notitle") : forces) +
-            "\nunset label 1\nunset label 2\nunset label 3\n";
-    if (!depths.empty()) {
-      const double depth_top = bottom + 14, depth_bottom = bottom + (many ? 110 : 180);
-      const double room = 0.08 * std::max(deepest - shallowest, 1e-3);
-      text += margins(across(left), across(right), up(depth_bottom), up(depth_top)) +
-              "set key off\n" +
-              // Downwards, as the tool goes.
-              range("y", deepest + room, shallowest - (shallowest < 0.0 ? room : 0.0)) +
-              "set ytics " + number_for_gnuplot(coarse_step(std::max(deepest - shallowest, 1e-3))) +
-              "\nset ylabel 'depth, mm' offset 1,0 tc rgb '#222222'\n" + time_label + depths + "\n";
-    }
-  }
-  return draw_chart(text + "unset multiplot\n", width, height, file_png);
+  const ForcePicture p = picture_of(traces);
+  std::string text =
+      kFrame + force_blocks(p) + picture_head(p) + range("x", 0.0, p.seconds * p.per_second());
+  for (std::size_t f = 0; f < p.frames.size(); ++f) text += frame_text(p, f);
+  return draw_chart(text + "unset multiplot\n", ForcePicture::kWidth, p.height(), file_png);
 }
 
 bool draw_frontier(std::span<const FrontierPoint> points, const std::string& file_png) {

@@ -36,6 +36,15 @@ struct StabilityRow {
   bool pass() const { return !limit || (at_least ? value >= *limit : value <= *limit); }
 };
 
+/// A row of a scripted trajectory. `quantity` with its unit; `setting`: what sets the run apart
+/// from others of the case.
+StabilityRow case_row(std::string_view name, ContactMethod method, std::string_view quantity,
+                      std::string_view setting, double value, std::optional<double> limit = {},
+                      bool at_least = false);
+
+/// A number in a form of printf's.
+std::string with_number(const char* form, double number);
+
 /// A run's force over time, kept for the pictures.
 struct ForceTrace {
   std::string case_name, label;  // "wall of 2 voxels"

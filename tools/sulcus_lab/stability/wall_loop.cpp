@@ -1,4 +1,4 @@
-#include "tools/sulcus_lab/wall_loop.hpp"
+#include "tools/sulcus_lab/stability/wall_loop.hpp"
 
 #include <cmath>
 #include <cstdint>

@@ -1,0 +1,54 @@
+#include "tools/sulcus_lab/stability/series.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace sulcus::lab {
+
+namespace {
+
+/// Time of a value in ticks, from the middle of the series.
+double tick_from_middle(std::size_t i, std::size_t count) {
+  return static_cast<double>(i) - 0.5 * (static_cast<double>(count) - 1.0);
+}
+
+/// Root mean square about the line through the mean with a slope a tick.
+double rms_about(std::span<const double> values, double slope) {
+  if (values.empty()) return 0.0;
+  const double middle = mean(values);
+  double squares = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double off = values[i] - middle - slope * tick_from_middle(i, values.size());
+    squares += off * off;
+  }
+  return std::sqrt(squares / static_cast<double>(values.size()));
+}
+
+}  // namespace
+
+double mean(std::span<const double> values) {
+  if (values.empty()) return 0.0;
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+double rms(std::span<const double> values) { return rms_about(values, 0.0); }
+
+double detrended_rms(std::span<const double> values) {
+  const double middle = mean(values);
+  double along = 0.0, spread = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double tick = tick_from_middle(i, values.size());
+    along += tick * (values[i] - middle);
+    spread += tick * tick;
+  }
+  return rms_about(values, spread > 0.0 ? along / spread : 0.0);
+}
+
+double peak_to_peak(std::span<const double> values) {
+  if (values.empty()) return 0.0;
+  const auto [least, most] = std::ranges::minmax(values);
+  return most - least;
+}
+
+}  // namespace sulcus::lab
