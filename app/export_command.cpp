@@ -52,7 +52,7 @@ void export_recording(const ExportOptions& options) {
   if (!reader.missing().empty()) std::fprintf(stderr, "sulcus: %s\n", reader.missing().c_str());
   RecordedShape shape(reader, reader.workpiece());
   const std::size_t row = options.at_s < 0.0 ? shape.rows().size() - 1 : shape.row_at(options.at_s);
-  shape.advance_to_row(row);
+  shape.seek_row(row);
   const VoxelModel& model = shape.model();
   if (!options.mesh.empty()) {
     const TriangleMesh mesh = closed_surface(model);

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "app/loose_schedule.hpp"
 #include "app/queue.hpp"
@@ -25,22 +28,37 @@ struct TickReport {
 // Threads and properties
 //
 //   haptic thread ---- edits, then the report of their tick ---->  one consumer each:
-//                      (one Feed per consumer)                     recorder, renderer, pieces
+//                      (one Feed per consumer)                     reports, recorder, renderer,
+//                                                                  pieces
 //
-// - Single producer, single consumer, no lock. The producer never waits.
+// - Single producer, single consumer, no lock. The producer never waits at real pace.
 // - A report is pushed after all its edits: who has popped a report finds its edits there.
-// - Sized for ten seconds; beyond that a queue takes more memory, outside the tick, rather than
-//   lose anything.
+// - Beyond its size a queue takes more memory, outside the tick, rather than lose anything. Only
+//   the recorder's reports, whose disk may stall for good, are no more than it has room for.
 struct Feed {
-  explicit Feed(double rate_hz)
-      : reports(static_cast<std::size_t>(10 * rate_hz)), edits(std::size_t{1} << 16) {}
+  explicit Feed(double rate_hz, double seconds = 10.0)
+      : reports(std::max<std::size_t>(1, static_cast<std::size_t>(seconds * rate_hz))),
+        edits(std::size_t{1} << 16) {}
 
   Queue<TickReport> reports;
   Queue<Edit> edits;
-  // The recorder's only, and only of a run that is recorded.
+  std::atomic<bool> ended{false};  // set after the last push
+};
+
+/// A state as it was right after a tick, as save_state writes it.
+struct Keyframe {
+  std::uint64_t tick = 0;
+  std::vector<std::byte> state;
+};
+
+/// The recorder's: what no one else is told.
+struct RecordFeed : Feed {
+  using Feed::Feed;
+
   Queue<StateHash> hashes;
   Queue<TakenAnswer> taken;
-  std::atomic<bool> ended{false};  // set after the last push
+  Queue<Keyframe> keyframes;
+  Queue<Keyframe> spare_keyframes;  // the other way: their memory, to be used again
 };
 
 }  // namespace sulcus

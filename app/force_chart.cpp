@@ -30,15 +30,12 @@ bool draw_force_chart(const RunStatistics& statistics, const std::string& title,
                "set output %s\n"
                "$data << EOD\n",
                quoted(file_png).c_str());
-  // A chart is 1200 pixels wide: of many ticks every n-th is drawn.
-  const std::size_t ticks = statistics.force_N.size();
-  const std::size_t stride = std::max<std::size_t>(1, ticks / 20000);
-  for (std::size_t i = 0; i < ticks; i += stride) {
-    std::fprintf(gnuplot, "%zu %g %g %u %g\n", i, static_cast<double>(statistics.force_N[i]),
-                 static_cast<double>(statistics.torque_mNm[i]), statistics.contacts[i],
-                 static_cast<double>(statistics.tick_us[i]));
+  for (const ChartPoint& p : statistics.chart.points()) {
+    std::fprintf(gnuplot, "%llu %g %g %u %g\n", static_cast<unsigned long long>(p.tick),
+                 static_cast<double>(p.force_N), static_cast<double>(p.torque_mNm), p.contacts,
+                 static_cast<double>(p.tick_us));
   }
-  if (ticks == 0) std::fputs("0 0 0 0 0\n", gnuplot);
+  if (statistics.ticks == 0) std::fputs("0 0 0 0 0\n", gnuplot);
   std::fprintf(gnuplot,
                "EOD\n"
                "set multiplot layout 4,1 title %s\n"

@@ -42,6 +42,12 @@ void inspect_recording(const std::string& file) {
               grid.cells.z(), grid.voxel_m / kMillimetre);
   std::printf("solid voxels     %llu at the start\n",
               static_cast<unsigned long long>(reader.workpiece().solid_count()));
+  if (!header.parent.empty()) std::printf("goes on from     %s\n", header.parent.c_str());
+  for (const RecordingGap& gap : reader.gaps()) {
+    std::printf("not recorded     ticks %llu to %llu\n", static_cast<unsigned long long>(gap.first),
+                static_cast<unsigned long long>(gap.end - 1));
+  }
+  if (!header.repaired.empty()) std::printf("repaired         %s\n", header.repaired.c_str());
   std::printf("state            %s\n",
               reader.missing().empty() ? "whole" : reader.missing().c_str());
 }

@@ -21,7 +21,9 @@ std::optional<LooseAnswer> LooseFinder::add_tick(std::uint64_t tick, std::span<c
   return answer;
 }
 
-LooseSchedule::LooseSchedule(std::span<const TakenAnswer> played_back) : plays_back_(true) {
+LooseSchedule::LooseSchedule(std::span<const TakenAnswer> played_back, std::uint64_t first)
+    : LooseSchedule(first) {
+  plays_back_ = true;
   for (const TakenAnswer& answer : played_back) taken_by_asked_[answer.asked] = answer.taken;
 }
 

@@ -57,10 +57,12 @@ struct TakenAnswer {
 /// Which voxels leave the workpiece in which tick. For one thread.
 class LooseSchedule {
  public:
-  /// Takes answers when they are due, or as soon as they are there.
-  LooseSchedule() = default;
+  /// Takes answers when they are due, or as soon as they are there. `first`: tick that comes next,
+  /// where a run does not begin with tick 0.
+  explicit LooseSchedule(std::uint64_t first = 0)
+      : asked_(first + (kAskEvery - 1) - first % kAskEvery) {}
   /// As a recording did; an answer that it did not take is never taken.
-  explicit LooseSchedule(std::span<const TakenAnswer> played_back);
+  explicit LooseSchedule(std::span<const TakenAnswer> played_back, std::uint64_t first = 0);
 
   /// Once for every tick, before it: its voxels, valid until the next call. `take` moves the next
   /// answer, in their order, into what it is given; false where it is not there yet.
@@ -86,7 +88,7 @@ class LooseSchedule {
 
   bool plays_back_ = false;
   std::map<std::uint64_t, std::uint64_t> taken_by_asked_;  // of the recording
-  std::uint64_t asked_ = kAskEvery - 1;                    // of the next answer
+  std::uint64_t asked_ = kAskEvery - 1;                    // tick of the next answer
   std::vector<TakenAnswer> taken_now_;
   std::deque<LooseAnswer> leaving_;
   std::size_t next_ = 0;  // voxel of the first of them

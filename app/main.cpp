@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
   sulcus::add_render_command(program);
   sulcus::add_export_command(program);
   sulcus::add_inspect_command(program);
+  sulcus::add_repair_command(program);
   try {
     program.parse(argc, argv);
   } catch (const CLI::Success& success) {  // --help, --version

@@ -71,9 +71,19 @@ RecordedRun open_recorded_run(const std::string& path) {
   auto simulation = std::make_unique<Simulation>(
       scene, recorded_workpiece(reader, scene),
       make_neighbours(scene, recorded_bodies(reader, scene)), recorded_burr(reader, scene));
+  std::vector<TickRecord> rows = reader.ticks();
+  if (const std::uint64_t first = rows.front().tick; first > 0) {
+    const std::vector<KeyframeInfo>& keyframes = reader.keyframes();
+    const bool is_there = !keyframes.empty() && keyframes.front().tick + 1 == first;
+    const auto state = is_there ? reader.keyframe(keyframes.front()) : std::nullopt;
+    if (!state || !simulation->load_state(*state)) {
+      throw InputError(path, "/keyframes", "no intact state before tick " + std::to_string(first),
+                       "that from which the run goes on");
+    }
+  }
   std::vector<std::optional<Pose>> poses;
-  poses.reserve(reader.tick_count());
-  for (const TickRecord& row : reader.ticks()) {
+  poses.reserve(rows.size());
+  for (const TickRecord& row : rows) {
     if (row.faults & kFaultDeviceSilent) {
       poses.emplace_back();
       continue;
@@ -82,20 +92,28 @@ RecordedRun open_recorded_run(const std::string& path) {
   }
   std::vector<TakenAnswer> late;
   for (const TakenAnswerRow& row : reader.taken_answers()) late.push_back({row.asked, row.taken});
-  return {path, std::move(reader), std::move(simulation), std::move(poses), std::move(late)};
+  return {
+      path,           std::move(reader), std::move(simulation), std::move(rows), std::move(poses),
+      std::move(late)};
+}
+
+std::size_t row_at(std::span<const TickRecord> rows, double time_s) {
+  const auto after = std::ranges::upper_bound(rows, time_s, {}, &TickRecord::time_s);
+  return after == rows.begin() ? 0 : static_cast<std::size_t>(after - rows.begin() - 1);
 }
 
 RecordedShape::RecordedShape(const RecordingReader& reader, VoxelModel start)
     : model_(std::move(start)), rows_(reader.ticks()), edits_(reader.edits()) {}
 
-std::span<const Edit> RecordedShape::advance_to_row(std::size_t row) {
-  const std::size_t first = applied_;
-  const std::uint64_t end = std::min<std::uint64_t>(rows_[row].edits_end, edits_.size());
-  for (; applied_ < end; ++applied_) {
-    const Edit& edit = edits_[applied_];
-    if (edit.body == 0) model_.set(model_.grid.cell_of_linear(edit.voxel), false);
-  }
-  return std::span(edits_).subspan(first, applied_ - first);
+std::span<const Edit> RecordedShape::seek_row(std::size_t row) {
+  const std::uint64_t from = edits_.at();
+  const auto set = [this](const Edit& edit, bool solid) {
+    if (edit.body == 0) model_.set(model_.grid.cell_of_linear(edit.voxel), solid);
+  };
+  edits_.seek(
+      rows_[row].edits_end, [&](const Edit& edit) { set(edit, false); },
+      [&](const Edit& edit) { set(edit, true); });
+  return edits_.between(std::min(from, edits_.at()), std::max(from, edits_.at()));
 }
 
 RecordedPieces::RecordedPieces(const RecordingReader& reader)
@@ -121,13 +139,6 @@ std::vector<std::span<const std::uint32_t>> RecordedPieces::advance_to_tick(std:
     poses_[row.piece] = pose_of(row.position_m, row.orientation);
   }
   return come;
-}
-
-std::size_t RecordedShape::row_at(double time_s) const {
-  const auto after =
-      std::upper_bound(rows_.begin(), rows_.end(), time_s,
-                       [](double t, const TickRecord& row) { return t < row.time_s; });
-  return after == rows_.begin() ? 0 : static_cast<std::size_t>(after - rows_.begin() - 1);
 }
 
 }  // namespace sulcus

@@ -2,22 +2,24 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "app/edit_cursor.hpp"
 #include "app/loose_schedule.hpp"
 #include "app/simulation.hpp"
 #include "engine/recording/recording_reader.hpp"
 
 namespace sulcus {
 
-/// A recording opened to be run again: the simulation as it was before the first tick, and the
-/// device's poses; none where it did not answer.
+/// A recording opened to be run again: the simulation as it was before the first row.
 struct RecordedRun {
   std::string path;
   RecordingReader reader;
   std::unique_ptr<Simulation> simulation;
-  std::vector<std::optional<Pose>> poses;
+  std::vector<TickRecord> rows;
+  std::vector<std::optional<Pose>> poses;  // of the device, by row; none where it did not answer
   std::vector<TakenAnswer> taken_answers;  // of loose pieces
 };
 
@@ -34,25 +36,26 @@ std::vector<VoxelModel> recorded_bodies(const RecordingReader& reader, const Sce
 /// The burr that a recording carries or its scene generates.
 Burr recorded_burr(const RecordingReader& reader, const Scene& scene);
 
-/// The recorded workpiece over time: the model at the start, and the edits applied up to a time.
+/// Last row at or before a time; the first where none is.
+std::size_t row_at(std::span<const TickRecord> rows, double time_s);
+
+/// The recorded workpiece over time.
 class RecordedShape {
  public:
   /// `start`: the workpiece at the start.
   RecordedShape(const RecordingReader& reader, VoxelModel start);
 
-  /// Applies the edits of all rows up to and with that row; forward only. Returns those it passed,
-  /// of all bodies.
-  std::span<const Edit> advance_to_row(std::size_t row);
+  /// To right after a row, on or back. Returns the edits on the way, of all bodies and in their
+  /// order: made on the way on, taken back on the way back.
+  std::span<const Edit> seek_row(std::size_t row);
   const VoxelModel& model() const { return model_; }
   const std::vector<TickRecord>& rows() const { return rows_; }
-  /// Last row at or before a time; the first where none is.
-  std::size_t row_at(double time_s) const;
+  std::size_t row_at(double time_s) const { return sulcus::row_at(rows_, time_s); }
 
  private:
   VoxelModel model_;
   std::vector<TickRecord> rows_;
-  std::vector<Edit> edits_;
-  std::size_t applied_ = 0;
+  EditCursor edits_;
 };
 
 /// The recorded pieces that were cut loose, over time; forward only.

@@ -2,22 +2,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 #include <vector>
 
 #include "engine/core/realtime.hpp"
 
 namespace sulcus {
 
-RecorderThread::RecorderThread(Feed& feed, PieceFeed* pieces, std::optional<RecordingWriter> writer,
-                               std::optional<PreparationOutcome> outcome,
-                               std::size_t expected_ticks)
-    : feed_(feed),
-      pieces_(pieces),
-      writer_(std::move(writer)),
-      cuts_(writer_ && writer_->has_cutting()),
-      port_(writer_ && writer_->has_port()),
-      outcome_(std::move(outcome)) {
-  statistics_.reserve(expected_ticks);
+RecorderThread::RecorderThread(RecordFeed& feed, PieceFeed* pieces, RecordingWriter writer)
+    : feed_(feed), pieces_(pieces), writer_(std::move(writer)) {
   thread_ = std::thread([this] { run(); });
 }
 
@@ -61,36 +54,43 @@ void RecorderThread::drain() {
   std::vector<CuttingRecord> cuts;
   std::vector<PortRecord> port;
   std::vector<Edit> edits;
-  TickReport report;
-  while (feed_.reports.try_dequeue(report)) {
-    statistics_.add(report);
+  for (TickReport report; feed_.reports.try_dequeue(report);) {
     rows.push_back(report.record);
-    if (cuts_) cuts.push_back(report.cutting);
-    if (port_) port.push_back(report.port);
+    if (writer_ && writer_->has_cutting()) cuts.push_back(report.cutting);
+    if (writer_ && writer_->has_port()) port.push_back(report.port);
   }
   for (Edit edit; feed_.edits.try_dequeue(edit);) edits.push_back(edit);
-  if (outcome_) {
-    const std::uint64_t begin = steady_ns();
-    for (const Edit& edit : edits) outcome_->add(edit);
-    outcome_seconds_ += 1e-9 * static_cast<double>(steady_ns() - begin);
-  }
   if (!writer_) return;
   try {
     writer_->append_edits(edits);
     if (pieces_) drain_pieces();
-    if (cuts_) writer_->append_cutting(cuts);
-    if (port_) writer_->append_port(port);
+    if (!cuts.empty()) writer_->append_cutting(cuts);
+    if (!port.empty()) writer_->append_port(port);
     writer_->append_ticks(rows);
-    // A hash of a tick whose row has not come yet waits for the next round.
-    const StateHash* hash = feed_.hashes.peek();
-    for (; hash && !rows.empty() && hash->tick <= rows.back().tick; hash = feed_.hashes.peek()) {
-      writer_->append_state_hash(*hash);
-      feed_.hashes.pop();
-    }
+    if (!rows.empty()) last_tick_ = rows.back().tick;
+    drain_states();
     writer_->flush();
   } catch (...) {
     failure_ = std::current_exception();
     writer_.reset();
+  }
+}
+
+/// A hash or a state of a tick whose row has not come yet waits for the next round.
+void RecorderThread::drain_states() {
+  const auto has_come = [this](std::uint64_t tick) { return last_tick_ && tick <= *last_tick_; };
+  while (const StateHash* hash = feed_.hashes.peek()) {
+    if (!has_come(hash->tick)) break;
+    writer_->append_state_hash(*hash);
+    feed_.hashes.pop();
+  }
+  while (const Keyframe* next = feed_.keyframes.peek()) {
+    if (!has_come(next->tick)) break;
+    Keyframe keyframe;
+    feed_.keyframes.try_dequeue(keyframe);
+    writer_->append_keyframe(keyframe.tick, keyframe.state);
+    keyframe.state.clear();
+    feed_.spare_keyframes.enqueue(std::move(keyframe));
   }
 }
 

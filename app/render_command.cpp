@@ -137,7 +137,7 @@ void render(RenderOptions options) {
                   next < port.size() ? &port[next] : nullptr);
     }
     for (std::vector<std::uint32_t>& voxels : removed) voxels.clear();
-    for (const Edit& edit : shape.advance_to_row(row)) {
+    for (const Edit& edit : shape.seek_row(row)) {
       removed[edit.body].push_back(edit.voxel);
       history.add(edit);
     }

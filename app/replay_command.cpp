@@ -1,128 +1,136 @@
 #include <cstdio>
-#include <cstring>
-#include <deque>
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <stdexcept>
+#include <string>
+#include <vector>
 
-#include "app/build_info.hpp"
+#include <tbb/global_control.h>
+
 #include "app/commands.hpp"
-#include "app/recorded_run.hpp"
+#include "app/recorded_state.hpp"
 #include "app/results.hpp"
+#include "app/verify_recording.hpp"
+#include "engine/core/error.hpp"
 #include "engine/core/hash.hpp"
-#include "engine/core/realtime.hpp"
+#include "engine/scene/scene_file.hpp"
 
 namespace sulcus {
 
 namespace {
 
 struct ReplayOptions {
-  std::string recording, folder;
+  std::string recording, folder, pace = "fast";
   bool verify = false;
+  std::optional<double> from_s;
+  std::vector<std::string> overrides;
+  int threads = 0;  // 0: all cores
 };
 
-/// Name of the first quantity in which two rows of the same tick differ; null: equal bit for bit.
-/// Times and the position in the file are no results.
-const char* difference(const TickRecord& a, const TickRecord& b) {
-  const auto differs = [](const auto& x, const auto& y) {
-    return std::memcmp(&x, &y, sizeof(x)) != 0;
-  };
-  if (a.tick != b.tick) return "tick";
-  if (differs(a.time_s, b.time_s)) return "time_s";
-  if (differs(a.tool_position_m, b.tool_position_m)) return "tool_position_m";
-  if (differs(a.tool_orientation, b.tool_orientation)) return "tool_orientation";
-  if (a.contacts != b.contacts) return "contacts";
-  if (a.tested != b.tested) return "tested";
-  if (a.leaves != b.leaves) return "leaves";
-  if (differs(a.contact_force_N, b.contact_force_N)) return "contact_force_N";
-  if (differs(a.contact_torque_Nm, b.contact_torque_Nm)) return "contact_torque_Nm";
-  if (differs(a.force_N, b.force_N)) return "force_N";
-  if (differs(a.torque_Nm, b.torque_Nm)) return "torque_Nm";
-  if (a.removed != b.removed) return "removed";
-  if ((a.faults ^ b.faults) & ~std::uint64_t{kFaultRowsDropped}) return "faults";
-  return nullptr;
-}
-
-bool same_edit(const Edit& a, const Edit& b) {
-  return a.tick == b.tick && a.voxel == b.voxel && a.body == b.body && a.cause == b.cause;
-}
-
-/// Runs every tick again and compares; the exception says where they part.
-void verify(const RecordedRun& run) {
-  Simulation& simulation = *run.simulation;
-  PlaybackDevice device(run.poses);
-  const auto fail = [&](std::uint64_t tick, const std::string& quantity) {
-    const std::string recorded = run.reader.header().build;
-    throw std::runtime_error(
-        run.path + ": tick " + std::to_string(tick) + " differs in " + quantity +
-        (recorded == build_info() ? "" : " (recorded by another build, " + recorded + ")"));
-  };
-  const std::vector<TickRecord> rows = run.reader.ticks();
-  const std::vector<Edit> edits = run.reader.edits();
-  const std::vector<StateHash>& hashes = run.reader.state_hashes();
-  if (simulation.workpiece().hash_with_tissues() != run.reader.header().workpiece_hash) {
-    throw std::runtime_error(run.path + ": the workpiece at the start differs from what was run");
-  }
-  std::optional<LooseFinder> finder;
-  if (simulation.scene().loose_pieces) finder.emplace(simulation.workpiece().model());
-  LooseSchedule loose(run.taken_answers);
-  std::deque<LooseAnswer> answers;
-  const auto next_answer = [&](LooseAnswer& answer) {
-    if (answers.empty()) return false;
-    answer = std::move(answers.front());
-    answers.pop_front();
-    return true;
-  };
-  std::size_t edit = 0, hash = 0;
-  for (const TickRecord& row : rows) {
-    const auto leaving =
-        finder ? loose.before_tick(row.tick, next_answer) : std::span<const std::uint32_t>{};
-    const TickRecord again = simulation.step(device, leaving);
-    if (finder) {
-      auto found = finder->add_tick(row.tick, simulation.edits());
-      if (found) answers.push_back(std::move(*found));
-    }
-    if (const char* quantity = difference(row, again)) fail(row.tick, quantity);
-    for (const Edit& e : simulation.edits()) {
-      if (edit >= edits.size() || !same_edit(e, edits[edit])) fail(row.tick, "the voxels removed");
-      ++edit;
-    }
-    if (edit != row.edits_end) fail(row.tick, "the voxels removed");
-    if (hash < hashes.size() && hashes[hash].tick == row.tick) {
-      if (hashes[hash].volume != simulation.workpiece().hash()) fail(row.tick, "the volume");
-      if (hashes[hash].state != simulation.state().hash()) fail(row.tick, "the state");
-      ++hash;
-    }
-  }
+void verify(RecordedRun& run, std::size_t first_row) {
+  const Verified verified = verify_recording(run, first_row);
   std::printf(
       "%s: %zu ticks, %zu removed voxels and %zu state hashes agree bit for bit; "
       "volume %s\n",
-      run.path.c_str(), rows.size(), edits.size(), hash,
-      hex(simulation.workpiece().hash()).c_str());
+      run.path.c_str(), verified.rows, verified.edits, verified.state_hashes,
+      hex(run.simulation->workpiece().hash()).c_str());
+  if (verified.passed_over > 0) {
+    std::printf("%s: %zu ticks after rows that were not recorded could not be compared\n",
+                run.path.c_str(), verified.passed_over);
+  }
+}
+
+/// What makes the bodies and the tool is in the recording, and the tool's way is played back.
+void check_overrides(const std::vector<std::string>& overrides) {
+  for (const std::string& text : overrides) {
+    const std::string key = text.substr(0, text.find('='));
+    const std::string table = key.substr(0, key.find('.'));
+    const bool of_burr =
+        table == "burr" && key != "burr.speed_rpm" && key != "burr.tangential_ratio";
+    if (of_burr || table == "workpiece" || table == "trajectory" || table == "goal" ||
+        key == "haptics.rate_hz") {
+      throw InputError("", "--set " + key, "what the recording holds already",
+                       "a key of how it is felt, cut or drawn");
+    }
+  }
+}
+
+/// The run as it was after the last row before a time, to be gone on with under other settings.
+std::unique_ptr<Simulation> simulation_from(RecordedRun& run, std::size_t row,
+                                            const std::vector<std::string>& overrides) {
+  check_overrides(overrides);
+  RecordedState state(run);
+  state.seek_row(row);
+  const Simulation& then = state.simulation();
+  std::vector<VoxelModel> bodies;
+  for (const Neighbour& n : then.state().neighbours) bodies.push_back(n.solid.model());
+  std::vector<std::byte> bytes;
+  save_state(then.state(), bytes);
+  // Made of what is left, as a replay of the new recording will make it.
+  const Scene scene = parse_scene(run.reader.header().scene_toml, run.path, overrides);
+  auto simulation = std::make_unique<Simulation>(scene, then.workpiece().model(),
+                                                 make_neighbours(scene, std::move(bodies)),
+                                                 recorded_burr(run.reader, scene));
+  if (!simulation->load_state(bytes)) throw std::logic_error("a state that was just saved");
+  return simulation;
+}
+
+/// Rows from `first` that follow on one another.
+std::size_t rows_in_line(const RecordedRun& run, std::size_t first) {
+  std::size_t end = first + 1;
+  while (end < run.rows.size() && run.rows[end].tick == run.rows[end - 1].tick + 1) ++end;
+  return end - first;
 }
 
 void replay(const ReplayOptions& options) {
+  std::unique_ptr<tbb::global_control> limit;
+  if (options.threads > 0) {
+    limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                  options.threads);
+  }
   RecordedRun run = open_recorded_run(options.recording);
   if (!run.reader.missing().empty()) {
     std::fprintf(stderr, "sulcus: %s\n", run.reader.missing().c_str());
   }
+  const std::size_t row = options.from_s ? row_at(run.rows, *options.from_s) : 0;
   if (options.verify) {
-    verify(run);
+    verify(run, row);
     return;
   }
+  if (!options.overrides.empty() && !options.from_s) {
+    throw InputError("", "--set", "no time to go on from", "--from S");
+  }
+
   SessionOptions session;
   session.folder =
       options.folder.empty()
           ? "out/" + std::filesystem::path(options.recording).stem().string() + "_replay"
           : options.folder;
-  session.ticks = run.poses.size();
-  session.played_back = run.taken_answers;
+  session.pace = options.pace == "real" ? Pace::kReal : Pace::kFast;
   session.goal = run.reader.goal();
+  std::size_t first = 0;
+  if (options.from_s) {
+    if (row + 1 == run.rows.size()) {
+      throw InputError(options.recording, "--from", "the end of the recording",
+                       "a time before " + std::to_string(run.rows.back().time_s) + " s");
+    }
+    run.simulation = simulation_from(run, row, options.overrides);
+    first = row + 1;
+    session.parent = std::filesystem::path(options.recording).filename().string() +
+                     ", after tick " + std::to_string(run.rows[row].tick) + ", scene_sha256 " +
+                     run.reader.header().scene_sha256;
+  } else {
+    session.played_back = run.taken_answers;
+  }
+  session.ticks = rows_in_line(run, first);
   open_log(session.folder);
-  PlaybackDevice device(run.poses);
+  PlaybackDevice device(std::span(run.poses).subspan(first), run.rows[first].tick);
   const SessionResult result = run_session(*run.simulation, device, session);
   write_results(*run.simulation, result, session, {});
+  if (first + session.ticks < run.rows.size()) {
+    std::fprintf(stderr, "sulcus: ended at tick %llu, after which rows were not recorded\n",
+                 static_cast<unsigned long long>(run.rows[first + session.ticks - 1].tick));
+  }
 }
 
 }  // namespace
@@ -134,6 +142,19 @@ void add_replay_command(CLI::App& program) {
   command->add_option("-o", options->folder, "Folder for the results (out/<recording>_replay)");
   command->add_flag("--verify", options->verify,
                     "Only compare every tick's forces and the volume, bit for bit");
+  command
+      ->add_option("--from", options->from_s,
+                   "Go on from this time of the recording, s; what "
+                   "comes is a recording of its own")
+      ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option("--set", options->overrides, "TABLE.KEY=VALUE, changes the scene from there on")
+      ->expected(1)
+      ->take_all();
+  command->add_option("--pace", options->pace, "real: 1 tick each 1 / rate_hz; fast: no waiting")
+      ->check(CLI::IsMember({"real", "fast"}));
+  command->add_option("--threads", options->threads, "Threads for loading and meshing (all cores)")
+      ->check(CLI::Range(1, 1024));
   command->callback([options] { replay(*options); });
 }
 

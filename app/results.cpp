@@ -55,18 +55,18 @@ void write_results(const Simulation& simulation, const SessionResult& result,
   for (const auto& [fault, ticks] : summary["faults"].items()) {
     spdlog::warn("fault {} in {} ticks", fault, ticks.dump());
   }
-  if (result.interrupted) spdlog::warn("stopped on request after {} ticks", s.tick_us.size());
+  if (result.interrupted) spdlog::warn("stopped on request after {} ticks", s.ticks);
 
   const auto& contacts = summary["voxels_in_contact"];
   const double voxel_mm = scene.workpiece.voxel_m / kMillimetre;
-  std::printf("%s: %zu ticks in %.1f s\n", scene.title.c_str(), s.tick_us.size(),
-              result.wall_seconds);
+  std::printf("%s: %llu ticks in %.1f s\n", scene.title.c_str(),
+              static_cast<unsigned long long>(s.ticks), result.wall_seconds);
   std::printf("  voxels in contact  mean %.1f, max %u\n", contacts["mean"].get<double>(),
               contacts["max"].get<unsigned>());
-  std::printf("  force              mean %.3f, max %.3f N\n", mean(s.force_N),
+  std::printf("  force              mean %.3f, max %.3f N\n", s.force_N.mean(),
               static_cast<double>(summary["force_N"]["max"]));
-  std::printf("  tick               mean %.1f, p99 %.1f us\n", mean(s.tick_us),
-              quantile(s.tick_us, 0.99));
+  std::printf("  tick               mean %.1f, p99 %.1f us\n", s.tick_us.mean(),
+              s.tick_us.quantile(0.99));
   if (scene.cutting) {
     std::printf("  removed            %llu voxels, %.4f mm3\n",
                 static_cast<unsigned long long>(s.removed),

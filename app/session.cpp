@@ -1,6 +1,7 @@
 #include "app/session.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <exception>
@@ -16,10 +17,12 @@
 #include "app/pieces_thread.hpp"
 #include "app/recorder_thread.hpp"
 #include "app/render_thread.hpp"
+#include "app/report_thread.hpp"
 #include "engine/core/hash.hpp"
 #include "engine/core/realtime.hpp"
 #include "engine/core/units.hpp"
 #include "engine/outcome/goal.hpp"
+#include "haptics/saved_state.hpp"
 
 namespace sulcus {
 
@@ -27,7 +30,8 @@ std::atomic<bool> stop_requested{false};
 
 namespace {
 
-constexpr std::uint64_t kHashEvery = 100;  // ticks between state hashes
+constexpr std::uint64_t kHashEvery = 100;      // ticks between state hashes
+constexpr std::uint64_t kKeyframeEvery = 200;  // and between states: what a seek has to run again
 
 /// Wakes at absolute times, one period apart. A wake that is late by whole periods moves the
 /// schedule: nothing is run twice as fast and no tick is left out.
@@ -61,15 +65,17 @@ class Pacer {
 /// The loop around the tick: what only a thread with a clock knows.
 class HapticLoop {
  public:
+  /// `record` is null where the scene has no [record].
   HapticLoop(Simulation& simulation, Device& device, const SessionOptions& options,
-             std::vector<Feed*> feeds, PiecesThread* pieces)
+             std::vector<Feed*> feeds, RecordFeed* record, PiecesThread* pieces)
       : simulation_(simulation),
         device_(device),
         options_(options),
         feeds_(std::move(feeds)),
+        record_(record),
         pieces_(pieces),
-        loose_(options.played_back ? LooseSchedule(*options.played_back) : LooseSchedule()),
-        records_(simulation.scene().record),
+        loose_(options.played_back ? LooseSchedule(*options.played_back, simulation.state().tick)
+                                   : LooseSchedule(simulation.state().tick)),
         pacer_(simulation.scene().haptics.rate_hz) {}
 
   void run() {
@@ -96,11 +102,18 @@ class HapticLoop {
       if (report.record.faults & kFaultNotFinite) break;
       progress();
     }
-    hash_state();  // the end's, wherever it came
+    if (record_ && gap_) {  // time does not matter any more
+      wait_for_room(dropped_);
+      --dropped_rows_;
+      mark_gap_end();
+    }
+    if (done_ > 0) hash_state();  // the end's, wherever it came
     for (Feed* feed : feeds_) feed->ended = true;
+    if (record_) record_->ended = true;
   }
 
   std::uint64_t missed() const { return pacer_.missed(); }
+  std::uint64_t dropped_rows() const { return dropped_rows_; }
   const std::vector<std::string>& refused() const { return refused_; }
 
  private:
@@ -111,8 +124,8 @@ class HapticLoop {
     const auto voxels = loose_.before_tick(simulation_.state().tick, [&](LooseAnswer& answer) {
       return pieces_->next_answer(answer, wait);
     });
-    if (records_) {
-      for (const TakenAnswer& taken : loose_.taken()) feeds_.front()->taken.enqueue(taken);
+    if (record_) {
+      for (const TakenAnswer& taken : loose_.taken()) record_->taken.enqueue(taken);
     }
     return voxels;
   }
@@ -128,15 +141,61 @@ class HapticLoop {
       for (const Edit& edit : edits) feed->edits.enqueue(edit);
       feed->reports.enqueue(report);
     }
-    if ((report.record.tick + 1) % kHashEvery == 0) hash_state();
+    if (record_) record(report, edits);
+  }
+
+  /// Edits are never left out. Where the disk does not keep up, rows are, at real pace; the next
+  /// one that finds room says so, and its state is recorded, from which a replay can go on.
+  void record(TickReport& report, std::span<const Edit> edits) {
+    for (const Edit& edit : edits) record_->edits.enqueue(edit);
+    if (gap_) {
+      report.record.faults |= kFaultRowsDropped;
+      seal(report.record);
+    }
+    if (!record_->reports.try_enqueue(report)) {
+      if (options_.pace == Pace::kReal) {
+        ++dropped_rows_;
+        gap_ = true;
+        dropped_ = report;
+        return;
+      }
+      wait_for_room(report);
+    }
+    const std::uint64_t next = report.record.tick + 1;
+    if (gap_) mark_gap_end();
+    if (next % kHashEvery == 0) hash_state();
+    if (next % kKeyframeEvery == 0) keep_state();
+  }
+
+  void wait_for_room(const TickReport& report) {
+    while (!record_->reports.try_enqueue(report)) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+
+  /// After the first row that was not dropped.
+  void mark_gap_end() {
+    gap_ = false;
+    hash_state();
+    keep_state();
   }
 
   void hash_state() {
     const std::uint64_t next = simulation_.state().tick;
-    if (!records_ || next == 0 || next == hashed_) return;
+    if (!record_ || next == hashed_) return;
     hashed_ = next;
-    feeds_.front()->hashes.enqueue(
-        {next - 1, simulation_.workpiece().hash(), simulation_.state().hash()});
+    record_->hashes.enqueue({next - 1, simulation_.workpiece().hash(), simulation_.state().hash()});
+  }
+
+  void keep_state() {
+    const std::uint64_t next = simulation_.state().tick;
+    if (next == kept_) return;
+    kept_ = next;
+    Keyframe keyframe;
+    record_->spare_keyframes.try_dequeue(keyframe);
+    keyframe.tick = next - 1;
+    save_state(simulation_.state(), keyframe.state);
+    record_->keyframes.enqueue(std::move(keyframe));
   }
 
   void progress() {
@@ -150,12 +209,14 @@ class HapticLoop {
   Simulation& simulation_;
   Device& device_;
   const SessionOptions& options_;
-  std::vector<Feed*> feeds_;  // the recorder's first
+  std::vector<Feed*> feeds_;  // but the recorder's
+  RecordFeed* record_;        // null without [record]
   PiecesThread* pieces_;      // null without [loose_pieces]
   LooseSchedule loose_;
-  bool records_;
   Pacer pacer_;
-  std::uint64_t done_ = 0, edits_ = 0, hashed_ = 0;
+  std::uint64_t done_ = 0, edits_ = 0, hashed_ = 0, kept_ = 0, dropped_rows_ = 0;
+  bool gap_ = false;    // the row before was dropped
+  TickReport dropped_;  // it
   std::vector<std::string> refused_;
   bool terminal_ = isatty(STDERR_FILENO) != 0;
 };
@@ -171,17 +232,24 @@ std::optional<RecordingWriter> open_recording(const Simulation& simulation,
   header.build = build_info();
   header.rate_hz = scene.haptics.rate_hz;
   header.workpiece_hash = simulation.workpiece().hash_with_tissues();
+  header.parent = options.parent;
   const bool from_file = scene.burr.shape == BurrShape::kFile;
   RecordedSolids others{{}, options.goal ? &*options.goal : nullptr};
   for (const Neighbour& neighbour : simulation.state().neighbours) {
     others.bodies.push_back(&neighbour.solid.model());
   }
-  return RecordingWriter(path, header, simulation.workpiece().model(),
+  RecordingWriter writer(path, header, simulation.workpiece().model(),
                          from_file ? &simulation.burr().mesh_tool : nullptr,
                          {.cutting = scene.cutting.has_value(),
                           .port = scene.device.has_value() || scene.coupling.has_value(),
                           .pieces = scene.loose_pieces.has_value()},
                          others);
+  if (const std::uint64_t next = simulation.state().tick; next > 0) {  // it goes on from there
+    std::vector<std::byte> state;
+    save_state(simulation.state(), state);
+    writer.append_keyframe(next - 1, state);
+  }
+  return writer;
 }
 
 /// Copies of the bodies besides the workpiece.
@@ -221,19 +289,22 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
   std::optional<PreparationOutcome> outcome = start_outcome(simulation, options);
   double outcome_s = 1e-9 * static_cast<double>(steady_ns() - outcome_begin);
   const std::uint64_t record_begin = steady_ns();
-  Feed record_feed(scene.haptics.rate_hz);
+  Feed report_feed(scene.haptics.rate_hz);
+  ReportThread reports(report_feed, std::move(outcome));
+  std::vector<Feed*> feeds{&report_feed};
   std::optional<PieceFeed> record_pieces, render_pieces;
-  if (scene.loose_pieces && scene.record) record_pieces.emplace();
-  RecorderThread recorder(record_feed, record_pieces ? &*record_pieces : nullptr,
-                          open_recording(simulation, options, recording), std::move(outcome),
-                          options.ticks);
-  if (scene.record) {
+  std::optional<RecordFeed> record_feed;
+  std::optional<RecorderThread> recorder;
+  if (std::optional<RecordingWriter> writer = open_recording(simulation, options, recording)) {
+    record_feed.emplace(scene.haptics.rate_hz, scene.record->queue_s);
+    if (scene.loose_pieces) record_pieces.emplace();
+    recorder.emplace(*record_feed, record_pieces ? &*record_pieces : nullptr, std::move(*writer));
     result.files.push_back(recording);
     result.parts.push_back(
         {"record", 1e-9 * static_cast<double>(steady_ns() - record_begin),
-         10 * sizeof(TickReport) * static_cast<std::size_t>(scene.haptics.rate_hz)});
+         static_cast<std::size_t>(scene.record->queue_s * scene.haptics.rate_hz) *
+             sizeof(TickReport)});
   }
-  std::vector<Feed*> feeds{&record_feed};
   std::optional<Feed> render_feed;
   std::optional<RenderThread> renderer;
   if (renders) {
@@ -260,7 +331,8 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
     result.parts.push_back(
         {"loose_pieces", 1e-9 * static_cast<double>(steady_ns() - pieces_begin), 0});
   }
-  HapticLoop loop(simulation, device, options, feeds, pieces ? &*pieces : nullptr);
+  HapticLoop loop(simulation, device, options, feeds, record_feed ? &*record_feed : nullptr,
+                  pieces ? &*pieces : nullptr);
   result.load_seconds = process_age_s();
   const std::uint64_t begin = steady_ns();
   std::thread haptic([&] { loop.run(); });
@@ -268,9 +340,10 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
   result.wall_seconds = 1e-9 * static_cast<double>(steady_ns() - begin);
   result.interrupted = stop_requested;
   result.missed_ticks = loop.missed();
+  result.dropped_rows = loop.dropped_rows();
   result.refused = loop.refused();
 
-  // Both are waited for, so that one's failure does not cost what the other still writes.
+  // All are waited for, so that one's failure does not cost what the other still writes.
   std::exception_ptr failure;
   const auto wait = [&](auto& part) {
     try {
@@ -287,19 +360,20 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
     use.seconds += pieces->seconds();
     use.bytes = pieces->memory_bytes();
   }
-  wait(recorder);
+  if (recorder) wait(*recorder);
+  reports.finish();
   if (renderer) {
     wait(*renderer);
     result.frames = renderer->frames();
     result.parts.push_back({"render", renderer->seconds(), renderer->memory_bytes()});
     if (result.frames > 0) result.files.push_back(options.folder + "/frames");
   }
-  result.statistics = recorder.statistics();
-  if (recorder.outcome()) {
+  result.statistics = reports.statistics();
+  if (reports.outcome()) {
     const std::uint64_t end_begin = steady_ns();
-    result.outcome = end_outcome(*recorder.outcome(), simulation.workpiece().model());
-    outcome_s += recorder.outcome_seconds() + 1e-9 * static_cast<double>(steady_ns() - end_begin);
-    result.parts.push_back({"outcome", outcome_s, recorder.outcome()->memory_bytes()});
+    result.outcome = end_outcome(*reports.outcome(), simulation.workpiece().model());
+    outcome_s += reports.outcome_seconds() + 1e-9 * static_cast<double>(steady_ns() - end_begin);
+    result.parts.push_back({"outcome", outcome_s, reports.outcome()->memory_bytes()});
   }
   if (failure) std::rethrow_exception(failure);
   return result;

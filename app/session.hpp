@@ -18,12 +18,14 @@ enum class Pace : std::uint8_t { kReal, kFast };
 struct SessionOptions {
   std::string folder;  // summary.json, forces.png, log.txt, recording.h5, frames/
   Pace pace = Pace::kFast;
-  std::uint64_t ticks = 0;  // at most
+  std::uint64_t ticks = 0;  // at most, from where the simulation is
   bool render = true;       // draw, where the scene has [render]
   /// What the file of the scene's goal holds, on the workpiece's grid, where it names one.
   std::optional<VoxelModel> goal = {};
   /// When answers of loose pieces were taken in the recording that is run again; none: a new run.
   std::optional<std::vector<TakenAnswer>> played_back = {};
+  /// Of a run that goes on from a recording: from which, and where; else empty.
+  std::string parent = {};
 };
 
 /// A part of the program that ran, as the summary lists it.
@@ -46,6 +48,7 @@ struct SessionResult {
   std::optional<OutcomeResult> outcome;  // of a scene with [cutting]
   std::vector<PartUse> parts;
   std::uint64_t missed_ticks = 0;  // whole periods that late wakes cost
+  std::uint64_t dropped_rows = 0;  // not recorded: the disk did not keep up
   bool interrupted = false;
   std::vector<std::string> refused;  // by the system, at real pace
   std::vector<std::string> files;    // written, in the order to be named

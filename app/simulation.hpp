@@ -7,6 +7,7 @@
 #include "engine/scene/scene.hpp"
 #include "engine/tool/burr.hpp"
 #include "engine/volume/workpiece.hpp"
+#include "haptics/saved_state.hpp"
 #include "haptics/tick.hpp"
 
 namespace sulcus {
@@ -25,6 +26,16 @@ class Simulation {
   TickRecord step(Device& device, std::span<const std::uint32_t> loose = {}) noexcept {
     return tick(context_, device, workpiece_, state_, scratch_, loose);
   }
+  // For going through a recording, on and back.
+  /// An edit that another run made.
+  void apply(const Edit& edit) noexcept { body(edit.body).remove(cell(edit)); }
+  void take_back(const Edit& edit) noexcept { body(edit.body).put_back(cell(edit)); }
+  bool is_solid(const Edit& edit) const noexcept { return body(edit.body).solid(cell(edit)); }
+  /// As sulcus::load_state.
+  bool load_state(std::span<const std::byte> bytes) {
+    return sulcus::load_state(bytes, scene_.haptics, workpiece_, state_);
+  }
+
   /// Touches what the next tick will. Changes no state.
   void rehearse() noexcept { sulcus::rehearse(context_, workpiece_, state_, scratch_); }
   std::span<const Edit> edits() const { return scratch_.edits; }
@@ -46,6 +57,16 @@ class Simulation {
   std::size_t cutting_bytes() const;
 
  private:
+  Workpiece& body(std::size_t number) noexcept {
+    return number == 0 ? workpiece_ : state_.neighbours[number - 1].solid;
+  }
+  const Workpiece& body(std::size_t number) const noexcept {
+    return number == 0 ? workpiece_ : state_.neighbours[number - 1].solid;
+  }
+  Cell cell(const Edit& edit) const noexcept {
+    return body(edit.body).grid().cell_of_linear(edit.voxel);
+  }
+
   Scene scene_;
   Workpiece workpiece_;
   Burr burr_;

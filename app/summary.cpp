@@ -23,10 +23,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kCubicMillimetre = kMillimetre * kMillimetre * kMillimetre;  // m^3
 
-float largest(const std::vector<float>& values) {
-  return values.empty() ? 0.0f : *std::max_element(values.begin(), values.end());
-}
-
 double mebibytes(std::size_t bytes) { return static_cast<double>(bytes) / kMebibyte; }
 
 /// Solid voxels of each tissue.
@@ -63,12 +59,12 @@ Json workpiece_json(const Simulation& simulation) {
           {"tissue_mm3", by_tissue}};
 }
 
-Json times_json(const std::vector<float>& us) {
-  return {{"mean", mean(us)},
-          {"p50", quantile(us, 0.5)},
-          {"p99", quantile(us, 0.99)},
-          {"p999", quantile(us, 0.999)},
-          {"max", largest(us)}};
+Json times_json(const Distribution& us) {
+  return {{"mean", us.mean()},
+          {"p50", us.quantile(0.5)},
+          {"p99", us.quantile(0.99)},
+          {"p999", us.quantile(0.999)},
+          {"max", us.largest()}};
 }
 
 /// mm^3 of each tissue; the voxels' label 0 is the first of them.
@@ -143,16 +139,9 @@ Json outcome_json(const Scene& scene, const OutcomeResult& outcome, const RunSta
     if (wall_mm) *wall_mm /= kMillimetre;
     j["dentine_over_pulp_mm"] = or_null(wall_mm);
   }
-  double force_sum_N = 0.0;
-  std::uint64_t ticks_in_contact = 0;
-  for (std::size_t tick = 0; tick < s.contacts.size(); ++tick) {
-    if (s.contacts[tick] == 0) continue;
-    force_sum_N += static_cast<double>(s.force_N[tick]);
-    ++ticks_in_contact;
-  }
-  const auto in_contact = static_cast<double>(ticks_in_contact);
-  j["peak_force_N"] = largest(s.force_N);
-  j["mean_force_N"] = ticks_in_contact > 0 ? force_sum_N / in_contact : 0.0;
+  const auto in_contact = static_cast<double>(s.ticks_in_contact);
+  j["peak_force_N"] = s.force_N.largest();
+  j["mean_force_N"] = s.ticks_in_contact > 0 ? s.force_in_contact_sum_N / in_contact : 0.0;
   j["contact_s"] = in_contact / scene.haptics.rate_hz;
   return j;
 }
@@ -173,7 +162,7 @@ Json goal_json(const GoalFigures& goal, double voxel_mm3) {
 
 /// What went through the device's port, and what a scene names of it.
 void add_port(const Scene& scene, const DevicePortState& port, const RunStatistics& s, Json& j) {
-  const double ticks = std::max<double>(1.0, static_cast<double>(s.tick_us.size()));
+  const double ticks = std::max<double>(1.0, static_cast<double>(s.ticks));
   const PassivityState& passivity = port.passivity;
   j["passivity"] = {{"least_J", passivity.least_J}, {"given_out_J", passivity.given_out_J()}};
   if (scene.coupling) {
@@ -198,7 +187,7 @@ void add_port(const Scene& scene, const DevicePortState& port, const RunStatisti
                  {"jumped_ticks", s.fault_ticks(kFaultDeviceJumped)}};
 }
 
-Json faults_json(const RunStatistics& statistics) {
+Json faults_json(const RunStatistics& statistics, std::uint64_t dropped_rows) {
   constexpr std::array<const char*, 7> kNames{"not_finite",   "contacts_full", "cut_state_full",
                                               "rows_dropped", "device_silent", "device_jumped",
                                               "buzz"};
@@ -206,6 +195,7 @@ Json faults_json(const RunStatistics& statistics) {
   for (std::size_t bit = 0; bit < kNames.size(); ++bit) {
     if (statistics.faults[bit] > 0) faults[kNames[bit]] = statistics.faults[bit];
   }
+  if (dropped_rows > 0) faults["rows_dropped"] = dropped_rows;
   return faults;
 }
 
@@ -215,12 +205,12 @@ Json make_summary(const Simulation& simulation, const SessionResult& result, Pac
                   const std::vector<PartUse>& loading) {
   const Scene& scene = simulation.scene();
   const RunStatistics& s = result.statistics;
-  const double ticks = std::max<double>(1.0, static_cast<double>(s.tick_us.size()));
+  const double ticks = std::max<double>(1.0, static_cast<double>(s.ticks));
   std::vector<PartUse> parts = loading;
-  parts.push_back({"contact", 1e-6 * mean(s.tick_us) * ticks, simulation.contact_bytes()});
+  parts.push_back({"contact", 1e-6 * s.tick_us.sum(), simulation.contact_bytes()});
   if (scene.cutting) {
     const auto& us = s.stage_us[static_cast<int>(Stage::kRemoval)];
-    parts.push_back({"cutting", 1e-6 * mean(us) * ticks, simulation.cutting_bytes()});
+    parts.push_back({"cutting", 1e-6 * us.sum(), simulation.cutting_bytes()});
   }
   parts.insert(parts.end(), result.parts.begin(), result.parts.end());
 
@@ -230,7 +220,7 @@ Json make_summary(const Simulation& simulation, const SessionResult& result, Pac
   j["build"] = build_info();
   j["instructions"] = use_avx2() ? "avx2" : "plain";
   j["pace"] = pace == Pace::kReal ? "real" : "fast";
-  j["ticks"] = s.tick_us.size();
+  j["ticks"] = s.ticks;
   j["interrupted"] = result.interrupted;
   j["load_s"] = result.load_seconds;
   j["wall_s"] = result.wall_seconds;
@@ -249,26 +239,20 @@ Json make_summary(const Simulation& simulation, const SessionResult& result, Pac
   j["stage_us"] = Json::object();
   for (int stage = 0; stage < kStageCount; ++stage) {
     if (Stage(stage) == Stage::kRemoval && !scene.cutting) continue;  // was not there
-    j["stage_us"][kStageNames[stage]] = {{"mean", mean(s.stage_us[stage])},
-                                         {"p99", quantile(s.stage_us[stage], 0.99)}};
+    j["stage_us"][kStageNames[stage]] = {{"mean", s.stage_us[stage].mean()},
+                                         {"p99", s.stage_us[stage].quantile(0.99)}};
   }
-  j["late_us"] = {{"p50", quantile(s.late_us, 0.5)},
-                  {"p99", quantile(s.late_us, 0.99)},
-                  {"max", largest(s.late_us)}};
+  j["late_us"] = {{"p50", s.late_us.quantile(0.5)},
+                  {"p99", s.late_us.quantile(0.99)},
+                  {"max", s.late_us.largest()}};
   j["missed_ticks"] = result.missed_ticks;
   j["realtime_refused"] = result.refused;
   j["leaves_in_contact"] = {{"mean", s.leaves_sum / ticks}, {"max", s.leaves_max}};
   j["voxels_tested"] = {{"mean", s.tested_sum / ticks}, {"max", s.tested_max}};
-  double contacts = 0.0;
-  std::uint32_t contacts_max = 0;
-  for (std::uint32_t n : s.contacts) {
-    contacts += n;
-    contacts_max = std::max(contacts_max, n);
-  }
-  j["voxels_in_contact"] = {{"mean", contacts / ticks}, {"max", contacts_max}};
-  j["force_N"] = {{"mean", mean(s.force_N)}, {"max", largest(s.force_N)}};
+  j["voxels_in_contact"] = {{"mean", s.contacts_sum / ticks}, {"max", s.contacts_max}};
+  j["force_N"] = {{"mean", s.force_N.mean()}, {"max", s.force_N.largest()}};
   j["force_step_N"] = {{"max", s.force_step_max_N}};
-  j["torque_mNm"] = {{"mean", mean(s.torque_mNm)}, {"max", largest(s.torque_mNm)}};
+  j["torque_mNm"] = {{"mean", s.torque_mNm.mean()}, {"max", s.torque_mNm.largest()}};
   j["removed_voxels"] = s.removed;
   j["removed_mm3"] =
       removed_json(simulation.state().removal, simulation.workpiece().grid(), scene.tissues);
@@ -284,7 +268,7 @@ Json make_summary(const Simulation& simulation, const SessionResult& result, Pac
   j["memory_MiB"] = memory;
   j["volume_hash"] = hex(simulation.workpiece().hash());
   j["force_hash"] = hex(s.force_hash);
-  j["faults"] = faults_json(s);
+  j["faults"] = faults_json(s, result.dropped_rows);
   return j;
 }
 

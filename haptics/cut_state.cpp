@@ -1,7 +1,7 @@
 #include "haptics/cut_state.hpp"
 
+#include <algorithm>
 #include <bit>
-#include <numeric>
 
 #include "engine/core/hash.hpp"
 #include "engine/volume/grid.hpp"
@@ -37,8 +37,26 @@ double CutState::energy(std::uint32_t voxel) const noexcept {
 }
 
 double CutState::total_energy() const {
-  return std::accumulate(slots_.begin(), slots_.end(), 0.0,
-                         [](double sum_J, const Slot& slot) { return sum_J + slot.energy_J; });
+  double sum_J = 0.0;
+  for_each([&](std::uint32_t, double energy_J) { sum_J += energy_J; });
+  return sum_J;
+}
+
+void CutState::clear() noexcept {
+  for (std::size_t word = 0; word < used_.size(); ++word) {
+    for (std::uint64_t left = used_[word]; left != 0; left &= left - 1) {
+      slots_[64 * word + static_cast<std::size_t>(std::countr_zero(left))] = {};
+    }
+  }
+  std::ranges::fill(used_, 0u);
+  size_ = 0;
+  hash_ = 0;
+}
+
+void CutState::mark(std::size_t slot, bool used) noexcept {
+  const std::uint64_t bit = std::uint64_t{1} << (slot & 63);
+  std::uint64_t& word = used_[slot >> 6];
+  word = used ? word | bit : word & ~bit;
 }
 
 bool CutState::set_energy(std::uint32_t voxel, double energy_J) noexcept {
@@ -66,6 +84,7 @@ bool CutState::set_at(std::size_t slot, std::uint32_t key, double energy_J) noex
     if (size_ == capacity_) return false;
     ++size_;
     slots_[slot].key = key;
+    mark(slot, true);
   }
   slots_[slot].energy_J = energy_J;
   hash_ ^= entry_hash(key, energy_J);
@@ -79,6 +98,7 @@ void CutState::erase(std::size_t slot) noexcept {
       [&](std::size_t at) { return home(slots_[at].key); },
       [&](std::size_t to, std::size_t from) {
         slots_[to] = from == kNoSlot ? Slot{} : slots_[from];
+        mark(to, from != kNoSlot);
       });
 }
 

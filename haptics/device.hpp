@@ -38,15 +38,18 @@ class ScriptedDevice final : public Device {
   double dt_s_;
 };
 
-/// Plays back the poses of a recording: a replay is the same tick with this device.
+/// Plays back the poses of a recording, from tick `first` on: a replay is the same tick with this
+/// device.
 class PlaybackDevice final : public Device {
  public:
-  explicit PlaybackDevice(std::span<const std::optional<Pose>> poses) : poses_(poses) {}
-  std::optional<Pose> pose(std::uint64_t tick) noexcept override { return poses_[tick]; }
+  explicit PlaybackDevice(std::span<const std::optional<Pose>> poses, std::uint64_t first = 0)
+      : poses_(poses), first_(first) {}
+  std::optional<Pose> pose(std::uint64_t tick) noexcept override { return poses_[tick - first_]; }
   void apply(const Wrench&) noexcept override {}
 
  private:
   std::span<const std::optional<Pose>> poses_;
+  std::uint64_t first_;
 };
 
 }  // namespace sulcus

@@ -75,6 +75,16 @@ KeptNormals::Page* KeptNormals::make_page(std::uint32_t leaf, std::uint64_t tick
   return &page;
 }
 
+void KeptNormals::clear() noexcept {
+  std::ranges::fill(table_, 0u);
+  used_ = 0;
+  hash_ = 0;
+}
+
+void KeptNormals::add_leaf(std::uint32_t leaf, std::uint64_t touched) noexcept {
+  if (!page(leaf)) make_page(leaf, touched);
+}
+
 void KeptNormals::forget(std::uint32_t at) noexcept {
   Page& page = pages_[at];
   for (int word = 0; word < 8; ++word) clear(page, word, ~std::uint64_t{0});

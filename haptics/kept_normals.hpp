@@ -62,9 +62,14 @@ class KeptNormals {
   /// Drops what has been seen through windows that the edits lie in.
   void drop(std::span<const Edit> edits) noexcept;
 
+  /// In the order in which they were taken: what a saved state names.
+  std::span<const Page> pages() const { return {pages_.get(), used_}; }
+  /// Forgets all, and takes leaves again in the order of a saved state.
+  void clear() noexcept;
+  void add_leaf(std::uint32_t leaf, std::uint64_t touched) noexcept;
+
   /// Of the refined voxels, whatever the order they came in.
   std::uint64_t hash() const { return hash_; }
-  std::uint32_t pages() const { return used_; }
   std::size_t memory_bytes() const;
 
  private:

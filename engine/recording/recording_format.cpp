@@ -26,6 +26,10 @@ std::uint64_t check_of(const StateHashRow& row) {
   return hash_bytes(&row, offsetof(StateHashRow, check));
 }
 
+std::uint64_t check_of(const KeyframeRow& row) {
+  return hash_bytes(&row, offsetof(KeyframeRow, check));
+}
+
 std::uint64_t check_of(const EndRow& row) { return hash_bytes(&row, offsetof(EndRow, check)); }
 
 std::uint32_t check_of(const EditRow& row) {
@@ -133,6 +137,16 @@ Hdf5Handle state_hash_type() {
   return row;
 }
 
+Hdf5Handle keyframe_type() {
+  Hdf5Handle row = compound(sizeof(KeyframeRow));
+  field(row, "tick", offsetof(KeyframeRow, tick), H5T_STD_U64LE);
+  field(row, "offset", offsetof(KeyframeRow, offset), H5T_STD_U64LE);
+  field(row, "bytes", offsetof(KeyframeRow, bytes), H5T_STD_U64LE);
+  field(row, "content", offsetof(KeyframeRow, content), H5T_STD_U64LE);
+  field(row, "check", offsetof(KeyframeRow, check), H5T_STD_U64LE);
+  return row;
+}
+
 Hdf5Handle end_type() {
   Hdf5Handle row = compound(sizeof(EndRow));
   field(row, "ticks", offsetof(EndRow, ticks), H5T_STD_U64LE);
@@ -143,11 +157,18 @@ Hdf5Handle end_type() {
 }
 
 std::uint64_t header_check(const RecordingHeader& header) {
-  std::uint64_t hash = hash_bytes(&kFormatVersion, sizeof kFormatVersion);
-  for (const std::string* text : {&header.scene_toml, &header.scene_sha256, &header.build}) {
-    const std::uint64_t length = text->size();
+  std::uint64_t hash = hash_bytes(&header.version, sizeof header.version);
+  const auto add = [&](const std::string& text) {
+    const std::uint64_t length = text.size();
     hash = hash_bytes(&length, sizeof length, hash);
-    hash = hash_bytes(text->data(), text->size(), hash);
+    hash = hash_bytes(text.data(), text.size(), hash);
+  };
+  for (const std::string* text : {&header.scene_toml, &header.scene_sha256, &header.build}) {
+    add(*text);
+  }
+  if (header.version > 1) {
+    add(header.parent);
+    add(header.repaired);
   }
   hash = hash_bytes(&header.rate_hz, sizeof header.rate_hz, hash);
   return hash_bytes(&header.workpiece_hash, sizeof header.workpiece_hash, hash);

@@ -13,9 +13,15 @@ namespace sulcus {
 // The layout of a recording, shared by the writer and the reader:
 //
 //   /            attributes format, version, scene, scene_sha256, workpiece_hash, build, rate_hz,
-//                and header_check over all of them
+//                where they say something parent and repaired, and header_check over all of them
 //   /workpiece   see recording_workpiece.hpp     /burr   only where the scene does not generate it
 //   /ticks  /edits  /state_hashes                one dimension, extensible, no filters
+//                A row of /ticks that does not follow on the one before it has the fault
+//                kFaultRowsDropped; the edits of the ticks between are there.
+//   /keyframes  /keyframe_index                  states (haptics/saved_state.hpp), one after
+//   another,
+//                and where each lies; every so many ticks, after each gap, and before the first row
+//                of a recording that goes on from another
 //   /cutting     one row for each of /ticks, only where the scene cuts
 //   /port        the same, only where it names a device or a coupling
 //   /pieces  /piece_poses  /taken_answers        only where pieces may come loose
@@ -25,7 +31,6 @@ namespace sulcus {
 // 1.10.8 writes beyond its buffer when a size in that heap is damaged.
 
 inline constexpr char kFormatName[] = "sulcus-recording";
-inline constexpr std::uint32_t kFormatVersion = 1;
 
 // Rows per chunk. A flush writes the last chunk whole, so it is about as long as 50 ms of rows.
 inline constexpr hsize_t kTickChunk = 128;
@@ -34,6 +39,8 @@ inline constexpr hsize_t kPortChunk = 128;
 inline constexpr hsize_t kPieceChunk = 128;
 inline constexpr hsize_t kEditChunk = 1024;
 inline constexpr hsize_t kStateHashChunk = 512;
+inline constexpr hsize_t kKeyframeChunk = 16;        // of the index
+inline constexpr hsize_t kKeyframeBytes = 1u << 14;  // of the states
 
 #pragma pack(push, 1)
 /// A row of /edits.
@@ -56,6 +63,16 @@ struct StateHashRow {
 };
 static_assert(sizeof(StateHashRow) == 32);
 
+/// A row of /keyframe_index.
+struct KeyframeRow {
+  std::uint64_t tick = 0;
+  std::uint64_t offset = 0;
+  std::uint64_t bytes = 0;
+  std::uint64_t content = 0;  // XXH3-64 of the bytes
+  std::uint64_t check = 0;    // XXH3-64 of the bytes before it
+};
+static_assert(sizeof(KeyframeRow) == 40);
+
 /// The row of /end; all zero until the recording is closed. (No attribute or data set can be added
 /// once other processes may read.)
 struct EndRow {
@@ -68,6 +85,7 @@ static_assert(sizeof(EndRow) == 32);
 
 /// XXH3-64 of what stands before the row's `check`.
 std::uint64_t check_of(const StateHashRow& row);
+std::uint64_t check_of(const KeyframeRow& row);
 std::uint64_t check_of(const EndRow& row);
 /// The low half of it.
 std::uint32_t check_of(const EditRow& row);
@@ -83,9 +101,10 @@ Hdf5Handle piece_pose_type();
 Hdf5Handle taken_answer_type();
 Hdf5Handle edit_type();
 Hdf5Handle state_hash_type();
+Hdf5Handle keyframe_type();
 Hdf5Handle end_type();
 
-/// What the attribute `header_check` holds for a header of this version.
+/// What the attribute `header_check` holds for a header of its version.
 std::uint64_t header_check(const RecordingHeader& header);
 
 }  // namespace sulcus

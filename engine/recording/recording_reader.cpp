@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/core/error.hpp"
+#include "engine/core/hash.hpp"
 #include "engine/recording/hdf5_fixed.hpp"
 #include "engine/recording/hdf5_handle.hpp"
 #include "engine/recording/recording_format.hpp"
@@ -157,10 +158,16 @@ void check_format(const std::string& path, const Hdf5Handle& file) {
   if (format != kFormatName) throw InputError(path, "format", '"' + format + '"', kFormatName);
   std::uint64_t version = 0;
   read_attribute(file, "version", H5T_NATIVE_UINT64, &version);
-  if (version != kFormatVersion) {
-    throw InputError(path, "version", std::to_string(version),
-                     std::to_string(kFormatVersion) + ", the newest that this program reads");
+  if (version < 1 || version > kRecordingVersion) {
+    throw InputError(
+        path, "version", std::to_string(version),
+        "1 to " + std::to_string(kRecordingVersion) + ", the newest that this program reads");
   }
+}
+
+/// Text that is only there where it says something.
+std::string read_optional_text(const Hdf5Handle& file, const char* name) {
+  return H5Aexists(file, name) > 0 ? read_text_attribute(file, name, kMaxShortText) : "";
 }
 
 RecordingHeader read_header(const Hdf5Handle& file, std::uint64_t file_bytes) {
@@ -170,6 +177,9 @@ RecordingHeader read_header(const Hdf5Handle& file, std::uint64_t file_bytes) {
   header.build = read_text_attribute(file, "build", kMaxShortText);
   read_attribute(file, "rate_hz", H5T_NATIVE_DOUBLE, &header.rate_hz);
   read_attribute(file, "workpiece_hash", H5T_NATIVE_UINT64, &header.workpiece_hash);
+  read_attribute(file, "version", H5T_NATIVE_UINT32, &header.version);
+  header.parent = read_optional_text(file, "parent");
+  header.repaired = read_optional_text(file, "repaired");
   std::uint64_t check = 0;
   read_attribute(file, "header_check", H5T_NATIVE_UINT64, &check);
   if (check != header_check(header)) {
@@ -213,8 +223,12 @@ struct RecordingReader::File {
   std::optional<StoredTable<PortRecord>> port_table;        // where it has a device or a coupling
   std::size_t ticks = 0;
   std::size_t edits = 0;
-  std::uint64_t last_tick = 0;
+  std::uint64_t first_tick = 0, last_tick = 0;
   std::vector<StateHash> state_hashes;
+  std::optional<StoredTable<std::byte>> keyframe_bytes;  // from version 2 on
+  std::vector<KeyframeInfo> keyframes;
+  std::vector<RecordingGap> gaps;
+  bool has_pieces = false;
   std::vector<PieceRow> pieces;
   std::vector<PiecePoseRow> piece_poses;
   std::vector<TakenAnswerRow> taken_answers;
@@ -236,16 +250,26 @@ struct RecordingReader::File {
     const EndRow end = read_end(file);
     const std::string damage = scan_rows();
     std::string hash_damage = scan_state_hashes(hash_table);
-    if (H5Lexists(file, "pieces", H5P_DEFAULT) > 0) {
+    if (header.version > 1) {
+      keyframe_bytes.emplace(file, "keyframes",
+                             hdf5_checked(H5Tcopy(H5T_STD_U8LE), H5Tclose, "type"), bytes);
+      join(hash_damage, scan_keyframes());
+    }
+    has_pieces = H5Lexists(file, "pieces", H5P_DEFAULT) > 0;
+    if (has_pieces) {
       for (const std::string& small :
            {scan_sealed("pieces", piece_type(), &PieceRow::tick, pieces),
             scan_sealed("piece_poses", piece_pose_type(), &PiecePoseRow::tick, piece_poses),
             scan_sealed("taken_answers", taken_answer_type(), &TakenAnswerRow::taken,
                         taken_answers)}) {
-        if (!small.empty()) hash_damage.append(hash_damage.empty() ? "" : "; ").append(small);
+        join(hash_damage, small);
       }
     }
     missing = what_is_missing(end, damage, hash_damage);
+  }
+
+  static void join(std::string& damages, const std::string& damage) {
+    if (!damage.empty()) damages.append(damages.empty() ? "" : "; ").append(damage);
   }
 
   /// Rows of a table that has one for each tick.
@@ -277,18 +301,22 @@ struct RecordingReader::File {
     if (port_table) port_rows.emplace(*port_table);
     while (const TickRecord* row = tick_rows.next()) {
       if (!is_sealed(*row)) return row_name("ticks", ticks) + " is damaged";
-      if ((ticks > 0 && row->tick != last_tick + 1) || row->edits_end < edits) {
+      const bool gap = ticks > 0 && row->tick > last_tick + 1 && header.version > 1 &&
+                       (row->faults & kFaultRowsDropped) != 0;
+      if ((ticks > 0 && row->tick != last_tick + 1 && !gap) || row->edits_end < edits) {
         return row_name("ticks", ticks) + " does not follow on the one before it";
       }
       if (row->edits_end > edit_table->rows()) {
         return "edits of tick " + std::to_string(row->tick) + " are missing";
       }
       std::size_t end = edits;
+      std::uint64_t edit_tick = gap ? last_tick + 1 : row->tick;
       while (end < row->edits_end) {
         const EditRow* edit = edit_rows.next();
-        if (!edit || !intact(*edit, grids) || edit->tick != row->tick) {
+        if (!edit || !intact(*edit, grids) || edit->tick < edit_tick || edit->tick > row->tick) {
           return row_name("edits", end) + " is damaged";
         }
+        edit_tick = edit->tick;
         ++end;
       }
       if (cutting_rows && !follows(*cutting_rows, row->tick)) {
@@ -298,6 +326,8 @@ struct RecordingReader::File {
         return row_name("port", ticks) + " is damaged";
       }
       edits = end;
+      if (gap) gaps.push_back({last_tick + 1, row->tick});
+      if (ticks == 0) first_tick = row->tick;
       last_tick = row->tick;
       ++ticks;
     }
@@ -316,6 +346,43 @@ struct RecordingReader::File {
       state_hashes.push_back({row->tick, row->volume, row->state});
     }
     return at == table.announced() ? "" : row_name("state_hashes", at) + " cannot be read";
+  }
+
+  /// Which states there are, as far as the rows go; whether their bytes are whole is seen when they
+  /// are read.
+  std::string scan_keyframes() {
+    const StoredTable<KeyframeRow> table(file, "keyframe_index", keyframe_type(), bytes);
+    RowCursor<KeyframeRow> rows(table);
+    std::uint64_t at = 0, end = 0;
+    for (; const KeyframeRow* row = rows.next(); ++at) {
+      if (row->check != check_of(*row) || row->offset != end ||
+          row->bytes > keyframe_bytes->rows() ||
+          (!keyframes.empty() && row->tick <= keyframes.back().tick)) {
+        return row_name("keyframe_index", at) + " is damaged";
+      }
+      const bool before = keyframes.empty() && row->tick + 1 == first_tick;
+      if (ticks == 0 || row->tick > last_tick) return "";
+      if (row->tick < first_tick && !before) {
+        return row_name("keyframe_index", at) + " is of no tick";
+      }
+      end += row->bytes;
+      keyframes.push_back({row->tick, row->offset, row->bytes, row->content});
+    }
+    return at == table.announced() ? "" : row_name("keyframe_index", at) + " cannot be read";
+  }
+
+  std::optional<std::vector<std::byte>> keyframe(const KeyframeInfo& info) const {
+    if (!keyframe_bytes || info.offset > keyframe_bytes->rows() ||
+        info.bytes > keyframe_bytes->rows() - info.offset) {
+      return {};
+    }
+    try {
+      std::vector<std::byte> state = keyframe_bytes->read(info.offset, info.bytes);
+      if (hash_bytes(state.data(), state.size()) == info.content) return state;
+    } catch (const Hdf5Error&) {
+      // As damaged as what reads but does not fit.
+    }
+    return {};
   }
 
   /// The rows of a small table that belong to the ticks that can be trusted.
@@ -365,6 +432,11 @@ struct RecordingReader::File {
   }
 };
 
+bool opens_without_swmr(const std::string& path) {
+  silence_hdf5();
+  return Hdf5Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose).valid();
+}
+
 RecordingReader::RecordingReader(const std::string& path) : file_(std::make_unique<File>()) {
   file_->path = path;
   file_->guarded([&] {
@@ -398,19 +470,15 @@ std::optional<TriangleMesh> RecordingReader::burr_mesh() const {
   return file_->guarded([this] { return read_burr(file_->file, file_->bytes); });
 }
 
+RecordingTables RecordingReader::tables() const {
+  return {file_->cutting_table.has_value(), file_->port_table.has_value(), file_->has_pieces};
+}
+
 std::size_t RecordingReader::tick_count() const { return file_->ticks; }
 std::size_t RecordingReader::edit_count() const { return file_->edits; }
 
 std::vector<TickRecord> RecordingReader::ticks(std::size_t first, std::size_t count) const {
-  return file_->guarded([&] {
-    const std::size_t begin = std::min(first, file_->ticks);
-    auto rows = file_->tick_table->read(begin, std::min(count, file_->ticks - begin));
-    if (!std::all_of(rows.begin(), rows.end(),
-                     [](const TickRecord& row) { return is_sealed(row); })) {
-      throw Hdf5Error("ticks: changed since it was opened");
-    }
-    return rows;
-  });
+  return file_->guarded([&] { return file_->of_ticks(*file_->tick_table, first, count); });
 }
 
 std::vector<CuttingRecord> RecordingReader::cutting(std::size_t first, std::size_t count) const {
@@ -443,6 +511,14 @@ const std::vector<PiecePoseRow>& RecordingReader::piece_poses() const { return f
 const std::vector<TakenAnswerRow>& RecordingReader::taken_answers() const {
   return file_->taken_answers;
 }
+const std::vector<KeyframeInfo>& RecordingReader::keyframes() const { return file_->keyframes; }
+const std::vector<RecordingGap>& RecordingReader::gaps() const { return file_->gaps; }
+
+std::optional<std::vector<std::byte>> RecordingReader::keyframe(const KeyframeInfo& info) const {
+  silence_hdf5();
+  return file_->keyframe(info);
+}
+
 const std::string& RecordingReader::missing() const { return file_->missing; }
 
 }  // namespace sulcus

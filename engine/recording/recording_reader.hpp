@@ -14,6 +14,9 @@
 
 namespace sulcus {
 
+/// Whether any program opens the file as it is: its writer has closed it.
+bool opens_without_swmr(const std::string& path);
+
 /// Reads a recording: one closed cleanly, one whose writer was killed, or one that still grows in
 /// another process (as far as it was when opened). Not thread-safe.
 ///
@@ -44,6 +47,8 @@ class RecordingReader {
   /// The burr in metres, tool space; empty where the scene alone gives it.
   std::optional<TriangleMesh> burr_mesh() const;
 
+  /// Which of the tables that not every scene needs it has.
+  RecordingTables tables() const;
   std::size_t tick_count() const;
   /// Edits of these ticks.
   std::size_t edit_count() const;
@@ -60,6 +65,13 @@ class RecordingReader {
   const std::vector<TakenAnswerRow>& taken_answers() const;
   /// Of these ticks, rising.
   const std::vector<StateHash>& state_hashes() const;
+  /// Of these ticks, rising; the first may be of the tick before them, from which a recording goes
+  /// on that has a parent.
+  const std::vector<KeyframeInfo>& keyframes() const;
+  /// The bytes of one; none where they are damaged.
+  std::optional<std::vector<std::byte>> keyframe(const KeyframeInfo& info) const;
+  /// Ticks between these whose rows were not recorded, rising.
+  const std::vector<RecordingGap>& gaps() const;
 
   /// Empty where the recording is whole, else one line: where it ends and why.
   const std::string& missing() const;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/core/error.hpp"
+#include "engine/core/hash.hpp"
 #include "engine/recording/hdf5_fixed.hpp"
 #include "engine/recording/hdf5_handle.hpp"
 #include "engine/recording/recording_format.hpp"
@@ -37,6 +38,7 @@ class Table {
   std::size_t waiting() const { return waiting_.size(); }
   const Row& waiting_row(std::size_t i) const { return waiting_[i]; }
   void add(const Row& row) { waiting_.push_back(row); }
+  void add(std::span<const Row> rows) { waiting_.insert(waiting_.end(), rows.begin(), rows.end()); }
 
   /// Writes the first `count` waiting rows and hands them to the system.
   void flush(std::size_t count) {
@@ -66,6 +68,9 @@ class Table {
 /// `path` must not name anything but a regular file: HDF5 would write into a device.
 void check_path(const std::string& path) {
   namespace fs = std::filesystem;
+  if (path.empty()) {
+    throw InputError(path, "", "a path that cannot be written (empty)", "a file to record into");
+  }
   std::error_code ignored;  // what cannot be looked at cannot be created either, and that says why
   const fs::file_status status = fs::status(path, ignored);
   if (fs::is_directory(status)) throw InputError(path, "", "a folder", "a file to record into");
@@ -74,12 +79,16 @@ void check_path(const std::string& path) {
   }
 }
 
+/// Under another name, until others may read it: what bears the name of a recording is one, however
+/// early its writer is killed, and an earlier one stays until then.
+std::string part_name(const std::string& path) { return path + ".part"; }
+
 Hdf5Handle create_file(const std::string& path) {
   check_path(path);
   const auto access = hdf5_checked(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "file");
   hdf5_check(H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST), "file");
   hdf5_check(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG), "file");
-  Hdf5Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
+  Hdf5Handle file(H5Fcreate(part_name(path).c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
   if (!file.valid()) {
     throw InputError(path, "", "a path that cannot be written (" + hdf5_reason() + ")",
                      "a file to record into");
@@ -89,12 +98,14 @@ Hdf5Handle create_file(const std::string& path) {
 
 void write_header(const Hdf5Handle& file, const RecordingHeader& header) {
   write_text_attribute(file, "format", kFormatName);
-  write_attribute(file, "version", H5T_STD_U32LE, &kFormatVersion);
+  write_attribute(file, "version", H5T_STD_U32LE, &header.version);
   write_text_attribute(file, "scene", header.scene_toml);
   write_text_attribute(file, "scene_sha256", header.scene_sha256);
   write_attribute(file, "workpiece_hash", H5T_STD_U64LE, &header.workpiece_hash);
   write_text_attribute(file, "build", header.build);
   write_attribute(file, "rate_hz", H5T_IEEE_F64LE, &header.rate_hz);
+  if (!header.parent.empty()) write_text_attribute(file, "parent", header.parent);
+  if (!header.repaired.empty()) write_text_attribute(file, "repaired", header.repaired);
   const std::uint64_t check = header_check(header);
   write_attribute(file, "header_check", H5T_STD_U64LE, &check);
 }
@@ -122,6 +133,8 @@ struct RecordingWriter::File {
   std::optional<Table<CuttingRecord>> cutting;  // with RecordingTables::cutting
   std::optional<Table<PortRecord>> port;        // with RecordingTables::port
   std::optional<Table<StateHashRow>> state_hashes;
+  std::optional<Table<std::byte>> keyframes;
+  std::optional<Table<KeyframeRow>> keyframe_index;
   // With RecordingTables::pieces.
   std::optional<Table<PieceRow>> pieces;
   std::optional<Table<PiecePoseRow>> piece_poses;
@@ -129,9 +142,11 @@ struct RecordingWriter::File {
   Hdf5Handle end;
   std::string failure;  // of the first call that failed
 
-  void create(const RecordingHeader& header, const VoxelModel& start,
+  void create(const RecordingHeader& any_version, const VoxelModel& start,
               const TriangleMesh* burr_mesh_tool, RecordingTables tables,
               const RecordedSolids& others) {
+    RecordingHeader header = any_version;
+    header.version = kRecordingVersion;
     write_header(file, header);
     write_workpiece(file, start);
     write_bodies(file, others.bodies);
@@ -147,8 +162,15 @@ struct RecordingWriter::File {
       taken_answers.emplace(file, "taken_answers", taken_answer_type(), kPieceChunk);
     }
     state_hashes.emplace(file, "state_hashes", state_hash_type(), kStateHashChunk);
+    const hid_t byte = H5T_STD_U8LE;
+    keyframes.emplace(file, "keyframes", hdf5_checked(H5Tcopy(byte), H5Tclose, "keyframes"),
+                      kKeyframeBytes);
+    keyframe_index.emplace(file, "keyframe_index", keyframe_type(), kKeyframeChunk);
     end = create_end(file);
     hdf5_check(H5Fstart_swmr_write(file), "start of recording");
+    std::error_code error;
+    std::filesystem::rename(part_name(path), path, error);
+    if (error) throw Hdf5Error("start of recording: " + error.message());
   }
 
   void flush() {
@@ -173,6 +195,8 @@ struct RecordingWriter::File {
     while (ready < most && ticks->waiting_row(ready).edits_end <= edits->written()) ++ready;
     ticks->flush(ready);
     state_hashes->flush();
+    keyframes->flush();
+    keyframe_index->flush();
   }
 
   void close() {
@@ -195,6 +219,8 @@ struct RecordingWriter::File {
     piece_poses.reset();
     taken_answers.reset();
     state_hashes.reset();
+    keyframes.reset();
+    keyframe_index.reset();
     end.close();
     if (!file.close()) throw Hdf5Error("close: " + hdf5_reason());
   }
@@ -210,6 +236,8 @@ struct RecordingWriter::File {
     if (piece_poses) piece_poses->forget();
     if (taken_answers) taken_answers->forget();
     if (state_hashes) state_hashes->forget();
+    if (keyframes) keyframes->forget();
+    if (keyframe_index) keyframe_index->forget();
     end.forget();
     file.forget();
   }
@@ -237,7 +265,13 @@ RecordingWriter::RecordingWriter(const std::string& path, const RecordingHeader&
   silence_hdf5();
   file_->path = path;
   file_->file = create_file(path);
-  file_->guarded([&] { file_->create(header, start, burr_mesh_tool, tables, others); });
+  try {
+    file_->guarded([&] { file_->create(header, start, burr_mesh_tool, tables, others); });
+  } catch (const std::runtime_error&) {
+    std::error_code ignored;  // it is said what went wrong
+    std::filesystem::remove(part_name(path), ignored);
+    throw;
+  }
 }
 
 RecordingWriter::RecordingWriter(RecordingWriter&&) noexcept = default;
@@ -300,6 +334,19 @@ void RecordingWriter::append_state_hash(const StateHash& hash) {
     StateHashRow row{hash.tick, hash.volume, hash.state, 0};
     row.check = check_of(row);
     file_->state_hashes->add(row);
+  });
+}
+
+void RecordingWriter::append_keyframe(std::uint64_t tick, std::span<const std::byte> state) {
+  file_->guarded([&] {
+    KeyframeRow row;
+    row.tick = tick;
+    row.offset = file_->keyframes->written() + file_->keyframes->waiting();
+    row.bytes = state.size();
+    row.content = hash_bytes(state.data(), state.size());
+    row.check = check_of(row);
+    file_->keyframes->add(state);
+    file_->keyframe_index->add(row);
   });
 }
 

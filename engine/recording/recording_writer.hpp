@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -12,13 +14,6 @@
 #include "engine/volume/voxel_model.hpp"
 
 namespace sulcus {
-
-/// Data sets that a recording has only where the scene names what is in them.
-struct RecordingTables {
-  bool cutting = false;  // /cutting
-  bool port = false;     // /port
-  bool pieces = false;   // /pieces, /piece_poses, /taken_answers
-};
 
 /// Voxels beside the workpiece's that a recording needs to be enough by itself.
 struct RecordedSolids {
@@ -38,7 +33,8 @@ struct RecordedSolids {
 /// then on every call but the destructor throws the same; what was flushed before stays readable.
 class RecordingWriter {
  public:
-  /// Creates the file, replacing one that is there, and writes what never changes. `start` is the
+  /// Creates the file and writes what never changes; only then it takes the place of one that is
+  /// there. `start` is the
   /// workpiece before the first tick; `burr_mesh_tool` (m, tool space) is null where the scene
   /// alone gives the burr. Throws InputError where `path` cannot be created or is no regular file.
   RecordingWriter(const std::string& path, const RecordingHeader& header, const VoxelModel& start,
@@ -51,7 +47,8 @@ class RecordingWriter {
 
   /// In the order of their ticks, all edits of a tick in one or several calls.
   void append_edits(std::span<const Edit> edits);
-  /// Sealed rows of consecutive ticks.
+  /// Sealed rows of consecutive ticks; one that follows on ticks that are left out has the fault
+  /// kFaultRowsDropped.
   void append_ticks(std::span<const TickRecord> ticks);
   bool has_cutting() const;
   /// One for each tick, in their order, before or after it; a tick waits for its row. Only with
@@ -67,6 +64,8 @@ class RecordingWriter {
   void append_taken_answer(const TakenAnswerRow& row);
   /// After the tick it names was appended.
   void append_state_hash(const StateHash& hash);
+  /// A state (save_state) right after a tick; rising by tick.
+  void append_keyframe(std::uint64_t tick, std::span<const std::byte> state);
 
   void flush();
   /// Flushes, marks the recording as whole and closes it; nothing can be appended afterwards.

@@ -217,7 +217,9 @@ struct RenderSettings {
   bool hud = true;
 };
 
-struct RecordSettings {};
+struct RecordSettings {
+  double queue_s = 10.0;  // of a stalled disk that is waited for, before rows are left out
+};
 
 struct Scene {
   std::string title;

@@ -422,6 +422,7 @@ void read_optional_tables(TomlTable& root, Scene& scene) {
   }
   if (auto table = root.table("record")) {
     scene.record.emplace();
+    scene.record->queue_s = table->number("queue_s", {0.1, 600.0}, scene.record->queue_s);
     table->finish();
   }
 }

@@ -87,7 +87,9 @@ void apply_override(toml::table& root, const std::string& text) {
     if (!inner->is_table()) refuse_override(text, "'" + path[next] + "', no table", "a table");
     table = inner->as_table();
   }
+  // A file stands instead of what the scene says in place.
   if (path == std::vector<std::string>{"workpiece", "file"}) table->erase("shape");
+  if (path == std::vector<std::string>{"trajectory", "file"}) table->erase("points_mm");
   // Insert the node itself, not a copy of its value: it carries where it came from.
   table->insert_or_assign(path.back(), std::move(*parsed.get("value")));
 }

@@ -63,15 +63,12 @@ class ColumnBits {
     return around(axis, u, v, start).window(0, 0);
   }
 
-  /// Needs a voxel in the box.
+  /// Both need a voxel in the box.
   void clear(const Cell& c) noexcept {
-    for (int axis = 0; axis < 3; ++axis) {
-      Axis& a = axes_[axis];
-      const int height = c[axis] + a.below;
-      a.words[static_cast<std::size_t>(
-          a.offset(c[(axis + 1) % 3], c[(axis + 2) % 3], height >> 5))] &=
-          ~(1u << (static_cast<unsigned>(height) & 31u));
-    }
+    for (int axis = 0; axis < 3; ++axis) word(axis, c) &= ~bit(axis, c);
+  }
+  void set(const Cell& c) noexcept {
+    for (int axis = 0; axis < 3; ++axis) word(axis, c) |= bit(axis, c);
   }
 
   std::size_t memory_bytes() const {
@@ -92,6 +89,15 @@ class ColumnBits {
       return origin + word * plane + v * row + u;
     }
   };
+  std::uint32_t& word(int axis, const Cell& c) noexcept {
+    Axis& a = axes_[axis];
+    const int height = (c[axis] + a.below) >> 5;
+    return a
+        .words[static_cast<std::size_t>(a.offset(c[(axis + 1) % 3], c[(axis + 2) % 3], height))];
+  }
+  std::uint32_t bit(int axis, const Cell& c) const noexcept {
+    return 1u << (static_cast<unsigned>(c[axis] + axes_[axis].below) & 31u);
+  }
   void fill(const LeafBits& bits, const Cell& first) noexcept;
 
   Cell lower_ = Cell::Zero(), upper_ = Cell::Zero();

@@ -57,6 +57,13 @@ class Octree {
   void switch_off(std::span<const std::uint32_t> nodes) noexcept {
     for (std::uint32_t i : nodes) nodes_[i].status = ChildStatus::kNone;
   }
+  /// A leaf, by its place at the last level, that has a voxel again, and the nodes over it: there
+  /// as they were when the tree was built.
+  void switch_on(Eigen::Vector3i leaf, ChildStatus status) noexcept {
+    for (int level = levels() - 1; level >= 0; --level, leaf /= 2) {
+      nodes_[index({level, leaf})].status = is_leaf_level(level) ? status : ChildStatus::kSome;
+    }
+  }
   std::size_t memory_bytes() const { return nodes_.capacity() * sizeof(OctreeNode); }
 
  private:

@@ -1,5 +1,6 @@
 #include "engine/volume/workpiece.hpp"
 
+#include <algorithm>
 #include <bit>
 
 #include <tbb/blocked_range.h>
@@ -123,6 +124,37 @@ void Workpiece::remove(const Cell& c) noexcept {
   }
   octree_.set_leaf_status(
       leaf, model_.leaves[leaf] == kEmptyLeaf ? ChildStatus::kNone : ChildStatus::kSome);
+}
+
+void Workpiece::update_surface(const Cell& c) noexcept {
+  if (!grid().contains(c)) return;
+  bool exposed = false;
+  for (int axis = 0; axis < 3; ++axis) {
+    exposed |= !model_.solid(c + Cell::Unit(axis)) || !model_.solid(c - Cell::Unit(axis));
+  }
+  std::uint64_t& word = surface_[grid().leaf_of(c)].words[leaf_word(c.z())];
+  const std::uint64_t bit = std::uint64_t{1} << leaf_bit(c.x(), c.y());
+  const bool was = (word & bit) != 0, is = model_.solid(c) && exposed;
+  if (was == is) return;
+  word ^= bit;
+  is ? ++surface_voxels_ : --surface_voxels_;
+}
+
+void Workpiece::put_back(const Cell& c) noexcept {
+  const std::uint32_t leaf = grid().leaf_of(c);
+  hash_ ^= leaf_hash(leaf);
+  model_.set(c, true);
+  hash_ ^= leaf_hash(leaf);
+  columns_.set(c);
+  ++solid_voxels_;
+  update_surface(c);
+  for (int axis = 0; axis < 3; ++axis) {
+    update_surface(c + Cell::Unit(axis));
+    update_surface(c - Cell::Unit(axis));
+  }
+  const bool full = std::ranges::all_of(model_.leaves[leaf].words,
+                                        [](std::uint64_t word) { return ~word == 0; });
+  octree_.switch_on(c / kLeafEdge, full ? ChildStatus::kFull : ChildStatus::kSome);
 }
 
 std::size_t Workpiece::memory_bytes() const {

@@ -39,6 +39,9 @@ class Workpiece {
 
   /// Empties a solid voxel: bits, surface, columns, hash, the leaf's status. Constant time.
   void remove(const Cell& c) noexcept;
+  /// The reverse: a voxel that was solid when the workpiece was made, and has been removed. For
+  /// going back in a recording, not for a tick.
+  void put_back(const Cell& c) noexcept;
   /// See Octree::switch_off.
   void switch_off(std::span<const std::uint32_t> nodes) noexcept { octree_.switch_off(nodes); }
 
@@ -47,6 +50,7 @@ class Workpiece {
  private:
   std::uint64_t leaf_hash(std::uint32_t leaf) const noexcept;
   void expose(const Cell& c) noexcept;
+  void update_surface(const Cell& c) noexcept;
 
   VoxelModel model_;
   std::vector<LeafBits> surface_;

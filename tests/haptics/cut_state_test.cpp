@@ -39,6 +39,17 @@ TEST(CutState, AnswersAsAMapDoesUnderRandomChanges) {
         const auto found = expected.find(v);
         ASSERT_EQ(state.energy(v), found == expected.end() ? 0.0 : found->second) << v;
       }
+      std::map<std::uint32_t, double> visited;
+      state.for_each([&](std::uint32_t v, double stored_J) {
+        ASSERT_TRUE(visited.emplace(v, stored_J).second);
+      });
+      ASSERT_EQ(visited, expected);
+    }
+    state.clear();
+    EXPECT_EQ(state.size(), 0u);
+    EXPECT_EQ(state.hash(), 0u);
+    for (std::uint32_t v = 0; v < 16 * capacity; ++v) {
+      ASSERT_EQ(state.energy(v), 0.0);
     }
   }
 }

@@ -112,7 +112,7 @@ TEST(KeptNormals, WhereRoomRunsOutTheLeavesTouchedLongestAgoGiveWay) {
   const SurfaceEstimate up{{0, 0, 1}, 0.5f, true, 4};
   const auto leaf = [](int n) { return Cell(8 * (n % 128), 8 * (n / 128), 0); };
   for (int n = 0; n < 64; ++n) kept.keep(voxel_key(leaf(n)), up, false, 1);
-  EXPECT_EQ(kept.pages(), 64u);
+  EXPECT_EQ(kept.pages().size(), 64u);
   kept.keep(voxel_key(leaf(64)), up, false, 1);
   EXPECT_FALSE(kept_at(kept, leaf(64)).defined) << "all leaves are of this tick";
   for (int n = 0; n < 32; ++n) kept.touch(voxel_key(leaf(n)), 2);

@@ -43,7 +43,7 @@ TEST(SessionThreads, RecorderHasEveryTickAndEdit) {
   const ScratchFolder scratch;
   for (const Pace pace : {Pace::kFast, Pace::kReal}) {
     const RecordedSession run(test::kCutScene, scratch.path("out"), pace);
-    EXPECT_EQ(run.result.statistics.tick_us.size(), 400u);
+    EXPECT_EQ(run.result.statistics.ticks, 400u);
     const RecordingReader reader(scratch.path("out/recording.h5"));
     EXPECT_EQ(reader.tick_count(), 400u);
     EXPECT_EQ(reader.missing(), "");
@@ -73,7 +73,7 @@ TEST(SessionThreads, StopRequestEndsTheRunWithAllOnDisk) {
   const RecordedSession run(test::kCutScene, scratch.path("out"), Pace::kFast);
   stop_requested = false;
   EXPECT_TRUE(run.result.interrupted);
-  EXPECT_EQ(run.result.statistics.tick_us.size(), 0u);
+  EXPECT_EQ(run.result.statistics.ticks, 0u);
 }
 
 }  // namespace

@@ -48,6 +48,12 @@ TEST(SceneOverrides, SettingTheFileDropsTheShape) {
   EXPECT_EQ(s.workpiece.file, "/a/tooth.nrrd");
 }
 
+TEST(SceneOverrides, SettingAFileOfPosesDropsThePoints) {
+  const Scene s = parse(kLeast, {"trajectory.file=/a/poses.csv"});
+  EXPECT_TRUE(s.trajectory.points_m.empty());
+  EXPECT_EQ(s.trajectory.file, "/a/poses.csv");
+}
+
 TEST(SceneOverrides, PathsAreRelativeToTheFileInItAndToTheCurrentFolderInASet) {
   const std::string text =
       "[workpiece]\nfile = '../teeth/t.nrrd'\n[trajectory]\nfile = 'p.csv'\n[burr]\nfile = "

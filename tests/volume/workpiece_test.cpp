@@ -1,6 +1,7 @@
 #include "engine/volume/workpiece.hpp"
 
 #include <memory>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -120,6 +121,38 @@ TEST(Workpiece, RemovalFromTheSurfaceInwardKeepsEverythingAsIfRebuilt) {
     surface.resize(surface.size() * 3 / 4);
     for (const Cell& c : surface) workpiece.remove(c);
     expect_as_rebuilt(workpiece);
+  }
+}
+
+TEST(Workpiece, PutBackInAnyOrderItIsAsBefore) {
+  for (const Vector3i& cells : kGrids) {
+    const VoxelModel start = test::random_blobs(cells, 18);
+    Workpiece workpiece{VoxelModel(start)};
+    const Workpiece before{VoxelModel(start)};
+    std::vector<Cell> solid = test::solid_cells(start);
+    std::mt19937 random(19);
+    for (const Cell& c : solid) workpiece.remove(c);
+    // As a traversal leaves it that has found nothing.
+    std::vector<std::uint32_t> inner(
+        workpiece.octree().index({workpiece.octree().levels() - 1, {0, 0, 0}}));
+    std::iota(inner.begin(), inner.end(), 0u);
+    workpiece.switch_off(inner);
+    test::shuffle(solid, random);
+    for (std::size_t i = 0; i < solid.size(); ++i) {
+      workpiece.put_back(solid[i]);
+      if (i == solid.size() / 2) expect_surface_by_neighbours(workpiece);
+    }
+    EXPECT_EQ(workpiece.hash(), before.hash());
+    expect_as_rebuilt(workpiece);
+    for (std::uint32_t leaf = 0; leaf < before.grid().leaf_count(); ++leaf) {
+      ASSERT_EQ(workpiece.surface(leaf), before.surface(leaf));
+    }
+    const std::uint32_t nodes =
+        static_cast<std::uint32_t>(inner.size()) + before.grid().leaf_count();
+    for (std::uint32_t n = 0; n < nodes; ++n) {
+      const OctreeNode &now = workpiece.octree().node(n), &then = before.octree().node(n);
+      ASSERT_EQ(now.status == ChildStatus::kNone, then.status == ChildStatus::kNone) << n;
+    }
   }
 }
 

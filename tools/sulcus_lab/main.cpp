@@ -9,6 +9,7 @@
 #include "engine/core/error.hpp"
 #include "tools/sulcus_lab/normals_command.hpp"
 #include "tools/sulcus_lab/pareto_command.hpp"
+#include "tools/sulcus_lab/recordings_command.hpp"
 #include "tools/sulcus_lab/stability_command.hpp"
 #include "tools/sulcus_lab/table1_command.hpp"
 #include "tools/sulcus_lab/ticks_command.hpp"
@@ -22,6 +23,7 @@ int main(int argc, char** argv) {
   program.require_subcommand(1);
   sulcus::lab::add_normals_command(program);
   sulcus::lab::add_pareto_command(program);
+  sulcus::lab::add_recordings_command(program);
   sulcus::lab::add_stability_command(program);
   sulcus::lab::add_table1_command(program);
   sulcus::lab::add_ticks_command(program);

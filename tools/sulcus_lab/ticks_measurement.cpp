@@ -4,10 +4,10 @@
 #include <bit>
 #include <numeric>
 
-#include "app/statistics.hpp"
 #include "engine/core/realtime.hpp"
 #include "haptics/evaluate_contact.hpp"
 #include "tools/sulcus_lab/normal_methods.hpp"
+#include "tools/sulcus_lab/samples.hpp"
 
 namespace sulcus::lab {
 

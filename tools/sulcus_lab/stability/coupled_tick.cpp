@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/core/realtime.hpp"
-#include "app/statistics.hpp"
+#include "tools/sulcus_lab/samples.hpp"
 #include "tools/sulcus_lab/stability/rig.hpp"
 
 namespace sulcus::lab {

@@ -1,0 +1,82 @@
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "app/commands.hpp"
+#include "engine/core/error.hpp"
+#include "engine/recording/recording_reader.hpp"
+#include "engine/recording/recording_writer.hpp"
+
+namespace sulcus {
+
+namespace {
+
+constexpr std::size_t kRowsAtOnce = 4096;
+
+/// Whatever a recording still holds, written anew.
+void copy_recording(const RecordingReader& reader, const std::string& file) {
+  RecordingHeader header = reader.header();
+  if (!reader.missing().empty()) header.repaired = reader.missing();
+  const VoxelModel start = reader.workpiece();
+  const std::vector<VoxelModel> bodies = reader.bodies();
+  const std::optional<VoxelModel> goal = reader.goal();
+  const std::optional<TriangleMesh> burr = reader.burr_mesh();
+  RecordedSolids others{{}, goal ? &*goal : nullptr};
+  for (const VoxelModel& body : bodies) others.bodies.push_back(&body);
+  const RecordingTables tables = reader.tables();
+  RecordingWriter writer(file, header, start, burr ? &*burr : nullptr, tables, others);
+
+  std::size_t edits = 0;
+  for (std::size_t first = 0; first < reader.tick_count(); first += kRowsAtOnce) {
+    const std::vector<TickRecord> rows = reader.ticks(first, kRowsAtOnce);
+    const auto end = static_cast<std::size_t>(rows.back().edits_end);
+    writer.append_edits(reader.edits(edits, end - edits));
+    edits = end;
+    if (tables.cutting) writer.append_cutting(reader.cutting(first, kRowsAtOnce));
+    if (tables.port) writer.append_port(reader.port(first, kRowsAtOnce));
+    writer.append_ticks(rows);
+    writer.flush();
+  }
+  if (tables.pieces) {
+    for (const PieceRow& row : reader.pieces()) writer.append_piece(row);
+    for (const PiecePoseRow& row : reader.piece_poses()) writer.append_piece_pose(row);
+    for (const TakenAnswerRow& row : reader.taken_answers()) writer.append_taken_answer(row);
+  }
+  for (const StateHash& hash : reader.state_hashes()) writer.append_state_hash(hash);
+  for (const KeyframeInfo& info : reader.keyframes()) {
+    if (const auto state = reader.keyframe(info)) writer.append_keyframe(info.tick, *state);
+  }
+  writer.close();
+}
+
+void repair(const std::string& recording, const std::string& file) {
+  namespace fs = std::filesystem;
+  const RecordingReader reader(recording);
+  std::error_code error;
+  if (fs::equivalent(recording, file, error)) {
+    throw InputError(file, "-o", "the recording itself", "another file");
+  }
+  if (fs::exists(file)) throw InputError(file, "-o", "a file that is there", "a new one");
+  copy_recording(reader, file);
+  if (reader.missing().empty()) {
+    std::printf("%s: nothing was missing\n", recording.c_str());
+  } else {
+    std::printf("%s: %s\n", recording.c_str(), reader.missing().c_str());
+  }
+  std::printf("%s: %zu ticks, %zu removed voxels\n", file.c_str(), reader.tick_count(),
+              reader.edit_count());
+}
+
+}  // namespace
+
+void add_repair_command(CLI::App& program) {
+  auto recording = std::make_shared<std::string>(), file = std::make_shared<std::string>();
+  CLI::App* command = program.add_subcommand(
+      "repair", "Write a clean copy of a recording that was not closed or is damaged");
+  command->add_option("RECORDING", *recording, "Recording, .h5")->required();
+  command->add_option("-o", *file, "New file")->required();
+  command->callback([recording, file] { repair(*recording, *file); });
+}
+
+}  // namespace sulcus

@@ -1,0 +1,42 @@
+#include "app/report_thread.hpp"
+
+#include <chrono>
+#include <utility>
+
+#include "engine/core/realtime.hpp"
+
+namespace sulcus {
+
+ReportThread::ReportThread(Feed& feed, std::optional<PreparationOutcome> outcome)
+    : feed_(feed), outcome_(std::move(outcome)) {
+  thread_ = std::thread([this] { run(); });
+}
+
+ReportThread::~ReportThread() {
+  if (!thread_.joinable()) return;
+  feed_.ended = true;
+  thread_.join();
+}
+
+void ReportThread::finish() { thread_.join(); }
+
+void ReportThread::run() {
+  leave_realtime_core();
+  // `ended` is read before draining: what was pushed before it was set is still drained.
+  for (bool ended = false; !ended;) {
+    ended = feed_.ended.load();
+    drain();
+    if (!ended) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+}
+
+void ReportThread::drain() {
+  for (TickReport report; feed_.reports.try_dequeue(report);) statistics_.add(report);
+  const std::uint64_t begin = steady_ns();
+  for (Edit edit; feed_.edits.try_dequeue(edit);) {
+    if (outcome_) outcome_->add(edit);
+  }
+  if (outcome_) outcome_seconds_ += 1e-9 * static_cast<double>(steady_ns() - begin);
+}
+
+}  // namespace sulcus

@@ -1,0 +1,221 @@
+#include "haptics/saved_state.hpp"
+
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "haptics/simulated_device.hpp"
+#include "haptics/tick.hpp"
+#include "tests/support/scene_text.hpp"
+#include "tests/support/shapes.hpp"
+#include "tests/support/tools.hpp"
+
+namespace sulcus {
+namespace {
+
+constexpr double kVoxel = 50e-6;
+
+const BodyQuery kBoth{nullptr,
+                      [](const void*, const Eigen::AlignedBox3d&,
+                         std::span<std::uint16_t> found) noexcept -> std::size_t {
+                        found[0] = 0;
+                        found[1] = 1;
+                        return 2;
+                      }};
+
+/// All that a state can hold, but for the load, which needs a scripted tool. Soft, so that voxels
+/// go within a few ticks; few normals are kept, so that old leaves give way.
+const std::string kAll = R"(
+[workpiece]
+shape = 'box'
+voxel_mm = 0.05
+cells = [64, 64, 64]
+[[tissue]]
+name = 'soft'
+stiffness_N_per_mm = 300
+specific_energy_J_per_mm3 = 10
+[burr]
+diameter_mm = 0.8
+speed_rpm = 100000
+field = [32, 64, 32]
+[spindle]
+[haptics]
+normals = 'ldm'
+refine_per_tick = 4
+max_contacts = 1024
+[trajectory]
+points_mm = [[-0.8, 0, 0.5], [0.8, 0.2, -2.0]]
+speed_mm_per_s = 10
+[device]
+model = 'simulated'
+preset = 'omni'
+hand = 'firm'
+push_N = 1
+passivity_controller = true
+[coupling]
+[cutting]
+[[body]]
+name = 'other'
+shape = 'box'
+cuttable = true
+)";
+
+/// A scene in the middle of being run. The device is no part of the state: a recording has its
+/// poses.
+struct TickedRun {
+  explicit TickedRun(const std::string& text = kAll)
+      : scene(test::parse(text)),
+        burr(make_burr(scene.burr, kVoxel)),
+        workpiece(test::block({64, 64, 64}, kVoxel, {0, 0, 0}, {64, 64, 32})),
+        state(initial_state(scene, workpiece.grid())),
+        scratch(scene),
+        context{scene, burr, kBoth} {
+    std::vector<VoxelModel> others;
+    others.push_back(test::block({64, 64, 64}, kVoxel, {24, 0, 24}, {40, 64, 36}));
+    state.neighbours = make_neighbours(scene, std::move(others));
+  }
+  TickRecord step(Device& device) {
+    const TickRecord record = tick(context, device, workpiece, state, scratch);
+    edits.insert(edits.end(), scratch.edits.begin(), scratch.edits.end());
+    return record;
+  }
+  /// Brings the bodies' voxels to where another run's are.
+  void cut_as(const TickedRun& other) {
+    for (const Edit& edit : other.edits) {
+      Workpiece& body = edit.body == 0 ? workpiece : state.neighbours[edit.body - 1u].solid;
+      body.remove(body.grid().cell_of_linear(edit.voxel));
+    }
+  }
+  std::vector<std::byte> saved() const {
+    std::vector<std::byte> bytes;
+    save_state(state, bytes);
+    return bytes;
+  }
+
+  Scene scene;
+  Burr burr;
+  Workpiece workpiece;
+  SimulationState state;
+  TickScratch scratch;
+  TickContext context;
+  std::vector<Edit> edits;
+};
+
+class SavedState : public ::testing::Test {
+ protected:
+  static constexpr int kTicks = 400;
+
+  SavedState()
+      : trajectory_(make_trajectory(run_.scene.trajectory)),
+        device_(*run_.scene.device, trajectory_, 1000.0, run_.scene.burr.reference_m) {
+    for (int t = 0; t < kTicks; ++t) run_.step(device_);
+  }
+  std::unique_ptr<TickedRun> loaded() const {
+    auto again = std::make_unique<TickedRun>();
+    again->cut_as(run_);
+    EXPECT_TRUE(load_state(run_.saved(), again->scene.haptics, again->workpiece, again->state));
+    return again;
+  }
+
+  TickedRun run_;
+  Trajectory trajectory_;
+  SimulatedDevice device_;
+};
+
+TEST_F(SavedState, ARunGoesOnFromItToTheBit) {
+  // Everything has come into play.
+  ASSERT_GT(run_.state.removal->part_cut.size(), 50u);
+  ASSERT_GT(run_.state.neighbours[0].removal->part_cut.size(), 20u);
+  ASSERT_GT(run_.edits.size(), 20u);
+  ASSERT_NE(run_.state.kept->hash(), 0u);
+  ASSERT_LT(*run_.state.spindle_rad_per_s, run_.scene.burr.speed_rad_per_s);
+
+  const std::unique_ptr<TickedRun> again = loaded();
+  EXPECT_EQ(again->state.hash(), run_.state.hash());
+  for (int t = 0; t < 300; ++t) {
+    const TickRecord expected = run_.step(device_);
+    struct Same final : Device {
+      Pose at;
+      std::optional<Pose> pose(std::uint64_t) noexcept override { return at; }
+      void apply(const Wrench&) noexcept override {}
+    } same;
+    same.at = pose_of(expected.device_position_m, expected.device_orientation);
+    const TickRecord record = again->step(same);
+    ASSERT_EQ(std::memcmp(&record, &expected, sizeof record), 0) << t;
+    ASSERT_EQ(again->state.hash(), run_.state.hash()) << t;
+  }
+  EXPECT_EQ(again->workpiece.hash(), run_.workpiece.hash());
+}
+
+TEST_F(SavedState, WhatWasSavedTwiceIsTheSame) { EXPECT_EQ(loaded()->saved(), run_.saved()); }
+
+TEST_F(SavedState, WhatItHeldBeforeIsGone) {
+  TickedRun other;
+  SimulatedDevice device(*other.scene.device, trajectory_, 1000.0, other.scene.burr.reference_m);
+  for (int t = 0; t < kTicks + 50; ++t) other.step(device);
+  TickedRun fresh;
+  ASSERT_TRUE(load_state(fresh.saved(), other.scene.haptics, other.workpiece, other.state));
+  EXPECT_EQ(other.state.removal->part_cut.size(), 0u);
+  EXPECT_TRUE(other.state.kept->pages().empty());
+}
+
+TEST_F(SavedState, WhatASceneDoesNotNameIsPassedOver) {
+  std::string text = kAll;
+  for (const std::string part :
+       {"[spindle]\n", "[cutting]\n", "[coupling]\n", "cuttable = true\n"}) {
+    text.erase(text.find(part), part.size());
+  }
+  TickedRun less(text);
+  less.cut_as(run_);
+  ASSERT_TRUE(load_state(run_.saved(), less.scene.haptics, less.workpiece, less.state));
+  EXPECT_EQ(less.state.tick, run_.state.tick);
+  EXPECT_FALSE(less.state.removal);
+  EXPECT_EQ(less.state.kept->hash(), run_.state.kept->hash());
+  TickedRun more;
+  more.cut_as(run_);
+  ASSERT_TRUE(load_state(less.saved(), more.scene.haptics, more.workpiece, more.state));
+  EXPECT_EQ(more.state.removal->part_cut.size(), 0u);
+}
+
+TEST_F(SavedState, WhatIsNoStateIsRefused) {
+  const std::vector<std::byte> bytes = run_.saved();
+  const auto loads = [&](std::span<const std::byte> some) {
+    TickedRun again;
+    again.cut_as(run_);
+    return load_state(some, again.scene.haptics, again.workpiece, again.state);
+  };
+  EXPECT_TRUE(loads(bytes));
+  EXPECT_FALSE(loads({}));
+  for (std::size_t part = 1; part < 40; ++part) {
+    EXPECT_FALSE(loads(std::span(bytes).first(bytes.size() * part / 40))) << part;
+  }
+  std::vector<std::byte> longer = bytes;
+  longer.push_back({});
+  EXPECT_FALSE(loads(longer));
+  // Another workpiece: the kept normals are not of its surface.
+  TickedRun whole;
+  EXPECT_FALSE(load_state(bytes, whole.scene.haptics, whole.workpiece, whole.state));
+  // Flipped bits may be a state, but nothing goes wrong.
+  for (std::size_t at = 0; at < bytes.size(); at += 13) {
+    std::vector<std::byte> flipped = bytes;
+    flipped[at] ^= std::byte{0x90};
+    if (at % 1300 == 0) loads(flipped);
+  }
+}
+
+TEST(SavedStateOfALoad, KeepsHowFarItHasCome) {
+  SimulationState state, again;
+  state.load_offset_m = 1.25e-3;
+  again.load_offset_m = 0.0;
+  std::vector<std::byte> bytes;
+  save_state(state, bytes);
+  Workpiece none(test::block({8, 8, 8}, kVoxel, {0, 0, 0}, {8, 8, 8}));
+  ASSERT_TRUE(load_state(bytes, {}, none, again));
+  EXPECT_EQ(again.load_offset_m, 1.25e-3);
+}
+
+}  // namespace
+}  // namespace sulcus

@@ -1,0 +1,298 @@
+// Recordings of the whole program when things go wrong, and what can be made of one.
+#include <csignal>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "engine/recording/recording_reader.hpp"
+#include "tests/pipeline/small_scenes.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/scratch_folder.hpp"
+
+namespace sulcus {
+namespace {
+
+/// Some 2,200 ticks.
+constexpr const char* kSlowly = "trajectory.speed_mm_per_s=0.8";
+
+class Recording : public ::testing::Test {
+ protected:
+  test::CommandResult command(const std::string& arguments,
+                              const std::string& environment = "SULCUS_CACHE=off") {
+    return test::sulcus_command(arguments, scratch_.path("err"), environment);
+  }
+  std::string record(const std::string& name, const std::string& options = {}) {
+    const std::string scene = scratch_.write("s.toml", test::kCutScene);
+    const auto result = command("run " + scene + " " + options + " -o " + scratch_.path(name));
+    EXPECT_EQ(result.status, 0) << result.err;
+    return scratch_.path(name) + "/recording.h5";
+  }
+  /// Starts a run that lasts.
+  static pid_t start(const std::string& scene, const std::string& pace, const std::string& folder) {
+    const pid_t child = fork();
+    if (child != 0) return child;
+    const int nowhere = open("/dev/null", O_RDWR);
+    for (const int stream : {0, 1, 2}) dup2(nowhere, stream);
+    execl(SULCUS_PROGRAM, "sulcus", "run", scene.c_str(), "--pace", pace.c_str(), "--set", kSlowly,
+          "-o", folder.c_str(), nullptr);
+    _exit(127);
+  }
+  /// Starts a run and kills it.
+  std::string killed(const std::string& pace, unsigned after_us) {
+    const std::string scene = scratch_.write("s.toml", test::kCutScene);
+    const std::string folder = scratch_.path("killed");
+    std::filesystem::remove_all(folder);
+    const pid_t child = start(scene, pace, folder);
+    const std::string file = folder + "/recording.h5";
+    while (access(file.c_str(), F_OK) != 0) usleep(1000);
+    usleep(after_us);
+    kill(child, SIGKILL);
+    int status = 0;
+    waitpid(child, &status, 0);
+    return file;
+  }
+  ScratchFolder scratch_;
+};
+
+bool same_result(TickRecord a, TickRecord b) {
+  for (TickRecord* row : {&a, &b}) row->step_us = row->late_us = 0.0f, row->check = 0;
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+TEST_F(Recording, AKilledRunIsAnUndisturbedOneCutShortAndCanBeRepaired) {
+  const std::string whole = record("whole", std::string("--set ") + kSlowly);
+  const std::vector<TickRecord> expected = RecordingReader(whole).ticks();
+  const std::vector<Edit> edits = RecordingReader(whole).edits();
+  std::size_t most = 0;
+  for (const auto& [pace, after_us] :
+       {std::pair{"real", 200'000u}, std::pair{"real", 500'000u}, std::pair{"fast", 60'000u}}) {
+    const std::string file = killed(pace, after_us);
+    std::vector<TickRecord> rows;
+    {
+      const RecordingReader reader(file);
+      rows = reader.ticks();
+      ASSERT_LE(rows.size(), expected.size());
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        ASSERT_TRUE(same_result(rows[i], expected[i])) << i;
+      }
+      const std::vector<Edit> found = reader.edits();
+      for (std::size_t i = 0; i < found.size(); ++i) ASSERT_EQ(found[i].voxel, edits[i].voxel);
+    }
+    most = std::max(most, rows.size());
+    const std::string repaired = scratch_.path("repaired.h5");
+    std::filesystem::remove(repaired);
+    const auto result = command("repair " + file + " -o " + repaired);
+    ASSERT_EQ(result.status, 0) << result.err;
+    EXPECT_TRUE(opens_without_swmr(repaired));
+    const RecordingReader reader(repaired);
+    EXPECT_EQ(reader.missing(), "");
+    EXPECT_NE(reader.header().repaired.find("not closed cleanly"), std::string::npos);
+    ASSERT_EQ(reader.tick_count(), rows.size());
+    if (!rows.empty()) {
+      EXPECT_EQ(std::memcmp(reader.ticks().data(), rows.data(), rows.size() * sizeof rows[0]), 0);
+      EXPECT_EQ(command("replay --verify " + repaired).status, 0);
+    }
+  }
+  EXPECT_GT(most, 50u);
+}
+
+TEST_F(Recording, RepairWritesOverNothing) {
+  const std::string file = record("out");
+  EXPECT_EQ(command("repair " + file + " -o " + file).status, 2);
+  const std::string there = scratch_.write("there.h5", "mine");
+  const auto result = command("repair " + file + " -o " + there);
+  EXPECT_EQ(result.status, 2);
+  EXPECT_NE(result.err.find("found a file that is there"), std::string::npos) << result.err;
+  EXPECT_EQ(test::read_file(there), "mine");
+}
+
+TEST_F(Recording, RepairedInWholeNothingIsLost) {
+  const std::string scene = scratch_.write("post.toml", test::kPostScene);
+  ASSERT_EQ(command("run " + scene + " -o " + scratch_.path("out")).status, 0);
+  const std::string file = scratch_.path("out/recording.h5"), copy = scratch_.path("copy.h5");
+  ASSERT_EQ(command("repair " + file + " -o " + copy).status, 0);
+  const RecordingReader a(file), b(copy);
+  EXPECT_EQ(a.tick_count(), b.tick_count());
+  EXPECT_EQ(a.edit_count(), b.edit_count());
+  EXPECT_EQ(a.keyframes().size(), b.keyframes().size());
+  EXPECT_EQ(a.state_hashes().size(), b.state_hashes().size());
+  EXPECT_EQ(a.pieces().size(), b.pieces().size());
+  EXPECT_EQ(a.piece_poses().size(), b.piece_poses().size());
+  EXPECT_EQ(a.taken_answers().size(), b.taken_answers().size());
+  EXPECT_EQ(b.header().repaired, "");
+  const auto verified = command("replay --verify " + copy);
+  EXPECT_EQ(verified.status, 0) << verified.err;
+}
+
+TEST_F(Recording, OneThatGoesOnUnderTheSameSettingsIsTheSame) {
+  const std::string file = record("out");
+  const auto result = command("replay " + file + " --from 0.25 -o " + scratch_.path("on"));
+  ASSERT_EQ(result.status, 0) << result.err;
+  const RecordingReader before(file), on(scratch_.path("on/recording.h5"));
+  EXPECT_EQ(on.missing(), "");
+  EXPECT_EQ(on.header().parent.find("recording.h5, after tick 250, scene_sha256 "), 0u);
+  ASSERT_EQ(on.tick_count(), before.tick_count() - 251);
+  const auto rows = on.ticks(), expected = before.ticks(251);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_EQ(rows[i].tick, expected[i].tick);
+    ASSERT_EQ(std::memcmp(rows[i].force_N, expected[i].force_N, sizeof rows[i].force_N), 0) << i;
+  }
+  EXPECT_EQ(on.state_hashes().back().volume, before.state_hashes().back().volume);
+  EXPECT_EQ(on.state_hashes().back().state, before.state_hashes().back().state);
+  // It is a recording as any other, without its parent.
+  std::filesystem::remove_all(scratch_.path("out"));
+  const auto verified = command("replay --verify " + scratch_.path("on/recording.h5"));
+  EXPECT_EQ(verified.status, 0) << verified.err;
+  EXPECT_EQ(command("replay --verify --from 0.5 " + scratch_.path("on/recording.h5")).status, 0);
+}
+
+TEST_F(Recording, GoesOnUnderOtherSettings) {
+  const std::string file = record("out");
+  const auto result = command("replay " + file +
+                              " --from 0.25 --set burr.tangential_ratio=0.6 --set "
+                              "haptics.scaling=count -o " +
+                              scratch_.path("on"));
+  ASSERT_EQ(result.status, 0) << result.err;
+  const RecordingReader before(file), on(scratch_.path("on/recording.h5"));
+  EXPECT_NE(on.edit_count(), before.edit_count());
+  EXPECT_EQ(command("replay --verify " + scratch_.path("on/recording.h5")).status, 0);
+  for (const std::string set :
+       {"workpiece.voxel_mm=0.1", "burr.diameter_mm=1", "trajectory.speed_mm_per_s=1"}) {
+    const auto refused = command("replay " + file + " --from 0.25 --set " + set);
+    EXPECT_EQ(refused.status, 2) << set;
+    EXPECT_NE(refused.err.find("what the recording holds already"), std::string::npos);
+  }
+  EXPECT_EQ(command("replay " + file + " --set haptics.scaling=count").status, 2);
+  EXPECT_EQ(command("replay " + file + " --from 99").status, 2);
+}
+
+TEST_F(Recording, OfEveryPaceAndNumberOfThreadsVerifies) {
+  for (const std::string options : {"--threads 1", "--threads 2", "--pace real --no-render"}) {
+    const std::string file = record("out", options);
+    for (const char* threads : {"1", "2", "4"}) {
+      EXPECT_EQ(command(std::string("replay --verify --threads ") + threads + " " + file).status,
+                0);
+    }
+    for (const char* set : {"SULCUS_INSTRUCTIONS=plain", "SULCUS_INSTRUCTIONS=avx2"}) {
+      const auto result =
+          command("replay --verify " + file, std::string("SULCUS_CACHE=off ") + set);
+      EXPECT_EQ(result.status, 0) << set << result.err;
+    }
+  }
+}
+
+/// A disk that stalls once, for 0.3 s.
+class StallingDisk : public Recording {
+ protected:
+  void run(const std::string& options) {
+    const std::string scene = scratch_.write("s.toml", test::kCutScene);
+    const auto result =
+        command("run " + scene + " --pace real -o " + scratch_.path("out") + " " + options,
+                "SULCUS_CACHE=off SULCUS_STALL=0.15,0.3 LD_PRELOAD=" SULCUS_STALLING_DISK);
+    ASSERT_EQ(result.status, 0) << result.err;
+  }
+  std::string file() const { return scratch_.path("out/recording.h5"); }
+};
+
+TEST_F(StallingDisk, LosesNothingAsLongAsTheQueueLasts) {
+  run("");
+  const RecordingReader whole(record("whole")), reader(file());
+  EXPECT_EQ(reader.tick_count(), whole.tick_count());
+  EXPECT_TRUE(reader.gaps().empty());
+  EXPECT_EQ(command("replay --verify " + file()).status, 0);
+}
+
+TEST_F(StallingDisk, PastThatItLosesNoEditAndSaysWhichRows) {
+  run(std::string("--set record.queue_s=0.1 --set ") + kSlowly);
+  const RecordingReader expected(record("whole", std::string("--set ") + kSlowly)), reader(file());
+  EXPECT_EQ(reader.missing(), "");
+  ASSERT_EQ(reader.gaps().size(), 1u);
+  const RecordingGap gap = reader.gaps()[0];
+  EXPECT_EQ(reader.tick_count() + gap.end - gap.first, expected.tick_count());
+  EXPECT_EQ(reader.edit_count(), expected.edit_count());
+  EXPECT_EQ(reader.state_hashes().back().volume, expected.state_hashes().back().volume);
+  const auto summary = nlohmann::json::parse(test::read_file(scratch_.path("out/summary.json")));
+  EXPECT_EQ(summary["faults"]["rows_dropped"], gap.end - gap.first);
+  EXPECT_EQ(summary["ticks"], expected.tick_count());
+
+  const auto verified = command("replay --verify " + file());
+  EXPECT_EQ(verified.status, 0) << verified.err;
+  EXPECT_NE(verified.out.find(": 1 ticks after rows that were not recorded"), std::string::npos)
+      << verified.out;
+  const auto again = command("replay " + file() + " -o " + scratch_.path("again"));
+  EXPECT_EQ(again.status, 0);
+  EXPECT_NE(again.err.find("after which rows were not recorded"), std::string::npos) << again.err;
+  const std::string said = command("inspect " + file()).out;
+  EXPECT_NE(said.find("not recorded     ticks " + std::to_string(gap.first) + " to " +
+                      std::to_string(gap.end - 1)),
+            std::string::npos)
+      << said;
+  const std::string after = " --from " + std::to_string(1e-3 * static_cast<double>(gap.end + 20));
+  const auto on = command("replay " + file() + after + " -o " + scratch_.path("on"));
+  EXPECT_EQ(on.status, 0) << on.err;
+  EXPECT_EQ(command("replay --verify " + file() + after).status, 0);
+}
+
+TEST_F(StallingDisk, TheLastRowIsThereWhereTheRunEndsBeforeTheDiskIsBack) {
+  run("--set record.queue_s=0.1");
+  const RecordingReader reader(file());
+  EXPECT_EQ(reader.missing(), "");
+  ASSERT_EQ(reader.gaps().size(), 1u);
+  EXPECT_EQ(reader.ticks().back().tick + 1, RecordingReader(record("whole")).tick_count());
+  EXPECT_EQ(command("replay --verify " + file()).status, 0);
+}
+
+TEST_F(Recording, AFullDiskEndsTheRecordingNotTheRun) {
+  const std::string scene = scratch_.write("s.toml", test::kCutScene);
+  // No file may be longer than 200 KiB: as a full disk, but for the others.
+  const std::string limited = "sh -c \"ulimit -f 400; trap '' XFSZ; exec " SULCUS_PROGRAM " run " +
+                              scene + " --pace real --set " + kSlowly + " -o " +
+                              scratch_.path("out") + "\"";
+  const auto result = test::program_command(limited, "", scratch_.path("err"), "SULCUS_CACHE=off");
+  EXPECT_EQ(result.status, 1);
+  EXPECT_NE(result.err.find("recording.h5: "), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("File too large"), std::string::npos) << result.err;
+  const std::string file = scratch_.path("out/recording.h5");
+  const RecordingReader reader(file);
+  EXPECT_GT(reader.tick_count(), 20u);
+  EXPECT_LT(reader.tick_count(), 2200u);
+  EXPECT_EQ(command("replay --verify " + file).status, 0);
+}
+
+TEST_F(Recording, ARendererThatDiesLeavesTheRecordingWhole) {
+  const std::string scene = scratch_.write("s.toml", test::kRenderScene);
+  std::filesystem::create_directories(scratch_.path("out/frames/000001.png"));  // in its way
+  const auto result = command("run " + scene + " -o " + scratch_.path("out"));
+  EXPECT_EQ(result.status, 1);
+  EXPECT_NE(result.err.find("000001.png"), std::string::npos) << result.err;
+  const std::string file = scratch_.path("out/recording.h5");
+  EXPECT_EQ(RecordingReader(file).missing(), "");
+  EXPECT_EQ(command("replay --verify " + file).status, 0);
+}
+
+TEST_F(Recording, SigtermEndsARunAsCtrlCDoes) {
+  const std::string scene = scratch_.write("s.toml", test::kCutScene);
+  for (const int signal : {SIGTERM, SIGINT}) {
+    const std::string folder = scratch_.path("out" + std::to_string(signal));
+    const pid_t child = start(scene, "real", folder);
+    while (access((folder + "/recording.h5").c_str(), F_OK) != 0) usleep(1000);
+    usleep(200'000);
+    kill(child, signal);
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+    const RecordingReader reader(folder + "/recording.h5");
+    EXPECT_EQ(reader.missing(), "");
+    EXPECT_GT(reader.tick_count(), 20u);
+    EXPECT_LT(reader.tick_count(), 2000u);
+  }
+}
+
+}  // namespace
+}  // namespace sulcus

@@ -1,0 +1,113 @@
+// A recording at any time, on and back.
+#include <algorithm>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "app/recorded_state.hpp"
+#include "tests/pipeline/small_scenes.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/scratch_folder.hpp"
+
+namespace sulcus {
+namespace {
+
+struct Hashes {
+  std::uint64_t volume, state;
+  bool operator==(const Hashes&) const = default;
+};
+
+class Scrub : public ::testing::Test {
+ protected:
+  std::string record(const std::string& scene) {
+    const auto result = test::sulcus_command(
+        "run " + scratch_.write("s.toml", scene) + " --no-render -o " + scratch_.path("out"),
+        scratch_.path("err"));
+    EXPECT_EQ(result.status, 0) << result.err;
+    return scratch_.path("out/recording.h5");
+  }
+  static Hashes hashes(const RecordedState& state) {
+    return {state.simulation().workpiece().hash(), state.simulation().state().hash()};
+  }
+  /// After every row, run from the start; those that were recorded are as recorded.
+  static std::vector<Hashes> all_hashes(const std::string& recording) {
+    RecordedRun run = open_recorded_run(recording);
+    RecordedState state(run);
+    std::vector<Hashes> all;
+    while (state.next_row() < run.rows.size()) {
+      state.step();
+      all.push_back(hashes(state));
+    }
+    EXPECT_FALSE(run.reader.state_hashes().empty());
+    for (const StateHash& hash : run.reader.state_hashes()) {
+      const Hashes recorded{hash.volume, hash.state};
+      EXPECT_EQ(all[hash.tick - run.rows.front().tick], recorded) << hash.tick;
+    }
+    return all;
+  }
+
+  ScratchFolder scratch_;
+};
+
+TEST_F(Scrub, BackwardGivesTheHashesOfTheWayOn) {
+  const std::string recording = record(test::kCutScene);
+  const std::vector<Hashes> all = all_hashes(recording);
+  RecordedRun run = open_recorded_run(recording);
+  ASSERT_GT(run.reader.keyframes().size(), 1u);
+  RecordedState state(run);
+  for (std::size_t row = all.size() - 1; row > 17; row -= 17) {
+    state.seek_row(row);
+    ASSERT_EQ(hashes(state), all[row]) << row;
+    ASSERT_EQ(state.next_row(), row + 1);
+  }
+  state.seek_row(0);
+  EXPECT_EQ(hashes(state), all[0]);
+  for (const std::size_t row : {150u, 151u, 401u, 260u, 399u}) {
+    state.seek_row(row);
+    EXPECT_EQ(hashes(state), all[row]) << row;
+  }
+}
+
+TEST_F(Scrub, APieceThatCameLooseGoesBackToItsPlace) {
+  const std::string recording = record(test::kPostScene);
+  const std::vector<Hashes> all = all_hashes(recording);
+  RecordedRun run = open_recorded_run(recording);
+  ASSERT_FALSE(run.reader.pieces().empty());
+  const std::size_t left = run.reader.pieces()[0].tick;
+  RecordedState state(run);
+  for (const std::size_t row : {all.size() - 1, left + 3, left - 60, left + 30}) {
+    state.seek_row(row);
+    EXPECT_EQ(hashes(state), all[row]) << row;
+  }
+}
+
+TEST_F(Scrub, ARecordingOfVersion1IsRunFromItsStart) {
+  RecordedRun run = open_recorded_run(SULCUS_SOURCE_DIR "/tests/recording/version_1.h5");
+  RecordedState state(run);
+  state.seek_row(60);
+  const Hashes there = hashes(state);
+  state.seek_row(99);
+  EXPECT_EQ(state.simulation().workpiece().hash(), run.reader.state_hashes().back().volume);
+  state.seek_row(60);
+  EXPECT_EQ(hashes(state), there);
+}
+
+TEST_F(Scrub, AShapeGoesOnAndBack) {
+  const RecordingReader reader(record(test::kCutScene));
+  RecordedShape shape(reader, reader.workpiece());
+  const auto voxels_at = [&](std::size_t row) {
+    shape.seek_row(row);
+    return shape.model().solid_count();
+  };
+  const std::uint64_t start = voxels_at(0), middle = voxels_at(250), end = voxels_at(400);
+  EXPECT_GT(start, middle);
+  EXPECT_GT(middle, end);
+  EXPECT_EQ(voxels_at(250), middle);
+  EXPECT_EQ(voxels_at(0), start);
+  // What was passed on the way.
+  EXPECT_EQ(shape.seek_row(400).size(), start - end);
+  EXPECT_EQ(shape.seek_row(250).size(), middle - end);
+}
+
+}  // namespace
+}  // namespace sulcus
