@@ -30,8 +30,10 @@ std::atomic<bool> stop_requested{false};
 
 namespace {
 
-constexpr std::uint64_t kHashEvery = 100;      // ticks between state hashes
-constexpr std::uint64_t kKeyframeEvery = 200;  // and between states: what a seek has to run again
+constexpr std::uint64_t kHashEvery = 100;  // ticks between state hashes
+// And between states, at least: what a seek has to run again. Large states are further apart, so
+// that all together take no more room than the rows.
+constexpr std::uint64_t kKeyframeEvery = 200;
 
 /// Wakes at absolute times, one period apart. A wake that is late by whole periods moves the
 /// schedule: nothing is run twice as fast and no tick is left out.
@@ -164,7 +166,7 @@ class HapticLoop {
     const std::uint64_t next = report.record.tick + 1;
     if (gap_) mark_gap_end();
     if (next % kHashEvery == 0) hash_state();
-    if (next % kKeyframeEvery == 0) keep_state();
+    if (next % kKeyframeEvery == 0 && next >= keep_next_) keep_state();
   }
 
   void wait_for_room(const TickReport& report) {
@@ -195,6 +197,7 @@ class HapticLoop {
     record_->spare_keyframes.try_dequeue(keyframe);
     keyframe.tick = next - 1;
     save_state(simulation_.state(), keyframe.state);
+    keep_next_ = next + keyframe.state.size() / sizeof(TickRecord);
     record_->keyframes.enqueue(std::move(keyframe));
   }
 
@@ -214,7 +217,7 @@ class HapticLoop {
   PiecesThread* pieces_;      // null without [loose_pieces]
   LooseSchedule loose_;
   Pacer pacer_;
-  std::uint64_t done_ = 0, edits_ = 0, hashed_ = 0, kept_ = 0, dropped_rows_ = 0;
+  std::uint64_t done_ = 0, edits_ = 0, hashed_ = 0, kept_ = 0, keep_next_ = 0, dropped_rows_ = 0;
   bool gap_ = false;    // the row before was dropped
   TickReport dropped_;  // it
   std::vector<std::string> refused_;

@@ -79,8 +79,7 @@ MovedTool follow_coupling(const TickContext& context, const Workpiece& workpiece
         return free_way_to_bodies(context, workpiece, state, pose, wanted_m, scratch);
       });
   state.tool = tool;
-  return {coupled.contact,
-          pull_on_device(springs, device.pose, tool, context.burr.reference_m),
+  return {coupled.contact, pull_on_device(springs, device.pose, tool, context.burr.reference_m),
           coupled.evaluations};
 }
 

@@ -16,8 +16,8 @@ inline Eigen::Vector3d small_turn(const Eigen::Quaterniond& from,
 /// The tool's motion in the tick that takes it from `from` to `to`, whose turn is small.
 inline Twist motion_between(const Pose& from, const Pose& to, double dt_s,
                             double spindle_rad_per_s) noexcept {
-  return {(to.position - from.position) / dt_s,
-          small_turn(from.orientation, to.orientation) / dt_s, spindle_rad_per_s};
+  return {(to.position - from.position) / dt_s, small_turn(from.orientation, to.orientation) / dt_s,
+          spindle_rad_per_s};
 }
 
 }  // namespace sulcus

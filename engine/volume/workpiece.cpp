@@ -152,8 +152,8 @@ void Workpiece::put_back(const Cell& c) noexcept {
     update_surface(c + Cell::Unit(axis));
     update_surface(c - Cell::Unit(axis));
   }
-  const bool full = std::ranges::all_of(model_.leaves[leaf].words,
-                                        [](std::uint64_t word) { return ~word == 0; });
+  const bool full =
+      std::ranges::all_of(model_.leaves[leaf].words, [](std::uint64_t word) { return ~word == 0; });
   octree_.switch_on(c / kLeafEdge, full ? ChildStatus::kFull : ChildStatus::kSome);
 }
 

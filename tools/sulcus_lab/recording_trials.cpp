@@ -162,10 +162,11 @@ struct Damaged {
   void read(const std::string& file, const Truth& truth) {
     try {
       const RecordingReader reader(file);
-      wrong += !truth.begins_with(reader);
-      ++(reader.tick_count() == truth.rows.size() ? whole : shorter);
+      const bool lies = !truth.begins_with(reader);
       (void)reader.workpiece();
       for (const KeyframeInfo& info : reader.keyframes()) (void)reader.keyframe(info);
+      wrong += lies;
+      ++(reader.tick_count() == truth.rows.size() ? whole : shorter);
     } catch (const InputError& error) {
       refused += std::string(error.what()).find('\n') == std::string::npos;
       wrong += std::string(error.what()).find('\n') != std::string::npos;
@@ -243,12 +244,15 @@ std::vector<TrialRow> trial_of_kills(const TrialSetting& setting) {
       ++not_opened;
     }
   }
+  const auto late = std::ranges::count_if(
+      missing_ms, [](float ms) { return static_cast<double>(ms) > kMostMissing_ms; });
   return {{"kills", "killed", static_cast<double>(killed), {}},
           {"kills", "ended before", static_cast<double>(ended), {}},
           {"kills", "with rows", static_cast<double>(with_rows), {}},
           {"kills", "not opened", static_cast<double>(not_opened), 0.0},
           {"kills", "other than undisturbed", static_cast<double>(wrong), 0.0},
           {"kills", "not repaired", static_cast<double>(not_repaired), 0.0},
+          {"kills", "missing over 100 ms", static_cast<double>(late), {}},
           {"kills", "missing_ms median", quantile(missing_ms, 0.5), {}},
           {"kills", "missing_ms largest", quantile(missing_ms, 1.0), kMostMissing_ms}};
 }
