@@ -28,6 +28,7 @@ struct RunOptions {
   std::vector<std::string> overrides;
   bool no_render = false, no_cache = false;
   int threads = 0;  // 0: all cores
+  double limit_gib = 4.0;
 };
 
 double seconds_since(std::uint64_t begin_ns) {
@@ -41,8 +42,10 @@ void run(const RunOptions& options) {
                                                   options.threads);
   }
   // All input is read before anything is written.
-  const Scene scene = load_scene(options.scene, options.overrides);
-  const Trajectory trajectory = make_trajectory(scene.trajectory);
+  const InputLimits limits{
+      .memory_bytes = static_cast<std::uint64_t>(options.limit_gib * InputLimits::kGibibyte)};
+  const Scene scene = load_scene(options.scene, options.overrides, limits);
+  const Trajectory trajectory = make_trajectory(scene.trajectory, limits);
   LoadCache cache = options.no_cache ? LoadCache() : LoadCache::of_user();
   std::vector<PartUse> loading;
   std::uint64_t begin = steady_ns();
@@ -131,6 +134,10 @@ void add_run_command(CLI::App& program) {
   command->add_flag("--no-cache", options->no_cache, "Make all anew, and keep nothing of it");
   command->add_option("--threads", options->threads, "Threads for loading and meshing (all cores)")
       ->check(CLI::Range(1, 1024));
+  command
+      ->add_option("--limit-gib", options->limit_gib,
+                   "GiB that the contents of a volume, mesh or pose table may take once read (4)")
+      ->check(CLI::Range(1e-3, 1024.0));
   command->callback([options] { run(*options); });
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -7,7 +8,8 @@
 namespace sulcus {
 
 /// Bad usage or bad input: the command ends with status 2 and `what()` as its one line,
-/// "file: place: found ..., expected ...". Thrown by every loader; never in a tick.
+/// "file: place: found ..., expected ...", without control characters whatever the input holds.
+/// Thrown by every loader; never in a tick.
 class InputError : public std::runtime_error {
  public:
   /// `file` and `place` (line and column, key, field) may be empty where there is none.
@@ -16,13 +18,26 @@ class InputError : public std::runtime_error {
       : std::runtime_error(line(file, place, found, expected)) {}
 
  private:
+  static constexpr std::size_t kLongestPart = 400, kLongestExpected = 1000;
+
   static std::string line(std::string_view file, std::string_view place, std::string_view found,
                           std::string_view expected) {
     std::string text;
-    for (std::string_view part : {file, place}) {
-      if (!part.empty()) text.append(part).append(": ");
+    if (!file.empty()) text.append(file).append(": ");
+    if (!place.empty()) text.append(shortened(place, kLongestPart)).append(": ");
+    text.append("found ").append(shortened(found, kLongestPart));
+    text.append(", expected ").append(shortened(expected, kLongestExpected));
+    // Keys and words of a file may hold anything, and the error is one line of text.
+    for (char& c : text) {
+      if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = ' ';
     }
-    return text.append("found ").append(found).append(", expected ").append(expected);
+    return text;
+  }
+  static std::string shortened(std::string_view part, std::size_t longest) {
+    if (part.size() <= longest) return std::string(part);
+    std::size_t end = longest;  // not within a character of UTF-8
+    while (end > 0 && (static_cast<unsigned char>(part[end]) & 0xc0u) == 0x80u) --end;
+    return std::string(part.substr(0, end)) + "...";
   }
 };
 

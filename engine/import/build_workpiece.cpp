@@ -19,10 +19,11 @@ namespace {
 
 VoxelModel make_model(const Scene& scene, std::string_view place, const VoxelGrid& grid) {
   const WorkpieceSettings& w = scene.workpiece;
-  VoxelModel model = w.shape ? build_shape(scene)
-                     : is_mesh_file(w.file)
-                         ? voxelise_mesh(read_mesh(w.file), grid, w)
-                         : voxelise_volume(read_medical_volume(w.file), grid, w, scene.tissues);
+  VoxelModel model =
+      w.shape ? build_shape(scene)
+      : is_mesh_file(w.file)
+          ? voxelise_mesh(read_mesh(w.file, scene.limits), grid, w)
+          : voxelise_volume(read_medical_volume(w.file, scene.limits), grid, w, scene.tissues);
   const bool solid =
       std::ranges::any_of(model.leaves, [](const LeafBits& leaf) { return any(leaf); });
   if (!solid) {
@@ -86,6 +87,7 @@ std::vector<VoxelModel> build_bodies(const Scene& scene, LoadCache* cache) {
   for (const BodySettings& body : scene.bodies) {
     Scene alone;
     alone.file = scene.file;
+    alone.limits = scene.limits;
     alone.workpiece = body.solid;
     alone.tissues = scene.tissues;
     if (body.tissue) alone.tissues = {scene.tissues[*body.tissue]};
@@ -98,6 +100,7 @@ std::optional<VoxelModel> build_goal(const Scene& scene, LoadCache* cache) {
   if (!scene.goal || scene.goal->shape != GoalShape::kFile) return {};
   Scene alone;
   alone.file = scene.file;
+  alone.limits = scene.limits;
   alone.tissues = {scene.tissues.front()};
   WorkpieceSettings& solid = alone.workpiece;
   solid.file = scene.goal->file;

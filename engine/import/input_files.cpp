@@ -68,6 +68,7 @@ std::optional<std::vector<fs::path>> input_files(const fs::path& path) {
     std::ranges::sort(files);  // a folder has no order of its own
     return files;
   }
+  if (!is_file(path)) return std::nullopt;  // a pipe or a device, which may never end
   files.push_back(path);
   const std::string name = lower(path.filename().string());
   const auto ends = [&](std::string_view extension) { return name.ends_with(extension); };

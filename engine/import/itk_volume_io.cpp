@@ -21,12 +21,12 @@
 #include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
-#include <itkTIFFImageIO.h>
 
 #include "engine/core/error.hpp"
+#include "engine/import/tiff_volume.hpp"
 #include "engine/import/volume_header.hpp"
 
-// The only file that knows ITK.
+// The only file that knows ITK. (TIFF goes by libtiff itself: tiff_volume.hpp.)
 
 namespace sulcus {
 namespace {
@@ -115,22 +115,20 @@ std::optional<Format> format_of(const std::string& extension) {
       extension == ".img.gz") {
     return Format{itk::NiftiImageIO::New().GetPointer(), "a NIfTI file"};
   }
-  if (extension == ".tif" || extension == ".tiff") {
-    return Format{itk::TIFFImageIO::New().GetPointer(), "a TIFF file"};
-  }
   if (extension == ".dcm" || extension == ".dicom") {
     return Format{itk::GDCMImageIO::New().GetPointer(), "a DICOM file"};
   }
   return std::nullopt;
 }
 
-VolumeHeaderFacts check_header(const std::string& path, const std::string& extension) {
-  if (extension == ".nrrd" || extension == ".nhdr") return check_nrrd_header(path);
-  if (extension == ".mha" || extension == ".mhd") return check_meta_image_header(path);
-  if (extension == ".nii" || extension == ".nii.gz" || extension == ".hdr")
-    check_nifti_header(path);
-  // The resolution of a TIFF is that of a print, and its pages have none.
-  return {.spacing_known = extension != ".tif" && extension != ".tiff"};
+VolumeHeaderFacts check_header(const std::string& path, const std::string& extension,
+                               const InputLimits& limits) {
+  if (extension == ".nrrd" || extension == ".nhdr") return check_nrrd_header(path, limits);
+  if (extension == ".mha" || extension == ".mhd") return check_meta_image_header(path, limits);
+  if (extension == ".nii" || extension == ".nii.gz" || extension == ".hdr") {
+    check_nifti_header(path, limits);
+  }
+  return {};
 }
 
 void check_scalar(const std::string& path, const itk::ImageIOBase& io) {
@@ -145,7 +143,7 @@ void check_scalar(const std::string& path, const itk::ImageIOBase& io) {
 /// Sizes, spacing, origin and direction of an axis count of three; more axes must be one voxel
 /// long.
 void take_geometry(const std::string& path, const itk::ImageIOBase& io, double unit_m,
-                   ItkVolume& volume) {
+                   const InputLimits& limits, ItkVolume& volume) {
   const unsigned dimensions = io.GetNumberOfDimensions();
   std::vector<std::int64_t> sizes;
   for (unsigned d = 0; d < dimensions; ++d) {
@@ -153,7 +151,7 @@ void take_geometry(const std::string& path, const itk::ImageIOBase& io, double u
     constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
     sizes.push_back(static_cast<std::int64_t>(std::min<std::uint64_t>(size, kMost)));
   }
-  checked_voxel_count(path, "sizes", sizes);
+  checked_voxel_count(path, "sizes", sizes, limits);
   if (dimensions < 3 ||
       std::any_of(sizes.begin() + 3, sizes.end(), [](auto s) { return s != 1; })) {
     throw InputError(path, "dimension", std::to_string(dimensions), "3");
@@ -223,14 +221,17 @@ void read_values(const std::string& path, itk::ImageIOBase& io, ItkVolume& volum
   }
 }
 
-ItkVolume read_file(const std::string& path) {
+ItkVolume read_file(const std::string& path, const InputLimits& limits) {
   const std::string extension = lower_extension(path);
   const std::optional<Format> format = format_of(extension);
-  if (!format) {
-    throw InputError(path, "", "the extension \"" + extension + "\"", std::string(kFormats));
+  if (!format && !is_tiff(path)) {
+    throw InputError(path, "", "the extension \"" + extension + "\"", kFormats);
   }
-  if (fs::file_size(path) == 0) throw InputError(path, "", "an empty file", format->name);
-  const VolumeHeaderFacts facts = check_header(path, extension);
+  const char* name = format ? format->name : "a TIFF file";
+  if (!fs::is_regular_file(path)) throw InputError(path, "", "no regular file", name);
+  if (fs::file_size(path) == 0) throw InputError(path, "", "an empty file", name);
+  if (!format) return read_tiff_volume({&path, 1}, limits);
+  const VolumeHeaderFacts facts = check_header(path, extension, limits);
   itk::ImageIOBase& io = *format->io;
   if (!io.CanReadFile(path.c_str())) {
     throw InputError(path, "header", "contents that cannot be one", format->name);
@@ -240,7 +241,7 @@ ItkVolume read_file(const std::string& path) {
   check_scalar(path, io);
   ItkVolume volume;
   volume.spacing_known = facts.spacing_known;
-  take_geometry(path, io, facts.length_unit_m, volume);
+  take_geometry(path, io, facts.length_unit_m, limits, volume);
   read_values(path, io, volume);
   return volume;
 }
@@ -285,24 +286,18 @@ std::vector<std::string> dicom_slices(const std::string& folder) {
   return names->GetFileNames(series.front());
 }
 
-ItkVolume read_folder(const std::string& folder) {
+ItkVolume read_folder(const std::string& folder, const InputLimits& limits) {
   std::vector<std::string> slices;
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.is_regular_file() && is_tiff(entry.path())) slices.push_back(entry.path().string());
   }
   std::ranges::sort(slices, natural_less);
-  const bool tiff = !slices.empty();
-  if (!tiff) slices = dicom_slices(folder);
+  if (!slices.empty()) return read_tiff_volume(slices, limits);
+  slices = dicom_slices(folder);
 
-  itk::ImageIOBase::Pointer io;
-  if (tiff) {
-    io = itk::TIFFImageIO::New();
-  } else {
-    io = itk::GDCMImageIO::New();
-  }
+  const itk::ImageIOBase::Pointer io = itk::GDCMImageIO::New().GetPointer();
   if (!io->CanReadFile(slices.front().c_str())) {
-    throw InputError(slices.front(), "header", "contents that cannot be one",
-                     tiff ? "a TIFF slice" : "a DICOM slice");
+    throw InputError(slices.front(), "header", "contents that cannot be one", "a DICOM slice");
   }
   io->SetFileName(slices.front());
   io->ReadImageInformation();
@@ -310,7 +305,7 @@ ItkVolume read_folder(const std::string& folder) {
   const std::array<std::int64_t, 3> sizes = {static_cast<std::int64_t>(io->GetDimensions(0)),
                                              static_cast<std::int64_t>(io->GetDimensions(1)),
                                              static_cast<std::int64_t>(slices.size())};
-  checked_voxel_count(folder, "sizes", sizes);
+  checked_voxel_count(folder, "sizes", sizes, limits);
 
   using Image = itk::Image<float, 3>;
   auto reader = itk::ImageSeriesReader<Image>::New();
@@ -319,7 +314,6 @@ ItkVolume read_folder(const std::string& folder) {
   reader->Update();
   const Image& image = *reader->GetOutput();
   ItkVolume volume;
-  volume.spacing_known = !tiff;
   for (unsigned d = 0; d < 3; ++d) {
     volume.sizes[d] = static_cast<int>(image.GetLargestPossibleRegion().GetSize(d));
     check_spacing(folder, "spacing", image.GetSpacing()[d]);
@@ -333,13 +327,13 @@ ItkVolume read_folder(const std::string& folder) {
 
 }  // namespace
 
-ItkVolume read_volume_with_itk(const std::string& path) {
+ItkVolume read_volume_with_itk(const std::string& path, const InputLimits& limits) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) throw InputError(path, "", "no such file", "a volume");
   const Silence silence;
   try {
-    return fs::is_directory(status) ? read_folder(path) : read_file(path);
+    return fs::is_directory(status) ? read_folder(path, limits) : read_file(path, limits);
   } catch (const itk::ExceptionObject& itk_error) {
     throw InputError(path, "", one_line(itk_error), "a whole volume");
   } catch (const std::bad_alloc&) {

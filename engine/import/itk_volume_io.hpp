@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/input_limits.hpp"
+
 namespace sulcus {
 
 // The seam to ITK, in plain types: ITK brings an Eigen of its own, which cannot meet ours in one
@@ -29,7 +31,7 @@ struct ItkMask {
 };
 
 /// @throws InputError, see read_medical_volume.
-ItkVolume read_volume_with_itk(const std::string& path);
+ItkVolume read_volume_with_itk(const std::string& path, const InputLimits& limits);
 /// @throws std::runtime_error where the file cannot be written.
 void write_nrrd_with_itk(const std::string& path, const ItkMask& mask);
 

@@ -44,7 +44,8 @@ Burr load_burr(const Scene& scene, LoadCache* cache) {
     };
   }
   if (settings.shape != BurrShape::kFile) return make_burr(settings, voxel_m, scene.file, source);
-  return make_burr(settings, voxel_m, tool_from_file(read_mesh(settings.file)), scene.file, source);
+  return make_burr(settings, voxel_m, tool_from_file(read_mesh(settings.file, scene.limits)),
+                   scene.file, source);
 }
 
 }  // namespace sulcus

@@ -41,8 +41,8 @@ void replace_non_finite(MedicalVolume& volume) {
 
 }  // namespace
 
-MedicalVolume read_medical_volume(const std::string& path) {
-  ItkVolume read = read_volume_with_itk(path);
+MedicalVolume read_medical_volume(const std::string& path, const InputLimits& limits) {
+  ItkVolume read = read_volume_with_itk(path, limits);
   MedicalVolume volume;
   volume.file = path;
   volume.spacing_known = read.spacing_known;

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "engine/core/input_limits.hpp"
 #include "engine/volume/voxel_model.hpp"
 
 namespace sulcus {
@@ -32,16 +33,17 @@ struct MedicalVolume {
   float at(int i, int j, int k) const { return values[index(i, j, k)]; }
 };
 
-/// Reads NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), NIfTI (.nii, .nii.gz, .hdr, .img), TIFF
-/// (.tif, .tiff: a stack of pages, or a folder of slices in the order of their numbers) and DICOM
-/// (.dcm, or a folder that holds one series; grey values rescaled). Lengths in the file are mm
-/// unless an NRRD names its `space units`; a TIFF and a header without spacing leave
-/// `spacing_known` false. Values that are not finite become the smallest finite one.
+/// Reads NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd; both with one data file), NIfTI-1 (.nii,
+/// .nii.gz, .hdr, .img), TIFF (.tif, .tiff: a stack of grey pages packed without loss, or a folder
+/// of slices in the order of their numbers) and DICOM (.dcm, or a folder that holds one series;
+/// grey values rescaled). Lengths in the file are mm unless an NRRD names its `space units`; a TIFF
+/// and a header without spacing leave `spacing_known` false. Values that are not finite become the
+/// smallest finite one.
 /// Announced sizes are checked, and compared with the length of the file, before memory is taken.
-/// @throws InputError: missing, not of its format, truncated, not 3-dimensional, not scalar, too
-/// large, spacing not positive.
+/// @throws InputError: missing, not of its format, truncated, not 3-dimensional, not scalar, larger
+/// than the limits allow, spacing not positive.
 /// Not to be called from two threads at once: it silences `std::cerr` while ITK reads.
-MedicalVolume read_medical_volume(const std::string& path);
+MedicalVolume read_medical_volume(const std::string& path, const InputLimits& limits = {});
 
 /// What the voxels of an exported volume say.
 enum class VolumeContent : std::uint8_t {

@@ -9,10 +9,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <unordered_map>
+#include <utility>
 
+#include <assimp/BaseImporter.h>
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/Exporter.hpp>
 #include <assimp/Importer.hpp>
 #include <assimp/postprocess.h>
@@ -77,6 +81,33 @@ class Welder {
   TriangleMesh& mesh_;
   std::unordered_map<Key, std::uint32_t, Hash> indices_;
 };
+
+/// The files that the library sees: one, and only to be read.
+class OneFile : public Assimp::DefaultIOSystem {
+ public:
+  explicit OneFile(std::string path) : path_(std::move(path)) {}
+  bool Exists(const char* file) const override { return path_ == file; }
+  Assimp::IOStream* Open(const char* file, const char* mode) override {
+    if (path_ != file || mode[0] != 'r') return nullptr;
+    return DefaultIOSystem::Open(file, mode);
+  }
+
+ private:
+  std::string path_;
+};
+
+/// Leaves the library only the reader of one extension: another would else be chosen by what a
+/// file begins with.
+void keep_reader(Assimp::Importer& importer, const std::string& extension) {
+  for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
+    std::set<std::string> extensions;
+    Assimp::BaseImporter* reader = importer.GetImporter(i);
+    reader->GetExtensionList(extensions);
+    if (extensions.contains(extension.substr(1))) continue;
+    importer.UnregisterLoader(reader);
+    delete reader;  // the importer's no longer
+  }
+}
 
 void append(const std::string& path, const aiMesh& part, Welder& welder, TriangleMesh& mesh) {
   for (unsigned f = 0; f < part.mNumFaces; ++f) {
@@ -172,7 +203,7 @@ bool is_mesh_file(const std::string& path) {
   return extension == ".stl" || extension == ".obj" || extension == ".ply";
 }
 
-TriangleMesh read_mesh(const std::string& path) {
+TriangleMesh read_mesh(const std::string& path, const InputLimits& limits) {
   const std::string extension = lower_extension(path);
   if (!is_mesh_file(path)) {
     throw InputError(path, "", "the extension \"" + extension + "\"", ".stl, .obj or .ply");
@@ -183,10 +214,13 @@ TriangleMesh read_mesh(const std::string& path) {
   if (fs::file_size(path, error) == 0 || error) {
     throw InputError(path, "", "an empty file", "a mesh");
   }
-  if (extension == ".stl") check_stl(path);
-  if (extension == ".ply") check_ply(path);
+  if (extension == ".stl") check_stl(path, limits);
+  if (extension == ".obj") check_obj(path, limits);
+  if (extension == ".ply") check_ply(path, limits);
 
   Assimp::Importer importer;
+  importer.SetIOHandler(new OneFile(path));  // which it deletes
+  keep_reader(importer, extension);
   const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
   if (scene == nullptr) {
     throw InputError(path, "", "unreadable contents (" + one_line(importer.GetErrorString()) + ")",

@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <sstream>
 #include <string_view>
 #include <utility>
@@ -23,6 +24,9 @@
 namespace sulcus {
 namespace {
 
+// In any unit; beyond these the inverse of a direction is no good number.
+constexpr double kLeastSpacing = 1e-9, kMostSpacing = 1e9;
+constexpr std::int64_t kMaxVoxelsPerAxis = 1 << 24;
 constexpr std::size_t kNiftiHeaderBytes = 348;
 constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 20;
 // No deflate stream expands by more than this [zlib, "Maximum Compression Factor": 1032].
@@ -110,7 +114,10 @@ TextHeader read_text_header(const std::string& path, char separator, bool empty_
     const auto colon = line.find(separator);
     if (colon == std::string::npos) continue;
     const std::string key = lower(trimmed(std::string_view(line).substr(0, colon)));
-    header.fields[key] = trimmed(std::string_view(line).substr(colon + 1));
+    const auto [field, first] =
+        header.fields.try_emplace(key, trimmed(std::string_view(line).substr(colon + 1)));
+    // The library may take the other one.
+    if (!first) throw InputError(path, key, "the field twice", "it once");
     if (ends(key)) return header;
   }
   return header;
@@ -176,28 +183,51 @@ std::optional<std::uint64_t> nifti_type_bytes(int type) {
   return found->second;
 }
 
-/// Begin of a file, gzip or plain, into `begin`; the length of all that it holds, unpacked. The
-/// library fills what is missing of a truncated .gz with zeros, so it is read through here.
-std::uint64_t read_through(const std::string& path, std::span<char> begin) {
-  const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(path.c_str(), "rb"), gzclose_r);
-  if (!file) throw InputError(path, "", "no readable file", "a volume");
-  const int head = gzread(file.get(), begin.data(), static_cast<unsigned>(begin.size()));
-  if (head >= 0 && gzdirect(file.get()) != 0) return file_bytes(path);
-  std::uint64_t bytes = static_cast<std::uint64_t>(std::max(head, 0));
-  std::vector<char> buffer(std::size_t{1} << 18);
-  int got = head;
-  while (got > 0) {
-    got = gzread(file.get(), buffer.data(), static_cast<unsigned>(buffer.size()));
-    bytes += static_cast<std::uint64_t>(std::max(got, 0));
+/// A file, gzip or plain. The library fills what is missing of a truncated .gz with zeros, so it is
+/// read through here.
+class PackedFile {
+ public:
+  explicit PackedFile(const std::string& path)
+      : path_(path), file_(gzopen(path.c_str(), "rb"), gzclose_r) {
+    if (!file_) throw InputError(path, "", "no readable file", "a volume");
   }
-  int error = Z_OK;
-  gzerror(file.get(), &error);
-  if (got < 0 || error != Z_OK) {
-    throw InputError(path, "data", "compressed data that break off or are damaged",
-                     "a whole gzip stream");
+
+  /// Fills `begin` with what comes first; how much there was.
+  std::uint64_t read_begin(std::span<char> begin) {
+    const int got = gzread(file_.get(), begin.data(), static_cast<unsigned>(begin.size()));
+    read_ = static_cast<std::uint64_t>(std::max(got, 0));
+    failed_ = got < 0;
+    return read_;
   }
-  return bytes;
-}
+  /// The length of all that it holds, unpacked; throws where that is more than `most`, so that a
+  /// small file cannot keep us busy for long.
+  std::uint64_t length(std::uint64_t most) {
+    if (!failed_ && gzdirect(file_.get()) != 0) return file_bytes(path_);
+    std::vector<char> buffer(std::size_t{1} << 18);
+    for (int got = 1; !failed_ && got > 0;) {
+      got = gzread(file_.get(), buffer.data(), static_cast<unsigned>(buffer.size()));
+      read_ += static_cast<std::uint64_t>(std::max(got, 0));
+      failed_ = got < 0;
+      if (read_ > most) {
+        throw InputError(path_, "data", "more than " + std::to_string(most) + " bytes, unpacked",
+                         "what the header says");
+      }
+    }
+    int error = Z_OK;
+    gzerror(file_.get(), &error);
+    if (failed_ || error != Z_OK) {
+      throw InputError(path_, "data", "compressed data that break off or are damaged",
+                       "a whole gzip stream");
+    }
+    return read_;
+  }
+
+ private:
+  const std::string& path_;
+  std::unique_ptr<gzFile_s, int (*)(gzFile)> file_;
+  std::uint64_t read_ = 0;
+  bool failed_ = false;
+};
 
 double nrrd_length_unit(const std::string& path, const std::string& text) {
   static const std::map<std::string, double> kUnits = {
@@ -225,7 +255,8 @@ double nrrd_length_unit(const std::string& path, const std::string& text) {
   return unit.value_or(1e-3);
 }
 
-void check_nrrd_data(const std::string& path, const TextHeader& header, std::uint64_t announced) {
+void check_nrrd_data(const std::string& path, const TextHeader& header, std::uint64_t voxels,
+                     std::uint64_t announced) {
   const auto field = [&](const char* name) {
     const auto found = header.fields.find(name);
     return found == header.fields.end() ? std::string{} : lower(found->second);
@@ -235,8 +266,10 @@ void check_nrrd_data(const std::string& path, const TextHeader& header, std::uin
   for (const char* name : {"data file", "datafile"}) {
     const auto found = header.fields.find(name);
     if (found == header.fields.end()) continue;
-    // A list of files or a numbered pattern: their lengths are left to the library.
-    if (words(found->second).size() != 1 || lower(found->second) == "list") return;
+    // A list of files or a numbered pattern has no length that could be checked.
+    if (words(found->second).size() != 1 || lower(found->second) == "list") {
+      throw InputError(path, "data file", "\"" + found->second + "\"", "one file");
+    }
     data_path = beside(path, found->second);
     if (!std::filesystem::is_regular_file(data_path)) {
       throw InputError(path, "data file", "\"" + found->second + "\"", "a file that exists");
@@ -250,8 +283,18 @@ void check_nrrd_data(const std::string& path, const TextHeader& header, std::uin
   if (encoding == "raw") {
     check_data_bytes(data_path, held, announced, !skips);
   } else if (encoding == "gzip" || encoding == "gz") {
+    // The library would hold all that the stream unpacks to.
+    for (const char* name : {"byte skip", "byteskip"}) {
+      if (number<std::int64_t>(field(name)).value_or(0) >= 0) continue;
+      throw InputError(path, name, field(name), "0 or more before compressed data");
+    }
     check_data_bytes(data_path, held, least_deflated(announced), false);
-  } else if (encoding != "ascii" && encoding != "text" && encoding != "txt" && encoding != "hex") {
+  } else if (encoding == "ascii" || encoding == "text" || encoding == "txt") {
+    // A digit each, and what stands between them.
+    check_data_bytes(data_path, held, 2 * voxels - 1, false);
+  } else if (encoding == "hex") {
+    check_data_bytes(data_path, held, 2 * announced, false);
+  } else {
     throw InputError(path, "encoding", "\"" + encoding + "\"", "raw, gzip, ascii or hex");
   }
 }
@@ -259,16 +302,16 @@ void check_nrrd_data(const std::string& path, const TextHeader& header, std::uin
 }  // namespace
 
 std::uint64_t checked_voxel_count(const std::string& path, const std::string& place,
-                                  std::span<const std::int64_t> sizes) {
+                                  std::span<const std::int64_t> sizes, const InputLimits& limits) {
   std::uint64_t count = 1;
   for (const std::int64_t size : sizes) {
     if (size <= 0) throw InputError(path, place, std::to_string(size), "at least 1 voxel");
     // Compared by division: the product itself may not fit in 64 bits.
-    if (static_cast<std::uint64_t>(size) > kMaxVolumeVoxels / count) {
+    if (size > kMaxVoxelsPerAxis || static_cast<std::uint64_t>(size) > limits.voxels() / count) {
       std::string text;
       for (const std::int64_t s : sizes) text += (text.empty() ? "" : " x ") + std::to_string(s);
       throw InputError(path, place, text + " voxels",
-                       "at most " + std::to_string(kMaxVolumeVoxels) + " (1024 x 1024 x 1024)");
+                       "at most " + std::to_string(limits.voxels()) + " (--limit-gib)");
     }
     count *= static_cast<std::uint64_t>(size);
   }
@@ -276,13 +319,13 @@ std::uint64_t checked_voxel_count(const std::string& path, const std::string& pl
 }
 
 void check_spacing(const std::string& path, const std::string& place, double spacing) {
-  if (std::isfinite(spacing) && spacing > 0.0) return;
+  if (spacing >= kLeastSpacing && spacing <= kMostSpacing) return;
   std::ostringstream found;
   found << spacing;
   throw InputError(path, place, found.str(), "a positive length");
 }
 
-VolumeHeaderFacts check_nrrd_header(const std::string& path) {
+VolumeHeaderFacts check_nrrd_header(const std::string& path, const InputLimits& limits) {
   const TextHeader header =
       read_text_header(path, ':', true, [](const std::string&) { return false; });
   {
@@ -303,7 +346,7 @@ VolumeHeaderFacts check_nrrd_header(const std::string& path) {
     throw InputError(path, "sizes", std::to_string(sizes.size()) + " numbers",
                      "as many as dimension says (" + field("dimension") + ")");
   }
-  const std::uint64_t voxels = checked_voxel_count(path, "sizes", sizes);
+  const std::uint64_t voxels = checked_voxel_count(path, "sizes", sizes, limits);
   const std::string type = lower(field("type"));
   const auto type_bytes = nrrd_type_bytes(type);
   if (!type_bytes) throw InputError(path, "type", "\"" + type + "\"", "a number type");
@@ -324,11 +367,11 @@ VolumeHeaderFacts check_nrrd_header(const std::string& path) {
   } else if (const auto units = header.fields.find("units"); units != header.fields.end()) {
     facts.length_unit_m = nrrd_length_unit(path, units->second);
   }
-  check_nrrd_data(path, header, voxels * *type_bytes);
+  check_nrrd_data(path, header, voxels, voxels * *type_bytes);
   return facts;
 }
 
-VolumeHeaderFacts check_meta_image_header(const std::string& path) {
+VolumeHeaderFacts check_meta_image_header(const std::string& path, const InputLimits& limits) {
   const TextHeader header = read_text_header(
       path, '=', false, [](const std::string& key) { return key == "elementdatafile"; });
   const auto field = [&](const char* name) {
@@ -348,7 +391,7 @@ VolumeHeaderFacts check_meta_image_header(const std::string& path) {
     throw InputError(path, "DimSize", std::to_string(sizes.size()) + " numbers",
                      "as many as NDims says (" + field("ndims") + ")");
   }
-  const std::uint64_t voxels = checked_voxel_count(path, "DimSize", sizes);
+  const std::uint64_t voxels = checked_voxel_count(path, "DimSize", sizes, limits);
 
   static const std::map<std::string, std::uint64_t> kBytes = {
       {"MET_CHAR", 1},      {"MET_UCHAR", 1},      {"MET_SHORT", 2}, {"MET_USHORT", 2},
@@ -372,9 +415,10 @@ VolumeHeaderFacts check_meta_image_header(const std::string& path) {
   }
   const std::string data = field("elementdatafile");
   const bool local = lower(data) == "local";
+  // One file a slice has no length that could be checked.
   if (!local &&
       (words(data).size() != 1 || lower(data) == "list" || data.find('%') != std::string::npos)) {
-    return facts;  // one file a slice: their lengths are left to the library
+    throw InputError(path, "ElementDataFile", "\"" + data + "\"", "LOCAL or one file");
   }
   const std::string data_path = local ? path : beside(path, data);
   if (!std::filesystem::is_regular_file(data_path)) {
@@ -385,7 +429,11 @@ VolumeHeaderFacts check_meta_image_header(const std::string& path) {
   const std::uint64_t announced = voxels * type->second;
   if (lower(field("compresseddata")).starts_with("t")) {
     // The stream's own length, where it is said, shows a file that was cut off.
-    const auto stream = number<std::uint64_t>(field("compresseddatasize"));
+    const std::string said = field("compresseddatasize");
+    const auto stream = number<std::uint64_t>(said);
+    if (!stream && !said.empty()) {
+      throw InputError(path, "CompressedDataSize", said, "a number of bytes");
+    }
     check_data_bytes(data_path, held, std::max(stream.value_or(0), least_deflated(announced)),
                      false);
   } else {
@@ -394,13 +442,16 @@ VolumeHeaderFacts check_meta_image_header(const std::string& path) {
   return facts;
 }
 
-void check_nifti_header(const std::string& path) {
-  std::array<char, kNiftiHeaderBytes> raw{};
-  const std::uint64_t held = read_through(path, raw);
-  if (held < raw.size()) {
-    throw InputError(path, "header", std::to_string(held) + " bytes",
-                     std::to_string(raw.size()) + " bytes");
-  }
+namespace {
+
+/// Where the values of a NIfTI file lie, by its header.
+struct NiftiData {
+  std::uint64_t offset = 0, bytes = 0;
+  bool here = false;  // and not in an .img beside it
+};
+
+NiftiData nifti_data(const std::string& path, std::span<const char> raw,
+                     const InputLimits& limits) {
   const auto swapped = [](auto value) {
     auto bytes = std::array<char, sizeof(value)>{};
     std::memcpy(bytes.data(), &value, sizeof(value));
@@ -415,8 +466,9 @@ void check_nifti_header(const std::string& path) {
   const std::int32_t header_bytes = raw_value(std::int32_t{}, 0);
   const bool swap = swapped(header_bytes) == 348;
   if (header_bytes != 348 && !swap) {
-    // NIfTI-2 says 540 here and is left to the library.
-    if (header_bytes == 540 || swapped(header_bytes) == 540) return;
+    if (header_bytes == 540 || swapped(header_bytes) == 540) {
+      throw InputError(path, "sizeof_hdr", "540, NIfTI-2", "348, NIfTI-1");
+    }
     throw InputError(path, "sizeof_hdr", std::to_string(header_bytes), "348");
   }
   const auto value = [&](auto type, std::size_t offset) {
@@ -431,20 +483,44 @@ void check_nifti_header(const std::string& path) {
   for (int d = 1; d <= dimensions; ++d) {
     sizes.push_back(value(std::int16_t{}, 40 + 2 * static_cast<std::size_t>(d)));
   }
-  const std::uint64_t voxels = checked_voxel_count(path, "dim", sizes);
+  const std::uint64_t voxels = checked_voxel_count(path, "dim", sizes, limits);
   for (int d = 1; d <= std::min(dimensions, 3); ++d) {
     // The sign of pixdim has no meaning in NIfTI, its size has.
     check_spacing(path, "pixdim", std::abs(value(float{}, 76 + 4 * static_cast<std::size_t>(d))));
+  }
+  // quatern_b to qoffset_z, srow_x to srow_z: the library ends the program over what is not finite.
+  for (std::size_t field = 256; field < 328; field += sizeof(float)) {
+    const float number = value(float{}, field);
+    if (std::abs(number) <= 1e9f) continue;
+    std::ostringstream found;
+    found << number;
+    throw InputError(path, "orientation", found.str(), "numbers up to 1e9");
   }
   const int type = value(std::int16_t{}, 70);
   const auto bytes_each = nifti_type_bytes(type);
   if (!bytes_each) throw InputError(path, "datatype", std::to_string(type), "a scalar type");
   // "n+1": header and data in one file; "ni1": the data lie in an .img beside it.
-  if (std::memcmp(raw.data() + 344, "n+1", 3) != 0) return;
+  if (std::memcmp(raw.data() + 344, "n+1", 3) != 0) return {};
   const double offset = value(float{}, 108);
   const std::uint64_t skip =
       offset >= 348.0 && offset < 1e9 ? static_cast<std::uint64_t>(offset) : std::uint64_t{352};
-  check_data_bytes(path, held - std::min(held, skip), voxels * *bytes_each, false);
+  return {skip, voxels * *bytes_each, true};
+}
+
+}  // namespace
+
+void check_nifti_header(const std::string& path, const InputLimits& limits) {
+  std::array<char, kNiftiHeaderBytes> raw{};
+  PackedFile file(path);
+  if (const std::uint64_t held = file.read_begin(raw); held < raw.size()) {
+    throw InputError(path, "header", std::to_string(held) + " bytes",
+                     std::to_string(raw.size()) + " bytes");
+  }
+  const NiftiData data = nifti_data(path, raw, limits);
+  constexpr std::uint64_t kMoreBehind = std::uint64_t{1} << 20;
+  const std::uint64_t held = file.length(data.offset + data.bytes + kMoreBehind);
+  if (!data.here) return;
+  check_data_bytes(path, held - std::min(held, data.offset), data.bytes, false);
 }
 
 }  // namespace sulcus

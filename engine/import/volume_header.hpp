@@ -4,10 +4,9 @@
 #include <span>
 #include <string>
 
-namespace sulcus {
+#include "engine/core/input_limits.hpp"
 
-/// Voxels that a volume may have: 1024 cubed, the largest grid of ours.
-inline constexpr std::uint64_t kMaxVolumeVoxels = std::uint64_t{1} << 30;
+namespace sulcus {
 
 /// What is wanted from a volume's header ahead of the library that reads the rest.
 struct VolumeHeaderFacts {
@@ -20,18 +19,18 @@ struct VolumeHeaderFacts {
 // All throw InputError.
 
 /// NRRD: sizes, type, spacings, and the length of raw or gzip data [teem, NRRD format 5].
-VolumeHeaderFacts check_nrrd_header(const std::string& path);
+VolumeHeaderFacts check_nrrd_header(const std::string& path, const InputLimits& limits);
 /// MetaImage: the same for DimSize, ElementType, ElementSpacing and ElementDataFile.
-VolumeHeaderFacts check_meta_image_header(const std::string& path);
+VolumeHeaderFacts check_meta_image_header(const std::string& path, const InputLimits& limits);
 /// NIfTI-1, plain or gzip (which is read through once, to see that it is whole): dim, datatype and
-/// pixdim. NIfTI-2 passes.
-void check_nifti_header(const std::string& path);
+/// pixdim, and that what it says of directions is finite.
+void check_nifti_header(const std::string& path, const InputLimits& limits);
 
-/// Product of the sizes. Throws where one is not positive or the product exceeds
-/// kMaxVolumeVoxels; `place` names the header's field.
+/// Product of the sizes. Throws where one is not positive or the product exceeds what the limits
+/// allow; `place` names the header's field.
 std::uint64_t checked_voxel_count(const std::string& path, const std::string& place,
-                                  std::span<const std::int64_t> sizes);
-/// Throws unless the value is finite and positive.
+                                  std::span<const std::int64_t> sizes, const InputLimits& limits);
+/// Throws unless the value is positive, finite and of a size that a length may have.
 void check_spacing(const std::string& path, const std::string& place, double spacing);
 
 }  // namespace sulcus

@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include "engine/core/input_limits.hpp"
 #include "engine/core/pose.hpp"
 
 namespace sulcus {
@@ -238,8 +239,9 @@ struct Scene {
   std::optional<RenderSettings> render;
   std::optional<RecordSettings> record;
 
-  std::string text;  // the TOML as run, with every --set in it: a recording carries this
-  std::string file;  // where it came from, for messages
+  std::string text;    // the TOML as run, with every --set in it: a recording carries this
+  std::string file;    // where it came from, for messages
+  InputLimits limits;  // of the files that it names; never said by a scene itself
 };
 
 }  // namespace sulcus

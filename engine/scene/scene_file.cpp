@@ -8,12 +8,14 @@
 #include <sstream>
 
 #include "engine/core/error.hpp"
+#include "engine/core/input_limits.hpp"
 #include "engine/core/units.hpp"
 #include "engine/normals/height_map.hpp"
 #include "engine/normals/normal_choice.hpp"
 #include "engine/scene/device_tables.hpp"
 #include "engine/scene/scene_overrides.hpp"
 #include "engine/scene/tissue_table.hpp"
+#include "engine/scene/toml_depth.hpp"
 #include "engine/scene/toml_table.hpp"
 #include "engine/volume/edit.hpp"
 #include "engine/volume/grid.hpp"
@@ -24,7 +26,6 @@ namespace {
 
 constexpr Range kAnyLength_mm{-1e3, 1e3};
 constexpr Range kSize_mm{0.01, 1e3};
-constexpr std::uintmax_t kMaxSceneBytes = 16 << 20;
 
 Eigen::Vector3d vector3(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
 
@@ -434,23 +435,26 @@ std::string read_text(const std::string& file) {
   }
   std::ifstream in(file, std::ios::binary);
   if (!in) throw InputError(file, "", "no readable file", "a scene file, .toml");
-  const std::uintmax_t bytes = std::filesystem::file_size(file, error);
-  if (!error && bytes > kMaxSceneBytes) {
-    throw InputError(file, "", std::to_string(bytes) + " bytes", "a scene of at most 16 MiB");
+  // Never more than may be: a pipe or a device has no size to ask for.
+  std::string text(InputLimits::kSceneBytes + 1, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  if (text.size() > InputLimits::kSceneBytes) {
+    throw InputError(file, "", "more than 16 MiB", "a scene of at most 16 MiB");
   }
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
+  return text;
 }
 
 }  // namespace
 
-Scene load_scene(const std::string& file, std::span<const std::string> overrides) {
-  return parse_scene(read_text(file), file, overrides);
+Scene load_scene(const std::string& file, std::span<const std::string> overrides,
+                 const InputLimits& limits) {
+  return parse_scene(read_text(file), file, overrides, limits);
 }
 
 Scene parse_scene(const std::string& text, const std::string& file,
-                  std::span<const std::string> overrides) {
+                  std::span<const std::string> overrides, const InputLimits& limits) {
+  check_toml_depth(text, file);
   toml::table parsed;
   try {
     parsed = toml::parse(text, file);
@@ -466,6 +470,7 @@ Scene parse_scene(const std::string& text, const std::string& file,
   Scene scene;
   scene.file = file;
   scene.text = text;
+  scene.limits = limits;
   if (!overrides.empty()) {
     std::ostringstream changed;
     changed << parsed << '\n';

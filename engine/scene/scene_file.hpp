@@ -11,11 +11,12 @@ namespace sulcus {
 /// a string; tissue.NAME.KEY addresses a [[tissue]]; workpiece.file drops workpiece.shape; paths in
 /// them are relative to the current folder, in the file to the file's. InputError (with line and
 /// column) on an unknown key, which names the nearest known one, a wrong type, or a value out of
-/// range. Files that a scene names are not opened here.
-Scene load_scene(const std::string& file, std::span<const std::string> overrides = {});
+/// range. Files that a scene names are not opened here; `limits` are those that hold for them.
+Scene load_scene(const std::string& file, std::span<const std::string> overrides = {},
+                 const InputLimits& limits = {});
 
 /// The same from a text, as a recording carries it; `file` is for messages and relative paths.
 Scene parse_scene(const std::string& text, const std::string& file,
-                  std::span<const std::string> overrides = {});
+                  std::span<const std::string> overrides = {}, const InputLimits& limits = {});
 
 }  // namespace sulcus

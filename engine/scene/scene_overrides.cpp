@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "engine/core/error.hpp"
+#include "engine/core/input_limits.hpp"
+#include "engine/scene/toml_depth.hpp"
 #include "engine/scene/toml_table.hpp"
 
 namespace sulcus {
@@ -69,8 +71,16 @@ void apply_override(toml::table& root, const std::string& text) {
   for (const std::string& part : path) {
     if (part.empty()) refuse_override(text, "an empty key", "TABLE.KEY=VALUE");
   }
+  if (path.size() > InputLimits::kSceneDepth) {
+    refuse_override(text, "a key of " + std::to_string(path.size()) + " parts", "TABLE.KEY=VALUE");
+  }
   if (!is_utf8(text)) refuse_override(text.substr(0, equals), "bytes that are no UTF-8", "text");
-  toml::table parsed = parse_override_value(text.substr(equals + 1));
+  const std::string value = text.substr(equals + 1);
+  // A plain value holds no tables, but a path may have many dots.
+  if (value.find_first_of("[{\n") != std::string::npos) {
+    check_toml_depth(value, std::string(kFromOverride));
+  }
+  toml::table parsed = parse_override_value(value);
 
   toml::table* table = &root;
   std::size_t next = 0;

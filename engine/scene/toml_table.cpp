@@ -40,6 +40,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 std::string nearest_word(std::string_view word, std::span<const std::string> words) {
   std::string best;
+  constexpr std::size_t kLongest = 64;  // nothing that a hand mistyped is longer
+  if (word.size() > kLongest) return best;
   std::size_t least = std::max<std::size_t>(2, word.size() / 2) + 1;
   for (const std::string& candidate : words) {
     const std::size_t distance = edit_distance(word, candidate);

@@ -1,9 +1,12 @@
 #include "engine/scene/trajectory.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
@@ -12,7 +15,9 @@ namespace sulcus {
 
 namespace {
 
-constexpr std::size_t kMaxRows = 10'000'000;  // of a pose file: 2.7 hours at 1 kHz
+constexpr std::size_t kMaxLineBytes = 4096;
+// Differences of what lies within these are good numbers. A clock may count since 1970.
+constexpr double kFarthest_mm = 1e6, kLatest_s = 1e11, kLongest_s = 1e6;
 constexpr const char* kCsvHeader = "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz";
 
 TimedPose parse_row(const std::string& file, std::size_t line_number, const std::string& line) {
@@ -30,6 +35,17 @@ TimedPose parse_row(const std::string& file, std::size_t line_number, const std:
     }
     at = next + 1;
   }
+  const auto refuse_beyond = [&](std::size_t field, const char* name, double most) {
+    if (std::abs(value[field]) <= most) return;
+    std::ostringstream found, expected;
+    found << name << " = " << value[field];
+    expected << -most << " to " << most;
+    throw InputError(file, place, found.str(), expected.str());
+  };
+  refuse_beyond(0, "t_s", kLatest_s);
+  refuse_beyond(1, "x_mm", kFarthest_mm);
+  refuse_beyond(2, "y_mm", kFarthest_mm);
+  refuse_beyond(3, "z_mm", kFarthest_mm);
   TimedPose pose;
   pose.time_s = value[0];
   pose.world_from_tool.position = Eigen::Vector3d(value[1], value[2], value[3]) * kMillimetre;
@@ -42,27 +58,65 @@ TimedPose parse_row(const std::string& file, std::size_t line_number, const std:
   return pose;
 }
 
-std::vector<TimedPose> read_csv(const std::string& file) {
-  std::ifstream in(file);
-  if (!in) throw InputError(file, "", "no readable file", "a table of poses");
-  std::string line;
-  std::getline(in, line);
-  if (!line.empty() && line.back() == '\r') line.pop_back();
-  if (line != kCsvHeader) {
-    throw InputError(file, "line 1", "'" + line.substr(0, 80) + "'", kCsvHeader);
+/// Goes through the lines of a file, without their ends.
+class Lines {
+ public:
+  explicit Lines(const std::string& file) : file_(file), in_(file) {
+    std::error_code error;
+    if (!in_ || std::filesystem::is_directory(file, error)) {
+      throw InputError(file, "", "no readable file", "a table of poses");
+    }
+  }
+
+  /// False behind the last one.
+  bool next() {
+    in_.getline(line_.data(), static_cast<std::streamsize>(line_.size()));
+    ++number_;
+    const bool whole = in_.good() || in_.eof();
+    if (in_.eof() && in_.gcount() == 0) return false;
+    if (!whole) {
+      throw InputError(file_, place(),
+                       "a line of more than " + std::to_string(kMaxLineBytes) + " bytes",
+                       kCsvHeader);
+    }
+    text_ = std::string(line_.data(), static_cast<std::size_t>(in_.gcount()) - (in_.eof() ? 0 : 1));
+    if (text_.ends_with('\r')) text_.pop_back();
+    return true;
+  }
+  const std::string& text() const { return text_; }
+  std::size_t number() const { return number_; }
+  std::string place() const { return "line " + std::to_string(number_); }
+
+ private:
+  const std::string& file_;
+  std::ifstream in_;
+  std::array<char, kMaxLineBytes + 1> line_{};
+  std::string text_;
+  std::size_t number_ = 0;
+};
+
+std::vector<TimedPose> read_csv(const std::string& file, const InputLimits& limits) {
+  Lines lines(file);
+  if (!lines.next() || lines.text() != kCsvHeader) {
+    throw InputError(file, "line 1", "'" + lines.text().substr(0, 80) + "'", kCsvHeader);
   }
   std::vector<TimedPose> poses;
-  for (std::size_t number = 2; std::getline(in, line); ++number) {
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (line.empty()) continue;
-    TimedPose pose = parse_row(file, number, line);
+  while (lines.next()) {
+    if (lines.text().empty()) continue;
+    TimedPose pose = parse_row(file, lines.number(), lines.text());
     if (!poses.empty() && pose.time_s <= poses.back().time_s) {
-      throw InputError(file, "line " + std::to_string(number),
-                       "t_s = " + std::to_string(pose.time_s), "times that rise");
+      throw InputError(file, lines.place(), "t_s = " + std::to_string(pose.time_s),
+                       "times that rise");
     }
-    if (poses.size() == kMaxRows) {
-      throw InputError(file, "line " + std::to_string(number), "more rows",
-                       "at most " + std::to_string(kMaxRows));
+    if (!poses.empty() && pose.time_s - poses.front().time_s > kLongest_s) {
+      throw InputError(
+          file, lines.place(),
+          "a pose " + std::to_string(pose.time_s - poses.front().time_s) + " s after the first",
+          "at most 1000000 s");
+    }
+    if (poses.size() == limits.poses()) {
+      throw InputError(file, lines.place(), "more rows",
+                       "at most " + std::to_string(limits.poses()) + " (--limit-gib)");
     }
     poses.push_back(pose);
   }
@@ -108,8 +162,10 @@ Eigen::Quaterniond orientation_along(const Eigen::Vector3d& axis_world) {
   return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitY(), axis_world);
 }
 
-Trajectory make_trajectory(const TrajectorySettings& settings) {
-  if (!settings.file.empty()) return Trajectory(hold(read_csv(settings.file), settings.hold_s));
+Trajectory make_trajectory(const TrajectorySettings& settings, const InputLimits& limits) {
+  if (!settings.file.empty()) {
+    return Trajectory(hold(read_csv(settings.file, limits), settings.hold_s));
+  }
   const Eigen::Quaterniond orientation = orientation_along(settings.axis);
   std::vector<TimedPose> poses;
   for (const Eigen::Vector3d& point : settings.points_m) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include "engine/core/error.hpp"
 #include "tests/support/scratch_folder.hpp"
@@ -36,6 +37,10 @@ std::string nrrd(const std::string& sizes = "4 5 6", const std::string& more = "
                  const std::string& dimension = "3", const std::string& type = "uint16") {
   return "NRRD0004\ntype: " + type + "\ndimension: " + dimension + "\nsizes: " + sizes +
          "\nendian: little\nencoding: " + encoding + "\n" + more + "\n" + data;
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
 }
 
 std::string meta(const std::string& sizes = "4 5 6", const std::string& more = "",
@@ -68,13 +73,14 @@ std::string nifti(std::array<std::int16_t, 3> sizes = {4, 5, 6},
   return header + data;
 }
 
-/// A TIFF of `pages` pages of 4 x 5 16-bit grey values.
-std::string tiff(int pages, int first_value = 0) {
+/// A TIFF of `pages` pages of 4 x 5 16-bit grey values; the tag `change` of the last is `to`.
+std::string tiff(int pages, int first_value = 0, std::uint16_t change = 0, std::uint32_t to = 0) {
   std::string file = "II*" + std::string(1, '\0') + bytes_of(std::uint32_t{8});
   for (int page = 0; page < pages; ++page) {
     constexpr std::uint16_t kEntries = 9;
     const auto data_at = static_cast<std::uint32_t>(file.size() + 2 + 12 * kEntries + 4);
     const auto entry = [&](std::uint16_t tag, std::uint16_t type, std::uint32_t value) {
+      if (tag == change && page + 1 == pages) value = to;
       file += bytes_of(tag) + bytes_of(type) + bytes_of(std::uint32_t{1}) + bytes_of(value);
     };
     file += bytes_of(kEntries);
@@ -141,9 +147,24 @@ void expect_counting(const MedicalVolume& volume) {
   EXPECT_EQ(volume.at(3, 1, 2), 3 + 4 + 40);
 }
 
-std::string error_of(const std::string& path) {
+/// Deflated, in the wrapping of gzip.
+std::string packed(const std::string& bytes) {
+  z_stream stream{};
+  deflateInit2(&stream, 9, Z_DEFLATED, 16 + MAX_WBITS, 9, Z_DEFAULT_STRATEGY);
+  std::string out(deflateBound(&stream, bytes.size()), '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+  stream.avail_in = static_cast<uInt>(bytes.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  deflate(&stream, Z_FINISH);
+  out.resize(stream.total_out);
+  deflateEnd(&stream);
+  return out;
+}
+
+std::string error_of(const std::string& path, const InputLimits& limits = {}) {
   try {
-    read_medical_volume(path);
+    read_medical_volume(path, limits);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -294,6 +315,8 @@ TEST_P(BadVolumes, OneLineAndNothingElse) {
   EXPECT_LT(error.size(), path.size() + 300);
 }
 
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
 INSTANTIATE_TEST_SUITE_P(
     MedicalVolume, BadVolumes,
     testing::Values(
@@ -322,10 +345,31 @@ INSTANTIATE_TEST_SUITE_P(
                   "direction"},
         BadVolume{"small.gz.nrrd", nrrd("400 500 600", "", "0123456789", "gzip"), "data: found 10"},
         BadVolume{"damaged.gz.nrrd", nrrd("4 5 6", "", std::string(50, 'x'), "gzip"), "240 bytes"},
-        BadVolume{"few.nrrd", nrrd("4 5 6", "", "1 2 3", "ascii"), "unreadable"},
+        BadVolume{"few.nrrd", nrrd("1 2 3", "", "1 2 3 4 5 six", "ascii"), "unreadable"},
         BadVolume{"encoding.nrrd", nrrd("4 5 6", "", "", "morse"), "encoding"},
         BadVolume{"gone.nhdr", nrrd("4 5 6", "data file: gone.raw\n", ""), "data file"},
+        BadVolume{"list.nhdr", nrrd("4 5 6", "data file: LIST\n", "a.raw\n"),
+                  "data file: found \"LIST\", expected one file"},
+        BadVolume{
+            "list.mhd",
+            "NDims = 3\nDimSize = 4 5 6\nElementType = MET_UCHAR\nElementDataFile = LIST\na\n",
+            "ElementDataFile: found \"LIST\", expected LOCAL or one file"},
         BadVolume{"other.nrrd", "a poem\n", "NRRD"}, BadVolume{"empty.nrrd", "", "empty file"},
+        BadVolume{"twice.nrrd", nrrd("4 5 6", "sizes: 4 5 6\n"),
+                  "sizes: found the field twice, expected it once"},
+        BadVolume{"text.nrrd", nrrd("400 500 600", "", "1 2 3\n", "ascii"),
+                  "data: found 6 bytes, expected at least 239999999 bytes after the header"},
+        BadVolume{"hex.nrrd", nrrd("4 5 6", "", "00ff", "hex"),
+                  "data: found 4 bytes, expected at least 480 bytes after the header"},
+        BadVolume{"bomb.nrrd",
+                  nrrd("4 5 6", "byte skip: -1\n", packed(std::string(1 << 20, '\0')), "gzip"),
+                  "byte skip: found -1, expected 0 or more before compressed data"},
+        BadVolume{"zeros.nrrd", std::string(300, '\0'), "line 1: found no \"NRRD\", expected"},
+        BadVolume{"ones.nrrd", std::string(300, '\xff'), "line 1: found no \"NRRD\", expected"},
+        BadVolume{"negative.mha", meta("4 5 6", "CompressedData = True\nCompressedDataSize = -5\n"),
+                  "CompressedDataSize: found -5, expected a number of bytes"},
+        BadVolume{"twice.mha", meta("4 5 6", "DimSize = 4 5 6\n"),
+                  "dimsize: found the field twice, expected it once"},
         BadVolume{"truncated.mha", meta("4 5 7"), "data: found 240 bytes, expected 280"},
         BadVolume{"overflow.mha", meta("4000000 5000000 6000000"), "at most"},
         BadVolume{"spacing.mha", meta("4 5 6", "ElementSpacing = 0 1 1\n"), "ElementSpacing"},
@@ -339,9 +383,28 @@ INSTANTIATE_TEST_SUITE_P(
         BadVolume{"negative.nii", nifti({-4, 5, 6}), "dim: found -4"},
         BadVolume{"spacing.nii", nifti({4, 5, 6}, {0.0f, 1.0f, 1.0f}), "pixdim: found 0"},
         BadVolume{"type.nii", nifti({4, 5, 6}, {1, 1, 1}, 9999), "datatype: found 9999"},
+        BadVolume{"turned.nii", nifti().replace(256, 4, bytes_of(kNan)),
+                  "orientation: found nan, expected numbers up to 1e9"},
+        BadVolume{"tiny.nii", nifti({4, 5, 6}, {1e-40f, 1.0f, 1.0f}),
+                  "pixdim: found 9.99995e-41, expected a positive length"},
+        BadVolume{"second.nii", bytes_of(540) + std::string(600, '\0'),
+                  "sizeof_hdr: found 540, NIfTI-2, expected 348, NIfTI-1"},
         BadVolume{"short.nii", "abc", "3 bytes"},
         BadVolume{"garbage.nii.gz", std::string(3000, '\x1f'), "sizeof_hdr"},
+        BadVolume{"zeros.nii", std::string(592, '\0'), "sizeof_hdr: found 0, expected 348"},
+        BadVolume{"ones.nii", std::string(592, '\xff'), "sizeof_hdr: found -1, expected 348"},
+        BadVolume{"bomb.nii.gz", packed(nifti() + std::string(4 << 20, '\0')),
+                  "data: found more than 1049168 bytes, unpacked, expected what the header says"},
+        BadVolume{"truncated.nii.gz", packed(nifti()).substr(0, 100), "header: found "},
         BadVolume{"garbage.tif", std::string(3000, 'x'), "TIFF"},
+        BadVolume{"bits.tif", tiff(2, 0, 258, 1),
+                  "page 1: found 1 bits of sample format 1, expected 8, 16"},
+        BadVolume{"width.tif", tiff(2, 0, 256, 2),
+                  "page 1: found a page of another form, expected that of the first"},
+        BadVolume{"colours.tif", tiff(1, 0, 277, 3), "page 0: found colours (3 samples"},
+        BadVolume{"fax.tif", tiff(1, 0, 259, 4), "page 0: found compression 4, expected none, LZW"},
+        BadVolume{"huge.tif", tiff(1, 0, 257, 60000),
+                  "data: found 162 bytes, expected at least 480000"},
         BadVolume{"garbage.dcm", std::string(3000, 'x'), "DICOM"},
         BadVolume{"tooth.step", "x", "extension \".step\""}),
     [](const auto& tested) {
@@ -349,6 +412,28 @@ INSTANTIATE_TEST_SUITE_P(
       for (char& c : name) c = c == '.' ? '_' : c;
       return name;
     });
+
+TEST(MedicalVolume, LimitsCanBeRaised) {
+  const ScratchFolder folder;
+  const std::string path = folder.write("a.nrrd", nrrd());
+  EXPECT_EQ(error_of(path, {.memory_bytes = 119 * 4}),
+            path + ": sizes: found 4 x 5 x 6 voxels, expected at most 119 (--limit-gib)");
+  EXPECT_EQ(error_of(path, {.memory_bytes = 120 * 4}), "no error");
+}
+
+TEST(MedicalVolume, BigEndianAndSignedValuesAreRead) {
+  const ScratchFolder folder;
+  std::string big;
+  for (int v = -60; v < 60; ++v) {
+    const std::string little = bytes_of(static_cast<std::int16_t>(v));
+    big += {little[1], little[0]};
+  }
+  const std::string header = replaced(nrrd("4 5 6", "", big, "raw", "3", "int16"), "little", "big");
+  const MedicalVolume volume = read_medical_volume(folder.write("a.nrrd", header));
+  ASSERT_EQ(volume.values.size(), 120u);
+  EXPECT_EQ(volume.values.front(), -60.0f);
+  EXPECT_EQ(volume.values.back(), 59.0f);
+}
 
 TEST(MedicalVolume, MissingFilesAndEmptyFolders) {
   const ScratchFolder folder;

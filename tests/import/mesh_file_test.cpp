@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "engine/core/error.hpp"
 #include "tests/import/mesh_fixtures.hpp"
@@ -72,10 +73,26 @@ std::string ply(bool binary, std::uint64_t vertices = 4, std::uint64_t faces = 4
   }
   for (const Triangle& t : triangles) {
     file += binary ? std::string("\3") : "3";
-    for (const int v : t) file += binary ? bytes_of(v) : " " + std::to_string(v);
+    for (const int v : t)
+      file.append(binary ? "" : " ").append(binary ? bytes_of(v) : std::to_string(v));
     if (!binary) file += "\n";
   }
   return file.substr(0, file.size() - cut);
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
+std::string times(int count, const std::string& part) {
+  std::string all;
+  for (int i = 0; i < count; ++i) all += part;
+  return all;
+}
+
+/// A text PLY whose first face is `corners`.
+std::string with_a_face_of(const std::string& corners) {
+  return replaced(ply(false), "3 0 2 1", corners);
 }
 
 void expect_tetrahedron(const TriangleMesh& mesh) {
@@ -155,6 +172,13 @@ INSTANTIATE_TEST_SUITE_P(
         BadMesh{"none.stl", stl(0, kCorners, {}), "found 0 triangles, expected at least 4"},
         BadMesh{"one.stl", stl(1, kCorners, {{0, 1, 2}}), "found 1 triangles"},
         BadMesh{"count.stl", stl(4000000000u), "triangle count: found 4000000000 in a file of 284"},
+        BadMesh{"many.stl", stl(100000000),
+                "triangle count: found 100000000 in a file of 284 bytes, expected 5000000084 bytes "
+                "for them"},
+        BadMesh{"zeros.stl", std::string(284, '\0'),
+                "triangle count: found 0 in a file of 284 bytes, expected 84 bytes for them"},
+        BadMesh{"ones.stl", std::string(284, '\xff'),
+                "triangle count: found 4294967295 in a file of 284 bytes"},
         BadMesh{"truncated.stl", stl().substr(0, 250), "triangle count: found 4 in a file of 250"},
         BadMesh{"header.stl", stl().substr(0, 60) + std::string(1, '\0'), "61 bytes"},
         BadMesh{"nan.stl", stl(4, {{0, 0, kNan}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}), "nan"},
@@ -168,14 +192,54 @@ INSTANTIATE_TEST_SUITE_P(
         BadMesh{"range.obj", obj("f 1 2 9\nf 1 2 3\nf 1 2 4\nf 2 3 4\n"), "out of range"},
         BadMesh{"zero.obj", obj("f 0 2 1\nf 1 2 3\nf 1 2 4\nf 2 3 4\n"), "nvalid"},
         BadMesh{"points.obj", obj(""), "found 0 triangles"},
+        BadMesh{"corners.obj", obj("f 1 3 2\nf 1 2\n"),
+                "line 6: found a face of 2 corners, expected 3 to 1000"},
+        BadMesh{"none.obj", obj("f\n"), "line 5: found a face of 0 corners, expected 3 to 1000"},
+        BadMesh{"polygon.obj", obj("f" + times(1001, " 1") + "\n"),
+                "line 5: found a face of 1001 corners, expected 3 to 1000"},
+        BadMesh{"lines.obj", obj("f" + times(1001, " \\\n1") + "\n"),
+                "line 5: found a face of 1001 corners"},
+        BadMesh{"parts.obj", obj(times(70000, "g a\n")),
+                "line 65541: found more than 65536 parts, expected fewer objects, groups and "
+                "materials"},
         BadMesh{"nan.obj", obj("f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n", "nan"), "nan"},
         BadMesh{"truncated.ply", ply(true, 4, 4, 3, 20), "face 2: found the end of the file"},
         BadMesh{"truncated_text.ply", ply(false, 4, 4, 3, 9), "face 3: found the end"},
         BadMesh{"vertices.ply", ply(true, 4000000000), "expected 4000000000 rows"},
-        BadMesh{"faces.ply", ply(false, 4, 4000000000), "expected 4000000000 rows"},
+        BadMesh{"faces.ply", ply(false, 4, 400),
+                "face 4: found the end of the file, expected 400 rows"},
+        BadMesh{"many.ply", ply(false, 4, 4000000000),
+                "header: found 4000000000 triangles, expected at most 16777216 (--limit-gib)"},
         BadMesh{"range.ply", ply(true, 4, 4, 9), "face 3: found vertex 9"},
         BadMesh{"range_text.ply", ply(false, 4, 4, 99), "face 3: found vertex 99"},
         BadMesh{"negative.ply", ply(true, 4, 4, -1), "face 3: found vertex -1"},
+        BadMesh{"corners.ply", with_a_face_of("0"),
+                "face 0: found a face of 0 corners, expected 3 to 1000"},
+        BadMesh{"polygon.ply", with_a_face_of("2000" + times(2000, " 1")),
+                "face 0: found a face of 2000 corners, expected 3 to 1000"},
+        BadMesh{"nothing.ply",
+                replaced(ply(false), "element face", "element nothing 4000000000\nelement face"),
+                "header: found element nothing without properties, expected at least one"},
+        BadMesh{
+            "twice.ply",
+            replaced(ply(false), "element face", "element vertex 4\nproperty char c\nelement face"),
+            "header: found element vertex twice, expected it once"},
+        BadMesh{"return.ply", replaced(ply(false), "1.0\n", "1.0\ncomment\relement vertex 9\n"),
+                "line 3: found the control character 13, expected text"},
+        BadMesh{"control.ply", replaced(ply(false), "3 0 2 1", "3 0 2\x10 1"),
+                "line 14: found the control character 16, expected text"},
+        BadMesh{"two_lines.ply", replaced(ply(false), "3 0 2 1", "3 0 2\n1"),
+                "face 0: found the end of the line, expected 4 rows as the header says"},
+        BadMesh{"one_line.ply", replaced(ply(false), "3 0 2 1", "3 0 2 1 7"),
+                "face 0: found '7', expected the end of the row"},
+        BadMesh{"fraction.ply", replaced(ply(false), "3 0 2 1", "3 0 2.5 1"),
+                "face 0: found '2.5', expected 4 rows as the header says"},
+        BadMesh{"float_index.ply", replaced(ply(false), "uchar int", "uchar float"),
+                "header: found indices of type float, expected whole numbers"},
+        BadMesh{"float_count.ply", replaced(ply(false), "uchar int", "float int"),
+                "header: found lists of float lengths, expected whole numbers"},
+        BadMesh{"control.obj", obj("f 1 3 2\rf 1 2 4\n"),
+                "line 5: found the control character 13, expected text"},
         BadMesh{"header.ply", "ply\nformat ascii 1.0\n", "no end_header"},
         BadMesh{"word.ply", "hello\n", "\"ply\""},
         BadMesh{"tooth.fbx", "x", "expected .stl, .obj or .ply"}),
@@ -184,6 +248,46 @@ INSTANTIATE_TEST_SUITE_P(
       for (char& c : name) c = c == '.' ? '_' : c;
       return name;
     });
+
+std::string error_with(const std::string& path, const InputLimits& limits) {
+  try {
+    read_mesh(path, limits);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(MeshFile, LimitsCanBeRaised) {
+  const ScratchFolder folder;
+  const auto limits_of = [](std::uint64_t triangles) {
+    return InputLimits{.memory_bytes = triangles * InputLimits::kTriangleBytes};
+  };
+  const std::string path = folder.write("a.stl", stl());
+  EXPECT_EQ(error_with(path, limits_of(3)),
+            path + ": triangle count: found 4 triangles, expected at most 3 (--limit-gib)");
+  EXPECT_EQ(error_with(path, limits_of(4)), "no error");
+  const std::string faces = folder.write("a.obj", obj(times(20, "f 1 2 3\n")));
+  EXPECT_EQ(error_with(faces, limits_of(19)),
+            faces + ": line 24: found 20 triangles, expected at most 19 (--limit-gib)");
+  EXPECT_EQ(error_with(faces, limits_of(20)), "no error");
+  const std::string rows = folder.write("a.ply", ply(false, 4, 20));
+  EXPECT_EQ(error_with(rows, limits_of(19)),
+            rows + ": header: found 20 triangles, expected at most 19 (--limit-gib)");
+  const std::string text = folder.write("b.stl", text_stl());
+  EXPECT_EQ(error_with(text, {.memory_bytes = 1000}),
+            text + ": found 363 bytes, expected at most 250 (--limit-gib)");
+  EXPECT_EQ(error_with(text, {.memory_bytes = 4 * 363}), "no error");
+}
+
+TEST(MeshFile, NoOtherFileIsOpenedAndNoOtherFormatRead) {
+  const ScratchFolder folder;
+  // A pipe: whoever opened it would wait for ever.
+  ASSERT_EQ(mkfifo(folder.path("pipe.mtl").c_str(), 0600), 0);
+  expect_tetrahedron(read_mesh(folder.write("a.obj", "mtllib pipe.mtl\n" + obj())));
+  const std::string drawing = folder.write("drawing.obj", "0\nSECTION\n2\nHEADER\n0\nENDSEC\n");
+  EXPECT_NE(error_with(drawing, {}), "no error");
+}
 
 TEST(MeshFile, MissingFilesAndFolders) {
   const ScratchFolder folder;

@@ -201,6 +201,33 @@ TEST_F(TrajectoryFile, LongRowsAreShortenedInTheMessage) {
   EXPECT_LT(error_of_rows(long_line).size(), 200u);
 }
 
+TEST_F(TrajectoryFile, LinesAndFilesHaveAnEnd) {
+  EXPECT_EQ(error_of_rows(std::string(5000, '7')),
+            "line 2: found a line of more than 4096 bytes, expected "
+            "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz");
+  std::string rows;
+  for (int i = 0; i < 9; ++i) rows += std::to_string(i) + ",0,0,0,1,0,0,0\n";
+  std::ofstream(file_, std::ios::binary) << kHeader << rows;
+  TrajectorySettings settings;
+  settings.file = file_;
+  EXPECT_EQ(make_trajectory(settings, {.memory_bytes = 9 * 128}).duration_s(), 8.0);
+  try {
+    make_trajectory(settings, {.memory_bytes = 8 * 128});
+    FAIL() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.what(), file_ + ": line 10: found more rows, expected at most 8 (--limit-gib)");
+  }
+}
+
+TEST_F(TrajectoryFile, PosesAreWithinAKilometreAndTwelveDays) {
+  EXPECT_EQ(error_of_rows("0,0,1e7,0,1,0,0,0\n"),
+            "line 2: found y_mm = 1e+07, expected -1e+06 to 1e+06");
+  EXPECT_EQ(error_of_rows("-1e300,0,0,0,1,0,0,0\n1e300,0,0,0,1,0,0,0\n"),
+            "line 2: found t_s = -1e+300, expected -1e+11 to 1e+11");
+  EXPECT_EQ(error_of_rows("1700000000,0,0,0,1,0,0,0\n1702000000,0,0,0,1,0,0,0\n"),
+            "line 3: found a pose 2000000.000000 s after the first, expected at most 1000000 s");
+}
+
 TEST_F(TrajectoryFile, AMissingFileIsBadInput) {
   TrajectorySettings settings;
   settings.file = file_ + ".none";
