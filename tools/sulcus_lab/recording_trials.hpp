@@ -38,8 +38,8 @@ std::vector<TrialRow> trial_of_going_back(const TrialSetting& setting);
 /// How long a random time of a recording takes to be reached once it is open. `scene`: its file.
 std::vector<TrialRow> trial_of_reach(const TrialSetting& setting, const std::string& scene);
 
-/// A scene cut all over for so long, as fast as it goes: to and fro, deeper every time. Its memory is
-/// looked at every second; what it has after a minute is what it may have.
+/// A scene cut all over for so long, as fast as it goes: to and fro, deeper every time. Its memory
+/// is looked at every second; what it has after a minute is what it may have.
 std::vector<TrialRow> trial_of_soak(const TrialSetting& setting, const std::string& scene,
                                     double minutes);
 
