@@ -43,6 +43,7 @@ struct Feed {
   Queue<TickReport> reports;
   Queue<Edit> edits;
   std::atomic<bool> ended{false};  // set after the last push
+  std::atomic<bool> gone{false};   // set by a consumer that has failed: it is told nothing more
 };
 
 /// A state as it was right after a tick, as save_state writes it.

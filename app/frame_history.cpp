@@ -50,6 +50,7 @@ FrameHistory::FrameHistory(const Scene& scene, const VoxelModel& start)
 void FrameHistory::add(const Edit& edit) {
   if (progress_) progress_->add(edit);
   if (edit.body > 0) ++damage_[edit.body - 1u].removed;
+  if (edit.body == 0 && edit.cause == EditCause::kCut) ++removed_;
 }
 
 std::vector<OutcomeLine> FrameHistory::outcome() const {
@@ -123,7 +124,6 @@ void FrameHistory::add(const TickRecord& record, const CuttingRecord* cutting,
   }
   const double speed_rad_per_s = cutting ? cutting->spindle_rad_per_s : set_speed_rad_per_s_;
   turn_rad_ = std::fmod(turn_rad_ + speed_rad_per_s * dt_s_, 2.0 * std::numbers::pi);
-  removed_ += record.removed;
   // Twice the window is kept, so that the front is cut off once in a window and not every tick.
   if (force_N_.size() >= 2 * window_) {
     for (auto* values : {&force_N_, &torque_mNm_, &tick_us_}) {

@@ -26,6 +26,7 @@ PiecesThread::PiecesThread(Feed& feed, std::vector<PieceFeed*> consumers, const 
       run();
     } catch (...) {
       failure_ = std::current_exception();
+      feed_.gone = true;
       failed_ = true;
       for (PieceFeed* consumer : consumers_) consumer->ticks_done = ~std::uint64_t{0};
     }

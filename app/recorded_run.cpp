@@ -76,7 +76,7 @@ RecordedRun open_recorded_run(const std::string& path) {
     const std::vector<KeyframeInfo>& keyframes = reader.keyframes();
     const bool is_there = !keyframes.empty() && keyframes.front().tick + 1 == first;
     const auto state = is_there ? reader.keyframe(keyframes.front()) : std::nullopt;
-    if (!state || !simulation->load_state(*state)) {
+    if (!state || !simulation->load_state(*state) || simulation->state().tick != first) {
       throw InputError(path, "/keyframes", "no intact state before tick " + std::to_string(first),
                        "that from which the run goes on");
     }

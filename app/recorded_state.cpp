@@ -17,6 +17,11 @@ bool same_edit(const Edit& a, const Edit& b) {
 
 RecordedState::RecordedState(RecordedRun& run) : run_(run), edits_(run.reader.edits()) {
   save_state(run_.simulation->state(), start_);
+  const auto is_loose = [](const Edit& edit) { return edit.cause == EditCause::kLoose; };
+  if (!run_.simulation->scene().loose_pieces && std::ranges::any_of(edits_.edits(), is_loose)) {
+    throw InputError(run_.path, "/edits", "a piece cut loose",
+                     "none, as its scene has no [loose_pieces]");
+  }
 }
 
 void RecordedState::move_shapes(std::uint64_t edits_end) {
@@ -42,7 +47,8 @@ bool RecordedState::go_to(const KeyframeInfo& info, std::size_t row) {
   const std::optional<std::vector<std::byte>> state = run_.reader.keyframe(info);
   if (!state) return false;
   move_shapes(run_.rows[row].edits_end);
-  if (!run_.simulation->load_state(*state)) {
+  if (!run_.simulation->load_state(*state) ||
+      run_.simulation->state().tick != run_.rows[row].tick + 1) {
     go_to_start();  // what was loaded of it is no state
     return false;
   }

@@ -72,6 +72,7 @@ void RecorderThread::drain() {
     writer_->flush();
   } catch (...) {
     failure_ = std::current_exception();
+    feed_.gone = true;
     writer_.reset();
   }
 }

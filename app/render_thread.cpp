@@ -41,6 +41,7 @@ RenderThread::RenderThread(Feed& feed, PieceFeed* pieces, const Scene& scene, Vo
       run();
     } catch (...) {
       failure_ = std::current_exception();
+      feed_.gone = true;
       if (!is_ready_) ready_.set_value();  // `finish` says what went wrong
     }
   });

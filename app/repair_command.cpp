@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -14,10 +15,21 @@ namespace {
 
 constexpr std::size_t kRowsAtOnce = 4096;
 
+/// What a recording lacks, states whose bytes are damaged among it; empty where nothing does.
+std::string what_is_missing(const RecordingReader& reader) {
+  const auto damaged =
+      std::ranges::count_if(reader.keyframes(), [&](const auto& k) { return !reader.keyframe(k); });
+  std::string missing = reader.missing();
+  if (damaged == 0) return missing;
+  return missing.append(missing.empty() ? "" : "; ") + std::to_string(damaged) + " of " +
+         std::to_string(reader.keyframes().size()) + " states in /keyframes are damaged";
+}
+
 /// Whatever a recording still holds, written anew.
-void copy_recording(const RecordingReader& reader, const std::string& file) {
+void copy_recording(const RecordingReader& reader, const std::string& missing,
+                    const std::string& file) {
   RecordingHeader header = reader.header();
-  if (!reader.missing().empty()) header.repaired = reader.missing();
+  if (!missing.empty()) header.repaired = missing;
   const VoxelModel start = reader.workpiece();
   const std::vector<VoxelModel> bodies = reader.bodies();
   const std::optional<VoxelModel> goal = reader.goal();
@@ -58,11 +70,12 @@ void repair(const std::string& recording, const std::string& file) {
     throw InputError(file, "-o", "the recording itself", "another file");
   }
   if (fs::exists(file)) throw InputError(file, "-o", "a file that is there", "a new one");
-  copy_recording(reader, file);
-  if (reader.missing().empty()) {
+  const std::string missing = what_is_missing(reader);
+  copy_recording(reader, missing, file);
+  if (missing.empty()) {
     std::printf("%s: nothing was missing\n", recording.c_str());
   } else {
-    std::printf("%s: %s\n", recording.c_str(), reader.missing().c_str());
+    std::printf("%s: %s\n", recording.c_str(), missing.c_str());
   }
   std::printf("%s: %zu ticks, %zu removed voxels\n", file.c_str(), reader.tick_count(),
               reader.edit_count());

@@ -106,6 +106,10 @@ void replay(const ReplayOptions& options) {
       options.folder.empty()
           ? "out/" + std::filesystem::path(options.recording).stem().string() + "_replay"
           : options.folder;
+  std::error_code ignored;  // what is not there is not the recording
+  if (std::filesystem::equivalent(session.folder + "/recording.h5", options.recording, ignored)) {
+    throw InputError(session.folder, "-o", "the folder of the recording itself", "another one");
+  }
   session.pace = options.pace == "real" ? Pace::kReal : Pace::kFast;
   session.goal = run.reader.goal();
   std::size_t first = 0;
@@ -113,6 +117,11 @@ void replay(const ReplayOptions& options) {
     if (row + 1 == run.rows.size()) {
       throw InputError(options.recording, "--from", "the end of the recording",
                        "a time before " + std::to_string(run.rows.back().time_s) + " s");
+    }
+    if (run.rows[row + 1].tick != run.rows[row].tick + 1) {
+      throw InputError(
+          options.recording, "--from", "a time before ticks that were not recorded",
+          "one from " + std::to_string(run.rows[row + 1].time_s) + " s on, or earlier");
     }
     run.simulation = simulation_from(run, row, options.overrides);
     first = row + 1;
@@ -139,20 +148,25 @@ void add_replay_command(CLI::App& program) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* command = program.add_subcommand("replay", "Run a recording again, tick by tick");
   command->add_option("RECORDING", options->recording, "Recording, .h5")->required();
-  command->add_option("-o", options->folder, "Folder for the results (out/<recording>_replay)");
-  command->add_flag("--verify", options->verify,
-                    "Only compare every tick's forces and the volume, bit for bit");
+  CLI::Option* const folder =
+      command->add_option("-o", options->folder, "Folder for the results (out/<recording>_replay)");
+  CLI::Option* const verify = command->add_flag(
+      "--verify", options->verify, "Only compare every tick's forces and the volume, bit for bit");
   command
       ->add_option("--from", options->from_s,
                    "Go on from this time of the recording, s; what "
                    "comes is a recording of its own")
       ->check(CLI::NonNegativeNumber);
-  command
-      ->add_option("--set", options->overrides, "TABLE.KEY=VALUE, changes the scene from there on")
-      ->expected(1)
-      ->take_all();
-  command->add_option("--pace", options->pace, "real: 1 tick each 1 / rate_hz; fast: no waiting")
-      ->check(CLI::IsMember({"real", "fast"}));
+  CLI::Option* const set = command
+                               ->add_option("--set", options->overrides,
+                                            "TABLE.KEY=VALUE, changes the scene from there on")
+                               ->expected(1)
+                               ->take_all();
+  CLI::Option* const pace =
+      command
+          ->add_option("--pace", options->pace, "real: 1 tick each 1 / rate_hz; fast: no waiting")
+          ->check(CLI::IsMember({"real", "fast"}));
+  for (CLI::Option* const unused : {folder, set, pace}) verify->excludes(unused);
   command->add_option("--threads", options->threads, "Threads for loading and meshing (all cores)")
       ->check(CLI::Range(1, 1024));
   command->callback([options] { replay(*options); });

@@ -104,7 +104,7 @@ class HapticLoop {
       if (report.record.faults & kFaultNotFinite) break;
       progress();
     }
-    if (record_ && gap_) {  // time does not matter any more
+    if (records() && gap_) {  // time does not matter any more
       wait_for_room(dropped_);
       --dropped_rows_;
       mark_gap_end();
@@ -119,6 +119,8 @@ class HapticLoop {
   const std::vector<std::string>& refused() const { return refused_; }
 
  private:
+  bool records() const { return record_ && !record_->gone; }
+
   /// The voxels of loose pieces that leave in the next tick.
   std::span<const std::uint32_t> loose_now() {
     if (!pieces_) return {};
@@ -126,7 +128,7 @@ class HapticLoop {
     const auto voxels = loose_.before_tick(simulation_.state().tick, [&](LooseAnswer& answer) {
       return pieces_->next_answer(answer, wait);
     });
-    if (record_) {
+    if (records()) {
       for (const TakenAnswer& taken : loose_.taken()) record_->taken.enqueue(taken);
     }
     return voxels;
@@ -140,10 +142,11 @@ class HapticLoop {
     seal(report.cutting);
     seal(report.port);
     for (Feed* feed : feeds_) {
+      if (feed->gone) continue;
       for (const Edit& edit : edits) feed->edits.enqueue(edit);
       feed->reports.enqueue(report);
     }
-    if (record_) record(report, edits);
+    if (records()) record(report, edits);
   }
 
   /// Edits are never left out. Where the disk does not keep up, rows are, at real pace; the next
@@ -184,7 +187,7 @@ class HapticLoop {
 
   void hash_state() {
     const std::uint64_t next = simulation_.state().tick;
-    if (!record_ || next == hashed_) return;
+    if (!records() || next == hashed_) return;
     hashed_ = next;
     record_->hashes.enqueue({next - 1, simulation_.workpiece().hash(), simulation_.state().hash()});
   }
@@ -300,6 +303,12 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
   std::optional<RecorderThread> recorder;
   if (std::optional<RecordingWriter> writer = open_recording(simulation, options, recording)) {
     record_feed.emplace(scene.haptics.rate_hz, scene.record->queue_s);
+    // Room that is not used takes no memory; a state that needs more takes it once.
+    for (int spare = 0; spare < 3; ++spare) {
+      Keyframe keyframe;
+      keyframe.state.reserve(std::size_t{1} << 20);
+      record_feed->spare_keyframes.enqueue(std::move(keyframe));
+    }
     if (scene.loose_pieces) record_pieces.emplace();
     recorder.emplace(*record_feed, record_pieces ? &*record_pieces : nullptr, std::move(*writer));
     result.files.push_back(recording);

@@ -39,12 +39,15 @@ class ScriptedDevice final : public Device {
 };
 
 /// Plays back the poses of a recording, from tick `first` on: a replay is the same tick with this
-/// device.
+/// device. Outside of them it does not answer.
 class PlaybackDevice final : public Device {
  public:
   explicit PlaybackDevice(std::span<const std::optional<Pose>> poses, std::uint64_t first = 0)
       : poses_(poses), first_(first) {}
-  std::optional<Pose> pose(std::uint64_t tick) noexcept override { return poses_[tick - first_]; }
+  std::optional<Pose> pose(std::uint64_t tick) noexcept override {
+    const std::uint64_t row = tick - first_;  // before the first: beyond the last
+    return row < poses_.size() ? poses_[row] : std::nullopt;
+  }
   void apply(const Wrench&) noexcept override {}
 
  private:

@@ -18,10 +18,9 @@ namespace sulcus {
 //   /ticks  /edits  /state_hashes                one dimension, extensible, no filters
 //                A row of /ticks that does not follow on the one before it has the fault
 //                kFaultRowsDropped; the edits of the ticks between are there.
-//   /keyframes  /keyframe_index                  states (haptics/saved_state.hpp), one after
-//   another,
-//                and where each lies; every so many ticks, after each gap, and before the first row
-//                of a recording that goes on from another
+//   /keyframes   states (haptics/saved_state.hpp), one after another: every so many ticks, after
+//                each gap, before the first row of a recording that goes on from another
+//   /keyframe_index  of which tick each is, and where it lies
 //   /cutting     one row for each of /ticks, only where the scene cuts
 //   /port        the same, only where it names a device or a coupling
 //   /pieces  /piece_poses  /taken_answers        only where pieces may come loose

@@ -19,6 +19,7 @@ namespace {
 // Beyond these a caller who does not flush is helped: memory stays bounded.
 constexpr std::size_t kMaxWaitingTicks = 4096;
 constexpr std::size_t kMaxWaitingEdits = 1 << 16;
+constexpr std::size_t kMaxWaitingStateBytes = 1 << 24;
 
 /// A data set that grows by rows, and the rows that wait for it.
 template <class Row>
@@ -347,6 +348,7 @@ void RecordingWriter::append_keyframe(std::uint64_t tick, std::span<const std::b
     row.check = check_of(row);
     file_->keyframes->add(state);
     file_->keyframe_index->add(row);
+    if (file_->keyframes->waiting() > kMaxWaitingStateBytes) file_->flush();
   });
 }
 

@@ -1,6 +1,8 @@
 // Recordings of the whole program when things go wrong, and what can be made of one.
 #include <csignal>
 #include <cstring>
+#include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -11,6 +13,7 @@
 #include <unistd.h>
 
 #include "engine/recording/recording_reader.hpp"
+#include "engine/recording/recording_writer.hpp"
 #include "tests/pipeline/small_scenes.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
@@ -43,6 +46,10 @@ class Recording : public ::testing::Test {
           "-o", folder.c_str(), nullptr);
     _exit(127);
   }
+  /// Until a file is there, but not for ever.
+  static void wait_for(const std::string& file) {
+    for (int ms = 0; access(file.c_str(), F_OK) != 0 && ms < 60'000; ++ms) usleep(1000);
+  }
   /// Starts a run and kills it.
   std::string killed(const std::string& pace, unsigned after_us) {
     const std::string scene = scratch_.write("s.toml", test::kCutScene);
@@ -50,7 +57,7 @@ class Recording : public ::testing::Test {
     std::filesystem::remove_all(folder);
     const pid_t child = start(scene, pace, folder);
     const std::string file = folder + "/recording.h5";
-    while (access(file.c_str(), F_OK) != 0) usleep(1000);
+    wait_for(file);
     usleep(after_us);
     kill(child, SIGKILL);
     int status = 0;
@@ -187,6 +194,71 @@ TEST_F(Recording, OfEveryPaceAndNumberOfThreadsVerifies) {
   }
 }
 
+TEST_F(Recording, IsNotWrittenOverByWhatGoesOnFromIt) {
+  const std::string file = record("out");
+  const std::string before = test::read_file(file);
+  for (const std::string from : {"", " --from 0.1"}) {
+    const auto refused = command("replay " + file + from + " -o " + scratch_.path("out"));
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_NE(refused.err.find("the folder of the recording itself"), std::string::npos);
+  }
+  EXPECT_EQ(test::read_file(file), before);
+  EXPECT_EQ(command("replay --verify " + file + " --from 0.1 --set haptics.scaling=count").status,
+            2);
+}
+
+/// A recording made over by hand: rows and edits as they were, states as given.
+std::string made_over(const std::string& from, const std::string& to,
+                      const std::function<void(RecordingWriter&, const RecordingReader&)>& states,
+                      EditCause cause = EditCause::kCut) {
+  const RecordingReader reader(from);
+  RecordingWriter writer(to, reader.header(), reader.workpiece(), nullptr, reader.tables());
+  std::vector<Edit> edits = reader.edits();
+  if (!edits.empty()) edits.back().cause = cause;
+  writer.append_edits(edits);
+  writer.append_cutting(reader.cutting());
+  writer.append_ticks(reader.ticks());
+  states(writer, reader);
+  writer.close();
+  return to;
+}
+
+TEST_F(Recording, AStateOfAnotherTickIsNoState) {
+  const std::string forged = made_over(
+      record("out"), scratch_.path("forged.h5"), [](RecordingWriter& writer, const auto& reader) {
+        const auto state = reader.keyframe(reader.keyframes().front());
+        writer.append_keyframe(reader.keyframes().front().tick + 50, state.value());
+      });
+  // It is passed over, and the ticks from the start run again.
+  const auto result = command("replay --verify --from 0.3 " + forged);
+  EXPECT_EQ(result.status, 0) << result.err;
+}
+
+TEST_F(Recording, ALoosePieceThatNoSceneLetsGoIsRefused) {
+  const std::string forged = made_over(
+      record("out"), scratch_.path("forged.h5"), [](auto&, const auto&) {}, EditCause::kLoose);
+  const auto result = command("replay --verify " + forged);
+  EXPECT_EQ(result.status, 2);
+  EXPECT_NE(result.err.find("found a piece cut loose"), std::string::npos) << result.err;
+}
+
+TEST_F(Recording, RepairSaysWhichStatesAreDamaged) {
+  const std::string file = record("out");
+  std::string bytes = test::read_file(file);
+  const RecordingReader reader(file);
+  const auto state = reader.keyframe(reader.keyframes().back()).value();
+  const std::size_t at =
+      bytes.find(std::string_view(reinterpret_cast<const char*>(state.data()), state.size()));
+  ASSERT_NE(at, std::string::npos);
+  bytes[at + 100] ^= 1;
+  const std::string damaged = scratch_.write("damaged.h5", bytes);
+  const auto result = command("repair " + damaged + " -o " + scratch_.path("repaired.h5"));
+  EXPECT_EQ(result.status, 0);
+  EXPECT_NE(result.out.find("1 of 2 states in /keyframes are damaged"), std::string::npos)
+      << result.out;
+  EXPECT_EQ(RecordingReader(scratch_.path("repaired.h5")).keyframes().size(), 1u);
+}
+
 /// A disk that stalls once, for 0.3 s.
 class StallingDisk : public Recording {
  protected:
@@ -233,6 +305,12 @@ TEST_F(StallingDisk, PastThatItLosesNoEditAndSaysWhichRows) {
                       std::to_string(gap.end - 1)),
             std::string::npos)
       << said;
+  // Into the gap nothing leads on.
+  const std::string within = std::to_string(1e-3 * static_cast<double>(gap.first + 5));
+  const auto refused = command("replay " + file() + " --from " + within);
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find("a time before ticks that were not recorded"), std::string::npos)
+      << refused.err;
   const std::string after = " --from " + std::to_string(1e-3 * static_cast<double>(gap.end + 20));
   const auto on = command("replay " + file() + after + " -o " + scratch_.path("on"));
   EXPECT_EQ(on.status, 0) << on.err;
@@ -281,7 +359,7 @@ TEST_F(Recording, SigtermEndsARunAsCtrlCDoes) {
   for (const int signal : {SIGTERM, SIGINT}) {
     const std::string folder = scratch_.path("out" + std::to_string(signal));
     const pid_t child = start(scene, "real", folder);
-    while (access((folder + "/recording.h5").c_str(), F_OK) != 0) usleep(1000);
+    wait_for(folder + "/recording.h5");
     usleep(200'000);
     kill(child, signal);
     int status = 0;

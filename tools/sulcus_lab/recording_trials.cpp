@@ -190,6 +190,7 @@ void write_bytes(const std::string& file, const std::vector<char>& bytes, std::s
   std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(count));
 }
 
+/// From the last time a file was written.
 double milliseconds_since_written(const std::string& file, WallClock::time_point now) {
   struct stat status {};
   if (stat(file.c_str(), &status) != 0) throw std::runtime_error(file + ": is not there");
@@ -197,6 +198,45 @@ double milliseconds_since_written(const std::string& file, WallClock::time_point
       std::chrono::seconds(status.st_mtim.tv_sec) +
       std::chrono::nanoseconds(status.st_mtim.tv_nsec)));
   return std::chrono::duration<double, std::milli>(now - written).count();
+}
+
+/// Of a run at real pace: how much of its time up to now is in no row. It has begun when its file
+/// was there, or a little later; periods that it missed are not its recorder's.
+double milliseconds_without_rows(const RecordingReader& reader, double lasted_ms) {
+  const double period_ms = 1e3 / reader.header().rate_hz;
+  double recorded_ms = 0.0;
+  for (const TickRecord& row : reader.ticks()) {
+    recorded_ms +=
+        period_ms * (1.0 + std::floor(1e-3 * static_cast<double>(row.late_us) / period_ms));
+  }
+  return lasted_ms - recorded_ms;
+}
+
+/// Starts a run and kills it some time after its recording has appeared.
+struct Killed {
+  bool ended = false;  // before that
+  double lasted_ms = 0.0, since_written_ms = 0.0;
+};
+Killed run_and_kill(const TrialSetting& setting, const std::string& scene, int ticks, bool real,
+                    const std::string& folder, std::chrono::microseconds after) {
+  const std::string file = folder + "/recording.h5";
+  fs::remove_all(folder);
+  std::ostringstream speed;
+  speed << "trajectory.speed_mm_per_s=" << 1000.0 * kWay_mm / ticks;
+  Run run(setting,
+          {"run", scene, "--pace", real ? "real" : "fast", "--set", speed.str(), "-o", folder});
+  while (!fs::exists(file) && run.is_running()) {
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+  }
+  const std::uint64_t begin = steady_ns();
+  std::this_thread::sleep_for(after);
+  run.kill();
+  const WallClock::time_point now = WallClock::now();
+  Killed killed;
+  killed.lasted_ms = 1e-6 * static_cast<double>(steady_ns() - begin);
+  killed.ended = run.wait() != -SIGKILL;
+  if (!killed.ended) killed.since_written_ms = milliseconds_since_written(file, now);
+  return killed;
 }
 
 }  // namespace
@@ -209,33 +249,30 @@ std::vector<TrialRow> trial_of_kills(const TrialSetting& setting) {
   const std::string scene = setting.folder + "/undisturbed.toml";
   std::mt19937 random(1);
   int killed = 0, ended = 0, not_opened = 0, wrong = 0, not_repaired = 0, with_rows = 0;
-  std::vector<float> missing_ms;
+  std::vector<float> since_written_ms, missing_ms;  // the latter at real pace
   for (int trial = 0; trial < setting.kills; ++trial) {
     const bool real = trial % 2 == 0;
     const std::string folder = setting.folder + "/killed";
     const std::string file = folder + "/recording.h5";
-    fs::remove_all(folder);
-    std::ostringstream speed;
-    speed << "trajectory.speed_mm_per_s=" << 1000.0 * kWay_mm / kTicks;
-    Run run(setting,
-            {"run", scene, "--pace", real ? "real" : "fast", "--set", speed.str(), "-o", folder});
-    while (!fs::exists(file)) std::this_thread::sleep_for(std::chrono::microseconds(200));
-    std::this_thread::sleep_for(
-        std::chrono::microseconds(random() % (real ? 1'200'000u : 250'000u)));
-    run.kill();
-    const WallClock::time_point now = WallClock::now();
-    if (run.wait() != -SIGKILL) {
+    const Killed kill =
+        run_and_kill(setting, scene, kTicks, real, folder,
+                     std::chrono::microseconds(random() % (real ? 1'200'000u : 250'000u)));
+    if (kill.ended) {
       ++ended;
       continue;
     }
     ++killed;
-    missing_ms.push_back(static_cast<float>(milliseconds_since_written(file, now)));
+    since_written_ms.push_back(static_cast<float>(kill.since_written_ms));
     const std::string repaired = setting.folder + "/repaired.h5";
     fs::remove(repaired);
     try {
       const RecordingReader reader(file);
       wrong += !truth.begins_with(reader);
       with_rows += reader.tick_count() > 0;
+      if (real) {
+        missing_ms.push_back(
+            static_cast<float>(std::max(0.0, milliseconds_without_rows(reader, kill.lasted_ms))));
+      }
       Run repair(setting, {"repair", file, "-o", repaired});
       const bool done = repair.wait() == 0 && opens_without_swmr(repaired) &&
                         RecordingReader(repaired).missing().empty() &&
@@ -253,42 +290,74 @@ std::vector<TrialRow> trial_of_kills(const TrialSetting& setting) {
           {"kills", "not opened", static_cast<double>(not_opened), 0.0},
           {"kills", "other than undisturbed", static_cast<double>(wrong), 0.0},
           {"kills", "not repaired", static_cast<double>(not_repaired), 0.0},
+          {"kills", "since_written_ms median", quantile(since_written_ms, 0.5), {}},
+          {"kills", "since_written_ms largest", quantile(since_written_ms, 1.0), {}},
           {"kills", "missing over 100 ms", static_cast<double>(late), {}},
           {"kills", "missing_ms median", quantile(missing_ms, 0.5), {}},
           {"kills", "missing_ms largest", quantile(missing_ms, 1.0), kMostMissing_ms}};
 }
 
-std::vector<TrialRow> trial_of_cuts(const TrialSetting& setting) {
-  const std::string whole = record(setting, 150, "cuts");
-  const Truth truth(whole);
-  const std::vector<char> bytes = bytes_of(whole);
-  const std::string file = setting.folder + "/cut.h5";
-  write_bytes(file, bytes, bytes.size());
-  Damaged damaged;
-  const int most = std::min(setting.cut_bytes, static_cast<int>(bytes.size()));
-  for (int cut = 1; cut <= most; ++cut) {
-    fs::resize_file(file, bytes.size() - static_cast<std::size_t>(cut));
-    damaged.read(file, truth);
+namespace {
+
+/// A recording of some 150 ticks, closed, and one whose writer was killed, with what they hold.
+struct Sample {
+  std::string name, file;
+  Truth truth;
+};
+std::vector<Sample> samples(const TrialSetting& setting, const std::string& name) {
+  constexpr int kTicks = 150;
+  std::vector<Sample> both;
+  const std::string whole = record(setting, kTicks, name);
+  both.push_back({name + " of a closed one", whole, Truth(whole)});
+  const std::string folder = setting.folder + "/" + name + "_killed";
+  for (int attempt = 0; attempt < 50; ++attempt) {
+    const Killed kill = run_and_kill(setting, setting.folder + "/" + name + ".toml", 20 * kTicks,
+                                     true, folder, std::chrono::milliseconds(150));
+    const std::string file = folder + "/recording.h5";
+    if (kill.ended || RecordingReader(file).tick_count() == 0) continue;
+    both.push_back({name + " of a killed one", file, Truth(file)});
+    return both;
   }
-  return damaged.rows("cuts");
+  throw std::runtime_error(folder + ": no run could be killed while it recorded");
+}
+
+}  // namespace
+
+std::vector<TrialRow> trial_of_cuts(const TrialSetting& setting) {
+  std::vector<TrialRow> rows;
+  for (const Sample& sample : samples(setting, "cuts")) {
+    const std::vector<char> bytes = bytes_of(sample.file);
+    const std::string file = setting.folder + "/cut.h5";
+    write_bytes(file, bytes, bytes.size());
+    Damaged damaged;
+    const int most = std::min(setting.cut_bytes, static_cast<int>(bytes.size()));
+    for (int cut = 1; cut <= most; ++cut) {
+      fs::resize_file(file, bytes.size() - static_cast<std::size_t>(cut));
+      damaged.read(file, sample.truth);
+    }
+    for (TrialRow& row : damaged.rows(sample.name)) rows.push_back(std::move(row));
+  }
+  return rows;
 }
 
 std::vector<TrialRow> trial_of_flips(const TrialSetting& setting) {
-  const std::string whole = record(setting, 150, "flips");
-  const Truth truth(whole);
-  std::vector<char> bytes = bytes_of(whole);
-  const std::string file = setting.folder + "/flipped.h5";
-  std::mt19937 random(2);
-  Damaged damaged;
-  for (int flip = 0; flip < setting.flips; ++flip) {
-    const std::size_t at = random() % bytes.size();
-    const char bit = static_cast<char>(1 << random() % 8);
-    bytes[at] ^= bit;
-    write_bytes(file, bytes, bytes.size());
-    bytes[at] ^= bit;
-    damaged.read(file, truth);
+  std::vector<TrialRow> rows;
+  for (const Sample& sample : samples(setting, "flips")) {
+    std::vector<char> bytes = bytes_of(sample.file);
+    const std::string file = setting.folder + "/flipped.h5";
+    std::mt19937 random(2);
+    Damaged damaged;
+    for (int flip = 0; flip < setting.flips; ++flip) {
+      const std::size_t at = random() % bytes.size();
+      const char bit = static_cast<char>(1 << random() % 8);
+      bytes[at] ^= bit;
+      write_bytes(file, bytes, bytes.size());
+      bytes[at] ^= bit;
+      damaged.read(file, sample.truth);
+    }
+    for (TrialRow& row : damaged.rows(sample.name)) rows.push_back(std::move(row));
   }
-  return damaged.rows("flips");
+  return rows;
 }
 
 std::vector<TrialRow> trial_of_going_back(const TrialSetting& setting) {
@@ -338,8 +407,8 @@ std::vector<TrialRow> trial_of_reach(const TrialSetting& setting, const std::str
           {"reach", "file_MB", 1e-6 * static_cast<double>(fs::file_size(file)), {}},
           {"reach", "open_ms", open_ms, {}},
           {"reach", "seek_ms median", quantile(reach_ms, 0.5), {}},
-          {"reach", "seek_ms p99", quantile(reach_ms, 0.99), kMost_ms},
-          {"reach", "seek_ms largest", quantile(reach_ms, 1.0), {}}};
+          {"reach", "seek_ms p99", quantile(reach_ms, 0.99), {}},
+          {"reach", "seek_ms largest", quantile(reach_ms, 1.0), kMost_ms}};
 }
 
 namespace {

@@ -26,12 +26,12 @@ struct TrialSetting {
 };
 
 /// Runs killed with SIGKILL at random moments, every other one at real pace: whether the file
-/// opens, is as far as it goes what an undisturbed run gives, and can be repaired; and how much of
-/// the clock is missing, from the last time the file was written to the kill.
+/// opens, is as far as it goes what an undisturbed run gives, and can be repaired; and how much
+/// time is missing: at real pace what no row is of, at any since the file was last written.
 std::vector<TrialRow> trial_of_kills(const TrialSetting& setting);
-/// A recording cut short by every number of bytes, closed and killed.
+/// Recordings cut short by every number of bytes: one that was closed, and one of a killed run.
 std::vector<TrialRow> trial_of_cuts(const TrialSetting& setting);
-/// One bit of it turned round, at random.
+/// One bit of them turned round, at random.
 std::vector<TrialRow> trial_of_flips(const TrialSetting& setting);
 /// Every tick of a cut, from the last to the first: the hashes of the way on and those recorded.
 std::vector<TrialRow> trial_of_going_back(const TrialSetting& setting);
