@@ -31,9 +31,11 @@ std::atomic<bool> stop_requested{false};
 namespace {
 
 constexpr std::uint64_t kHashEvery = 100;  // ticks between state hashes
-// And between states, at least: what a seek has to run again. Large states are further apart, so
-// that all together take no more room than the rows.
+// A state is recorded every so many ticks, and sooner where they take long: a seek has to run again
+// what came after it. Large ones are further apart, so that all together take no more room than the
+// rows. Where they stand is no part of the result.
 constexpr std::uint64_t kKeyframeEvery = 200;
+constexpr double kKeyframeEvery_us = 50e3;  // of computing
 
 /// Wakes at absolute times, one period apart. A wake that is late by whole periods moves the
 /// schedule: nothing is run twice as fast and no tick is left out.
@@ -169,7 +171,9 @@ class HapticLoop {
     const std::uint64_t next = report.record.tick + 1;
     if (gap_) mark_gap_end();
     if (next % kHashEvery == 0) hash_state();
-    if (next % kKeyframeEvery == 0 && next >= keep_next_) keep_state();
+    since_kept_us_ += static_cast<double>(report.record.step_us);
+    const bool due = next % kKeyframeEvery == 0 || since_kept_us_ >= kKeyframeEvery_us;
+    if (due && next >= keep_next_) keep_state();
   }
 
   void wait_for_room(const TickReport& report) {
@@ -196,6 +200,7 @@ class HapticLoop {
     const std::uint64_t next = simulation_.state().tick;
     if (next == kept_) return;
     kept_ = next;
+    since_kept_us_ = 0.0;
     Keyframe keyframe;
     record_->spare_keyframes.try_dequeue(keyframe);
     keyframe.tick = next - 1;
@@ -221,8 +226,9 @@ class HapticLoop {
   LooseSchedule loose_;
   Pacer pacer_;
   std::uint64_t done_ = 0, edits_ = 0, hashed_ = 0, kept_ = 0, keep_next_ = 0, dropped_rows_ = 0;
-  bool gap_ = false;    // the row before was dropped
-  TickReport dropped_;  // it
+  double since_kept_us_ = 0.0;  // computed since a state was recorded
+  bool gap_ = false;            // the row before was dropped
+  TickReport dropped_;          // it
   std::vector<std::string> refused_;
   bool terminal_ = isatty(STDERR_FILENO) != 0;
 };

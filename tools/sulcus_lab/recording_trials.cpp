@@ -449,11 +449,12 @@ std::vector<TrialRow> trial_of_soak(const TrialSetting& setting, const std::stri
           {"run", scene, "--no-render", "--set", "trajectory.file=" + poses, "-o", folder});
   const std::uint64_t begin = steady_ns();
   const auto minutes_now = [&] { return 1e-9 / 60.0 * static_cast<double>(steady_ns() - begin); };
-  double first_MiB = 0.0, most_MiB = 0.0;
+  double first_MiB = 0.0, half_MiB = 0.0, most_MiB = 0.0;
   while (minutes_now() < minutes && run.is_running()) {
     std::this_thread::sleep_for(std::chrono::seconds(1));
     const double now_MiB = run.resident_MiB();
     if (minutes_now() < std::min(1.0, 0.2 * minutes)) first_MiB = std::max(first_MiB, now_MiB);
+    if (minutes_now() < 0.5 * minutes) half_MiB = std::max(half_MiB, now_MiB);
     most_MiB = std::max(most_MiB, now_MiB);
   }
   const double lasted = minutes_now();
@@ -471,6 +472,7 @@ std::vector<TrialRow> trial_of_soak(const TrialSetting& setting, const std::stri
           {"soak", "exit status", static_cast<double>(status), 0.0},
           {"soak", "fault bits", static_cast<double>(faults), 0.0},
           {"soak", "resident_MiB after a minute", first_MiB, {}},
+          {"soak", "resident_MiB after half of it", half_MiB, {}},
           {"soak", "resident_MiB largest", most_MiB, kMostGrowth * first_MiB}};
 }
 
