@@ -268,7 +268,8 @@ class StallingDisk : public Recording {
     const std::string scene = scratch_.write("s.toml", test::kCutScene);
     const auto result =
         command("run " + scene + " --pace real -o " + scratch_.path("out") + " " + options,
-                "SULCUS_CACHE=off SULCUS_STALL=0.15,0.3 LD_PRELOAD=" SULCUS_STALLING_DISK);
+                "SULCUS_CACHE=off SULCUS_STALL=0.15,0.3 ASAN_OPTIONS=verify_asan_link_order=0 "
+                "LD_PRELOAD=" SULCUS_STALLING_DISK);
     ASSERT_EQ(result.status, 0) << result.err;
   }
   std::string file() const { return scratch_.path("out/recording.h5"); }
