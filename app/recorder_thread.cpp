@@ -9,6 +9,14 @@
 
 namespace sulcus {
 
+namespace {
+
+/// From flush to flush: with a late wake of the machine's no more than 50 ms are missing after a
+/// kill.
+constexpr std::chrono::milliseconds kFlushEvery{30};
+
+}  // namespace
+
 RecorderThread::RecorderThread(RecordFeed& feed, PieceFeed* pieces, RecordingWriter writer)
     : feed_(feed), pieces_(pieces), writer_(std::move(writer)) {
   thread_ = std::thread([this] { run(); });
@@ -37,8 +45,9 @@ void RecorderThread::run() {
       drain();
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
+    const auto next = std::chrono::steady_clock::now() + kFlushEvery;
     drain();
-    if (!ended) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    if (!ended) std::this_thread::sleep_until(next);
   }
   if (writer_) {
     try {

@@ -11,7 +11,7 @@
 
 namespace sulcus {
 
-/// Records the run, flushed every 50 ms. A disk that fails stops the recording, not the run;
+/// Records the run, flushed every 30 ms. A disk that fails stops the recording, not the run;
 /// `finish` then throws what it said. One that stalls holds up this thread alone.
 class RecorderThread {
  public:
