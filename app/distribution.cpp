@@ -10,6 +10,7 @@ namespace sulcus {
 void Distribution::add(float value) noexcept {
   constexpr float kMost = std::numeric_limits<float>::max();
   const float counted = std::isfinite(value) ? std::max(value, 0.0f) : kMost;
+  // The sum of -0 and 0 is 0: no sign is left among the bits.
   ++bins_[std::bit_cast<std::uint32_t>(counted + 0.0f) >> kShift];
   ++count_;
   sum_ += static_cast<double>(counted);

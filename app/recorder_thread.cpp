@@ -11,8 +11,7 @@ namespace sulcus {
 
 namespace {
 
-/// From flush to flush: with a late wake of the machine's no more than 50 ms are missing after a
-/// kill.
+/// From flush to flush: a kill costs what has come since the last one began.
 constexpr std::chrono::milliseconds kFlushEvery{30};
 
 }  // namespace

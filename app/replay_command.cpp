@@ -2,14 +2,14 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
-
-#include <tbb/global_control.h>
 
 #include "app/commands.hpp"
 #include "app/recorded_state.hpp"
 #include "app/results.hpp"
+#include "app/thread_limit.hpp"
 #include "app/verify_recording.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/hash.hpp"
@@ -75,6 +75,23 @@ std::unique_ptr<Simulation> simulation_from(RecordedRun& run, std::size_t row,
   return simulation;
 }
 
+/// Makes a run go on after a row. Returns what the new recording names as its parent.
+std::string go_on_after(RecordedRun& run, std::size_t row,
+                        const std::vector<std::string>& overrides) {
+  const std::vector<TickRecord>& rows = run.rows;
+  if (row + 1 == rows.size()) {
+    throw InputError(run.path, "--from", "the end of the recording",
+                     "a time before " + std::to_string(rows.back().time_s) + " s");
+  }
+  if (rows[row + 1].tick != rows[row].tick + 1) {
+    throw InputError(run.path, "--from", "a time before ticks that were not recorded",
+                     "one from " + std::to_string(rows[row + 1].time_s) + " s on, or earlier");
+  }
+  run.simulation = simulation_from(run, row, overrides);
+  return std::filesystem::path(run.path).filename().string() + ", after tick " +
+         std::to_string(rows[row].tick) + ", scene_sha256 " + run.reader.header().scene_sha256;
+}
+
 /// Rows from `first` that follow on one another.
 std::size_t rows_in_line(const RecordedRun& run, std::size_t first) {
   std::size_t end = first + 1;
@@ -83,11 +100,7 @@ std::size_t rows_in_line(const RecordedRun& run, std::size_t first) {
 }
 
 void replay(const ReplayOptions& options) {
-  std::unique_ptr<tbb::global_control> limit;
-  if (options.threads > 0) {
-    limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
-                                                  options.threads);
-  }
+  const ThreadLimit limit(options.threads);
   RecordedRun run = open_recorded_run(options.recording);
   if (!run.reader.missing().empty()) {
     std::fprintf(stderr, "sulcus: %s\n", run.reader.missing().c_str());
@@ -114,20 +127,8 @@ void replay(const ReplayOptions& options) {
   session.goal = run.reader.goal();
   std::size_t first = 0;
   if (options.from_s) {
-    if (row + 1 == run.rows.size()) {
-      throw InputError(options.recording, "--from", "the end of the recording",
-                       "a time before " + std::to_string(run.rows.back().time_s) + " s");
-    }
-    if (run.rows[row + 1].tick != run.rows[row].tick + 1) {
-      throw InputError(
-          options.recording, "--from", "a time before ticks that were not recorded",
-          "one from " + std::to_string(run.rows[row + 1].time_s) + " s on, or earlier");
-    }
-    run.simulation = simulation_from(run, row, options.overrides);
+    session.parent = go_on_after(run, row, options.overrides);
     first = row + 1;
-    session.parent = std::filesystem::path(options.recording).filename().string() +
-                     ", after tick " + std::to_string(run.rows[row].tick) + ", scene_sha256 " +
-                     run.reader.header().scene_sha256;
   } else {
     session.played_back = run.taken_answers;
   }
@@ -167,8 +168,7 @@ void add_replay_command(CLI::App& program) {
           ->add_option("--pace", options->pace, "real: 1 tick each 1 / rate_hz; fast: no waiting")
           ->check(CLI::IsMember({"real", "fast"}));
   for (CLI::Option* const unused : {folder, set, pace}) verify->excludes(unused);
-  command->add_option("--threads", options->threads, "Threads for loading and meshing (all cores)")
-      ->check(CLI::Range(1, 1024));
+  add_threads_option(*command, options->threads);
   command->callback([options] { replay(*options); });
 }
 

@@ -3,11 +3,11 @@
 #include <memory>
 
 #include <spdlog/spdlog.h>
-#include <tbb/global_control.h>
 
 #include "app/commands.hpp"
 #include "app/results.hpp"
 #include "app/simulation.hpp"
+#include "app/thread_limit.hpp"
 #include "engine/cache/load_cache.hpp"
 #include "engine/core/realtime.hpp"
 #include "engine/core/units.hpp"
@@ -36,11 +36,7 @@ double seconds_since(std::uint64_t begin_ns) {
 }
 
 void run(const RunOptions& options) {
-  std::unique_ptr<tbb::global_control> limit;
-  if (options.threads > 0) {
-    limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
-                                                  options.threads);
-  }
+  const ThreadLimit limit(options.threads);
   // All input is read before anything is written.
   const InputLimits limits{
       .memory_bytes = static_cast<std::uint64_t>(options.limit_gib * InputLimits::kGibibyte)};
@@ -132,8 +128,7 @@ void add_run_command(CLI::App& program) {
       ->take_all();
   command->add_flag("--no-render", options->no_render, "Draw nothing, whatever the scene says");
   command->add_flag("--no-cache", options->no_cache, "Make all anew, and keep nothing of it");
-  command->add_option("--threads", options->threads, "Threads for loading and meshing (all cores)")
-      ->check(CLI::Range(1, 1024));
+  add_threads_option(*command, options->threads);
   command
       ->add_option("--limit-gib", options->limit_gib,
                    "GiB that the contents of a volume, mesh or pose table may take once read (4)")

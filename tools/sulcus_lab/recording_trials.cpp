@@ -139,7 +139,7 @@ struct Truth {
     const std::vector<Edit> voxels = reader.edits();
     if (voxels.size() > edits.size() ||
         !std::equal(voxels.begin(), voxels.end(), edits.begin(), [](const Edit& a, const Edit& b) {
-          return a.tick == b.tick && a.voxel == b.voxel && a.cause == b.cause;
+          return a.tick == b.tick && a.voxel == b.voxel && a.body == b.body && a.cause == b.cause;
         })) {
       return false;
     }
@@ -163,10 +163,9 @@ struct Damaged {
   void read(const std::string& file, const Truth& truth) {
     try {
       const RecordingReader reader(file);
-      const bool lies = !truth.begins_with(reader);
+      wrong += !truth.begins_with(reader);
       (void)reader.workpiece();
       for (const KeyframeInfo& info : reader.keyframes()) (void)reader.keyframe(info);
-      wrong += lies;
       ++(reader.tick_count() == truth.rows.size() ? whole : shorter);
     } catch (const InputError& error) {
       refused += std::string(error.what()).find('\n') == std::string::npos;
