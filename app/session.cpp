@@ -307,7 +307,8 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
   std::optional<PieceFeed> record_pieces, render_pieces;
   std::optional<RecordFeed> record_feed;
   std::optional<RecorderThread> recorder;
-  if (std::optional<RecordingWriter> writer = open_recording(simulation, options, recording)) {
+  std::optional<RecordingWriter> writer = open_recording(simulation, options, recording);
+  if (writer) {
     record_feed.emplace(scene.haptics.rate_hz, scene.record->queue_s);
     // Room that is not used takes no memory; a state that needs more takes it once.
     for (int spare = 0; spare < 3; ++spare) {
@@ -316,7 +317,6 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
       record_feed->spare_keyframes.enqueue(std::move(keyframe));
     }
     if (scene.loose_pieces) record_pieces.emplace();
-    recorder.emplace(*record_feed, record_pieces ? &*record_pieces : nullptr, std::move(*writer));
     result.files.push_back(recording);
     result.parts.push_back(
         {"record", 1e-9 * static_cast<double>(steady_ns() - record_begin),
@@ -351,6 +351,15 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
   }
   HapticLoop loop(simulation, device, options, feeds, record_feed ? &*record_feed : nullptr,
                   pieces ? &*pieces : nullptr);
+  if (options.pace == Pace::kReal) {
+    if (std::string refused = lock_memory(); !refused.empty()) {
+      result.refused.push_back(std::move(refused));
+    }
+  }
+  // Last, so that the recording has its name no sooner than there is something to record.
+  if (writer) {
+    recorder.emplace(*record_feed, record_pieces ? &*record_pieces : nullptr, std::move(*writer));
+  }
   result.load_seconds = process_age_s();
   const std::uint64_t begin = steady_ns();
   std::thread haptic([&] { loop.run(); });
@@ -359,7 +368,7 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
   result.interrupted = stop_requested;
   result.missed_ticks = loop.missed();
   result.dropped_rows = loop.dropped_rows();
-  result.refused = loop.refused();
+  result.refused.insert(result.refused.end(), loop.refused().begin(), loop.refused().end());
 
   // All are waited for, so that one's failure does not cost what the other still writes.
   std::exception_ptr failure;

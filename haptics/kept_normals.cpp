@@ -13,6 +13,11 @@ namespace {
 constexpr int kAlong = 17;  // reach of a map along its axis: the window of a column, and one
 constexpr int kAround = 2;  // of the coarse normal, all round
 constexpr std::uint32_t kContactsPerLeaf = 16;  // that there may be, for each leaf that can be kept
+// A leaf untouched for so many ticks gives its page to another, so that a long run takes no more
+// memory than its last seconds need; and pages looked at for one, before another is taken. Which
+// they are hangs on the tick alone: there is nothing to save.
+constexpr std::uint64_t kForgotten = 10'000;
+constexpr std::uint32_t kLooks = 16;
 
 /// Voxels of a leaf's slice with x and y in the ranges, 0 to 7, ends included.
 std::uint64_t slice(int x0, int x1, int y0, int y1) {
@@ -54,25 +59,37 @@ KeptNormals::Page* KeptNormals::page(std::uint32_t leaf) noexcept {
   return entry == 0 ? nullptr : &pages_[entry - 1];
 }
 
+std::uint32_t KeptNormals::long_untouched(std::uint64_t tick) const noexcept {
+  for (std::uint32_t look = 0; look < std::min(kLooks, used_); ++look) {
+    const auto at = static_cast<std::uint32_t>(mix64(kLooks * tick + look) % used_);
+    if (pages_[at].touched + kForgotten < tick) return at;
+  }
+  return used_;
+}
+
 KeptNormals::Page* KeptNormals::make_page(std::uint32_t leaf, std::uint64_t tick) noexcept {
-  std::uint32_t at = used_;
-  if (used_ == capacity_) {
+  std::uint32_t at = long_untouched(tick);
+  if (at == used_ && used_ == capacity_) {
     at = 0;
     for (std::uint32_t p = 1; p < capacity_; ++p) {
       if (pages_[p].touched < pages_[at].touched) at = p;
     }
     if (pages_[at].touched == tick) return nullptr;  // all are in use
-    forget(at);
-  } else {
-    ++used_;
   }
+  if (at < used_) forget(at);
+  return &set_page(at, leaf, tick);
+}
+
+KeptNormals::Page& KeptNormals::set_page(std::uint32_t at, std::uint32_t leaf,
+                                         std::uint64_t tick) noexcept {
+  used_ = std::max(used_, at + 1);
   Page& page = pages_[at];
   page.first_key = leaf;
   page.touched = tick;
   page.kept = page.refined = page.wide = {};
   page.along = {};
   table_[slot_of(leaf)] = at + 1;
-  return &page;
+  return page;
 }
 
 void KeptNormals::clear() noexcept {
@@ -82,7 +99,7 @@ void KeptNormals::clear() noexcept {
 }
 
 void KeptNormals::add_leaf(std::uint32_t leaf, std::uint64_t touched) noexcept {
-  if (!page(leaf)) make_page(leaf, touched);
+  if (!page(leaf) && used_ < capacity_) set_page(used_, leaf, touched);
 }
 
 void KeptNormals::forget(std::uint32_t at) noexcept {

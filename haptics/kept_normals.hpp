@@ -26,9 +26,10 @@ inline bool keeps_normals(const HapticsSettings& settings) {
 /// are is part of the state.
 ///
 /// Changed by the tick alone, after the contact has been evaluated; read in between. Memory is
-/// taken when the scene loads, and used as leaves are touched; where it runs out, the leaves that
-/// were touched longest ago give way. Windows are as those of ldm and ldm_fast; an edit drops
-/// what it can have been seen from, and no more than that.
+/// taken when the scene loads, and used as leaves are touched; leaves that were not for 10,000
+/// ticks give way to others, and where memory runs out those that were touched longest ago. Windows
+/// are as those of ldm and ldm_fast; an edit drops what it can have been seen from, and no more
+/// than that.
 class KeptNormals {
  public:
   KeptNormals(const VoxelGrid& grid, const HapticsSettings& settings);
@@ -76,7 +77,10 @@ class KeptNormals {
   std::size_t home(std::uint32_t leaf) const noexcept;
   std::size_t slot_of(std::uint32_t leaf) const noexcept;
   Page* page(std::uint32_t leaf) noexcept;
+  /// A page to use again; where none was found, that behind the used ones.
+  std::uint32_t long_untouched(std::uint64_t tick) const noexcept;
   Page* make_page(std::uint32_t leaf, std::uint64_t tick) noexcept;
+  Page& set_page(std::uint32_t at, std::uint32_t leaf, std::uint64_t tick) noexcept;
   void forget(std::uint32_t page) noexcept;
   struct CellBox {
     Cell first, last;

@@ -51,11 +51,13 @@ std::vector<std::string> request_realtime() {
   } else if (!pin_to(cores() - 1, 1)) {
     refused.push_back("a core of its own: not permitted");
   }
-  if (mlockall(MCL_CURRENT) != 0) {
-    refused.push_back(std::string("locked memory: ") + std::strerror(errno));
-  }
   prctl(PR_SET_TIMERSLACK, 1);  // ns; plain threads are woken up to 50 us late otherwise
   return refused;
+}
+
+std::string lock_memory() {
+  if (mlockall(MCL_CURRENT) == 0) return {};
+  return std::string("locked memory: ") + std::strerror(errno);
 }
 
 void leave_realtime_core() {

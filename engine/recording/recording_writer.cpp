@@ -141,6 +141,7 @@ struct RecordingWriter::File {
   std::optional<Table<PiecePoseRow>> piece_poses;
   std::optional<Table<TakenAnswerRow>> taken_answers;
   Hdf5Handle end;
+  bool named = false;
   std::string failure;  // of the first call that failed
 
   void create(const RecordingHeader& any_version, const VoxelModel& start,
@@ -169,12 +170,17 @@ struct RecordingWriter::File {
     keyframe_index.emplace(file, "keyframe_index", keyframe_type(), kKeyframeChunk);
     end = create_end(file);
     hdf5_check(H5Fstart_swmr_write(file), "start of recording");
+  }
+
+  void take_name() {
     std::error_code error;
     std::filesystem::rename(part_name(path), path, error);
     if (error) throw Hdf5Error("start of recording: " + error.message());
+    named = true;
   }
 
   void flush() {
+    if (!named) take_name();
     edits->flush();
     if (pieces) {
       // Answers before the ticks that took them. News of pieces come from another thread, sooner or
@@ -279,6 +285,11 @@ RecordingWriter::RecordingWriter(RecordingWriter&&) noexcept = default;
 
 RecordingWriter::~RecordingWriter() {
   if (!file_ || !file_->file.valid()) return;
+  if (!file_->named && file_->ticks->waiting() == 0) {  // the run never began
+    std::error_code ignored;
+    std::filesystem::remove(part_name(file_->path), ignored);
+    return;
+  }
   try {
     file_->guarded([this] { file_->flush(); });
   } catch (const std::exception&) {

@@ -27,21 +27,21 @@ struct RecordedSolids {
 ///
 /// The rows given wait in memory for `flush`, which writes edits before the ticks that name them
 /// (`TickRecord::edits_end`); a tick whose edits were not given yet waits for a later flush.
-/// Too many waiting rows flush themselves. The caller flushes every 50 ms.
+/// Too many waiting rows flush themselves. The caller flushes every 30 ms.
 ///
 /// Errors: std::runtime_error "PATH: what: reason", one line, when a write fails (disk full). From
 /// then on every call but the destructor throws the same; what was flushed before stays readable.
 class RecordingWriter {
  public:
-  /// Creates the file and writes what never changes; only then it takes the place of one that is
-  /// there. `start` is the
-  /// workpiece before the first tick; `burr_mesh_tool` (m, tool space) is null where the scene
-  /// alone gives the burr. Throws InputError where `path` cannot be created or is no regular file.
+  /// Creates PATH.part and writes what never changes; the first flush gives it its name, in place
+  /// of a file that is there. `start` is the workpiece before the first tick; `burr_mesh_tool` (m,
+  /// tool space) is null where the scene alone gives the burr. Throws InputError where `path`
+  /// cannot be created or is no regular file.
   RecordingWriter(const std::string& path, const RecordingHeader& header, const VoxelModel& start,
                   const TriangleMesh* burr_mesh_tool, RecordingTables tables = {},
                   const RecordedSolids& others = {});
   /// Writes what still waits, as far as that works, but leaves the recording marked as not closed:
-  /// who gets here without `close` was interrupted.
+  /// who gets here without `close` was interrupted. One without rows or a name is removed.
   ~RecordingWriter();
   RecordingWriter(RecordingWriter&&) noexcept;
 

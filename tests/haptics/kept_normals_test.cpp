@@ -125,6 +125,33 @@ TEST(KeptNormals, WhereRoomRunsOutTheLeavesTouchedLongestAgoGiveWay) {
   EXPECT_EQ(kept.hash(), 0u) << "no refined voxel is left";
 }
 
+TEST(KeptNormals, ALongRunTakesNoMorePagesThanItsLastSecondsNeed) {
+  HapticsSettings settings = with(NormalMethod::kLdmFast);
+  const VoxelGrid grid{{1024, 1024, 8}, 1e-4};
+  KeptNormals kept(grid, settings);
+  const SurfaceEstimate up{{0, 0, 1}, 0.5f, true, 4};
+  // A new leaf each 50 ticks: 200 are no older than a leaf is kept untouched, 10,000 ticks.
+  for (std::uint64_t n = 0; n < 2000; ++n) {
+    const auto at = static_cast<int>(n);
+    kept.keep(voxel_key({8 * (at % 128), 8 * (at / 128), 0}), up, true, 50 * n);
+  }
+  EXPECT_GE(kept.pages().size(), 200u);
+  EXPECT_LE(kept.pages().size(), 300u);
+  for (int n = 1800; n < 2000; ++n) {
+    EXPECT_TRUE(kept_at(kept, {8 * (n % 128), 8 * (n / 128), 0}).defined) << n;
+  }
+}
+
+TEST(KeptNormals, LeavesOfASavedStateKeepTheirPlacesWhateverTheirAge) {
+  const HapticsSettings settings = with(NormalMethod::kLdmFast);
+  KeptNormals kept({{64, 64, 8}, 1e-4}, settings);
+  const std::uint32_t old_leaf = leaf_key(voxel_key(Cell(0, 0, 0)));
+  kept.add_leaf(old_leaf, 3);
+  kept.add_leaf(leaf_key(voxel_key(Cell(8, 0, 0))), 30'000);
+  ASSERT_EQ(kept.pages().size(), 2u);
+  EXPECT_EQ(kept.pages()[0].first_key, old_leaf);
+}
+
 class KeptContacts : public ::testing::Test {
  protected:
   KeptContacts() : workpiece_(test::ball({48, 48, 48}, 50e-6, {23, 24, 22}, 18)) {}

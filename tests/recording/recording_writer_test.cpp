@@ -250,6 +250,13 @@ TEST_F(RecordingWriterTest, AnEarlierRecordingIsReplaced) {
   EXPECT_EQ(reader.missing(), "");
 }
 
+TEST_F(RecordingWriterTest, ARunThatNeverBeganLeavesWhatWasThere) {
+  write_whole(100);
+  { RecordingWriter writer(path(), header(), workpiece(), nullptr); }
+  EXPECT_EQ(RecordingReader(path()).tick_count(), 100u);
+  EXPECT_FALSE(std::filesystem::exists(path() + ".part"));
+}
+
 TEST_F(RecordingWriterTest, UnwritablePathsAreBadUsage) {
   const auto message = [this](const std::string& where) -> std::string {
     try {
