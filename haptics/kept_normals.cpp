@@ -16,7 +16,7 @@ constexpr std::uint32_t kContactsPerLeaf = 16;  // that there may be, for each l
 // A leaf untouched for so many ticks gives its page to another, so that a long run takes no more
 // memory than its last seconds need; and pages looked at for one, before another is taken. Which
 // they are hangs on the tick alone: there is nothing to save.
-constexpr std::uint64_t kForgotten = 10'000;
+constexpr std::uint64_t kForgotten = 4'000;
 constexpr std::uint32_t kLooks = 16;
 
 /// Voxels of a leaf's slice with x and y in the ranges, 0 to 7, ends included.

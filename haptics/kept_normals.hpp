@@ -26,7 +26,7 @@ inline bool keeps_normals(const HapticsSettings& settings) {
 /// are is part of the state.
 ///
 /// Changed by the tick alone, after the contact has been evaluated; read in between. Memory is
-/// taken when the scene loads, and used as leaves are touched; leaves that were not for 10,000
+/// taken when the scene loads, and used as leaves are touched; leaves that were not for 4,000
 /// ticks give way to others, and where memory runs out those that were touched longest ago. Windows
 /// are as those of ldm and ldm_fast; an edit drops what it can have been seen from, and no more
 /// than that.

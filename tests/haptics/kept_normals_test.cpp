@@ -130,10 +130,10 @@ TEST(KeptNormals, ALongRunTakesNoMorePagesThanItsLastSecondsNeed) {
   const VoxelGrid grid{{1024, 1024, 8}, 1e-4};
   KeptNormals kept(grid, settings);
   const SurfaceEstimate up{{0, 0, 1}, 0.5f, true, 4};
-  // A new leaf each 50 ticks: 200 are no older than a leaf is kept untouched, 10,000 ticks.
+  // A new leaf each 20 ticks: 200 are no older than a leaf is kept untouched, 4,000 ticks.
   for (std::uint64_t n = 0; n < 2000; ++n) {
     const auto at = static_cast<int>(n);
-    kept.keep(voxel_key({8 * (at % 128), 8 * (at / 128), 0}), up, true, 50 * n);
+    kept.keep(voxel_key({8 * (at % 128), 8 * (at / 128), 0}), up, true, 20 * n);
   }
   EXPECT_GE(kept.pages().size(), 200u);
   EXPECT_LE(kept.pages().size(), 300u);
