@@ -31,7 +31,21 @@ Eigen::Vector3d towards_eye(Camera camera) {
 
 }  // namespace
 
-View make_view(Camera camera, std::span<const Eigen::AlignedBox3d> solid_world,
+Viewpoint::Viewpoint(Camera named)
+    : back_world(towards_eye(named)),
+      upright_world(named == Camera::kOcclusal ? Eigen::Vector3d::UnitY()
+                                               : Eigen::Vector3d::UnitZ()),
+      follows_burr(named == Camera::kBurr) {}
+
+Viewpoint::Viewpoint(double azimuth_deg, double elevation_deg) {
+  const double along = azimuth_deg * kDegree, up = elevation_deg * kDegree;
+  const Eigen::Vector3d level(std::cos(along), std::sin(along), 0.0);
+  back_world = std::cos(up) * level + std::sin(up) * Eigen::Vector3d::UnitZ();
+  // Turned with it, so that straight from above is a view as well.
+  upright_world = std::cos(up) * Eigen::Vector3d::UnitZ() - std::sin(up) * level;
+}
+
+View make_view(const Viewpoint& from, std::span<const Eigen::AlignedBox3d> solid_world,
                const Eigen::Vector3d& tip_world, double burr_radius_m, int width, int height,
                std::span<const Eigen::AlignedBox3d> others_world) {
   const Eigen::AlignedBox3d centimetre(Eigen::Vector3d::Constant(-5.0 * kMillimetre),
@@ -39,10 +53,8 @@ View make_view(Camera camera, std::span<const Eigen::AlignedBox3d> solid_world,
   if (solid_world.empty()) solid_world = {&centimetre, 1};
   Eigen::AlignedBox3d box;
   for (const Eigen::AlignedBox3d& part : solid_world) box.extend(part);
-  const Eigen::Vector3d back = towards_eye(camera);
-  const Eigen::Vector3d upright =
-      camera == Camera::kOcclusal ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
-  const Eigen::Vector3d right = upright.cross(back).normalized();
+  const Eigen::Vector3d& back = from.back_world;
+  const Eigen::Vector3d right = from.upright_world.cross(back).normalized();
   const Eigen::Vector3d up = back.cross(right);
   const double aspect = static_cast<double>(width) / height;
   const double slope_y = std::tan(0.5 * kFieldOfView);
@@ -50,7 +62,7 @@ View make_view(Camera camera, std::span<const Eigen::AlignedBox3d> solid_world,
 
   Eigen::Vector3d focus = box.center();
   double distance = 0.0;
-  if (camera == Camera::kBurr) {
+  if (from.follows_burr) {
     focus = tip_world + Eigen::Vector3d::UnitZ() * 0.5 * burr_radius_m;
     distance = std::max(1.5 * kMillimetre, 3.2 * burr_radius_m) / slope_y;
   } else {
@@ -73,6 +85,8 @@ View make_view(Camera camera, std::span<const Eigen::AlignedBox3d> solid_world,
       distance = nearest;
     }
   }
+  distance /= from.zoom;
+  focus += slope_y * distance * (from.pan.x() * right + from.pan.y() * up);
   const Eigen::Vector3d eye = focus + distance * back;
   // The burr's shank may reach far behind the box and towards the eye.
   double far = distance + box.diagonal().norm() + 60.0 * kMillimetre;

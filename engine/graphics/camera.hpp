@@ -18,12 +18,25 @@ struct View {
   double metres_per_pixel = 0.0;                      // at the depth of the point that it looks at
 };
 
-/// The view of a named camera. `solid_world`: boxes that hold all that is solid at the start; every
-/// camera but kBurr frames them whole; none are taken as a box of 1 cm round the origin. kBurr
-/// follows the burr's tip at a scale set by the burr's radius (m). `others_world`: boxes of what
-/// else is drawn; they do not change what the frame takes in, but none of them is cut off for being
-/// far away, nor for being near beyond 0.5 mm from the eye.
-View make_view(Camera camera, std::span<const Eigen::AlignedBox3d> solid_world,
+/// Where a picture is taken from.
+struct Viewpoint {
+  Viewpoint(Camera named);  // NOLINT(google-explicit-constructor): a named one is one
+  /// Degrees: from +x, which is mesial, towards +y, lingual; and up towards +z, -90 to 90.
+  Viewpoint(double azimuth_deg, double elevation_deg);
+
+  Eigen::Vector3d back_world;                     // unit, from what it looks at towards the eye
+  Eigen::Vector3d upright_world;                  // what is up in the picture, not along back
+  bool follows_burr = false;                      // else it frames what is solid
+  double zoom = 1.0;                              // 2: twice as near
+  Eigen::Vector2d pan = Eigen::Vector2d::Zero();  // to the right and up, in half heights of a frame
+};
+
+/// The view from there. `solid_world`: boxes that hold all that is solid at the start, which it
+/// frames whole; none are taken as a box of 1 cm round the origin. One that follows the burr does
+/// so by its tip, at a scale set by the burr's radius (m). `others_world`: boxes of what else is
+/// drawn; they do not change what the frame takes in, but none of them is cut off for being far
+/// away, nor for being near beyond 0.5 mm from the eye.
+View make_view(const Viewpoint& from, std::span<const Eigen::AlignedBox3d> solid_world,
                const Eigen::Vector3d& tip_world, double burr_radius_m, int width, int height,
                std::span<const Eigen::AlignedBox3d> others_world = {});
 

@@ -26,10 +26,10 @@ bool meets(const Eigen::Vector3d& from, const Eigen::Vector3d& to, const Eigen::
 
 }  // namespace
 
-std::vector<Eigen::Vector3d> points_to_see(Camera camera,
+std::vector<Eigen::Vector3d> points_to_see(const Viewpoint& from,
                                            std::span<const Eigen::AlignedBox3d> solid_world,
                                            const Eigen::Vector3d& tip_world) {
-  if (camera == Camera::kBurr) return {tip_world};
+  if (from.follows_burr) return {tip_world};
   Eigen::AlignedBox3d whole;
   for (const Eigen::AlignedBox3d& box : solid_world) whole.extend(box);
   std::vector<Eigen::Vector3d> points;

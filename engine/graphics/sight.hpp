@@ -7,14 +7,14 @@
 #include <Eigen/Geometry>
 
 #include "engine/core/pose.hpp"
-#include "engine/scene/scene.hpp"
+#include "engine/graphics/camera.hpp"
 
 namespace sulcus {
 
-/// Points, world, m, that a camera is there to show: spread through the upper half of what is solid
-/// at the start, where a tooth has its crown and is prepared; kBurr: the burr's tip alone.
-/// `solid_world`: its boxes, as of make_view; none: no points.
-std::vector<Eigen::Vector3d> points_to_see(Camera camera,
+/// Points, world, m, that a picture from there is to show: spread through the upper half of what is
+/// solid at the start, where a tooth has its crown and is prepared; of one that follows the burr,
+/// its tip alone. `solid_world`: its boxes, as of make_view; none: no points.
+std::vector<Eigen::Vector3d> points_to_see(const Viewpoint& from,
                                            std::span<const Eigen::AlignedBox3d> solid_world,
                                            const Eigen::Vector3d& tip_world);
 

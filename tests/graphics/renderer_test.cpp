@@ -370,8 +370,8 @@ TEST(RendererOfSeveralBodies, WhatIsInTheWayOfACameraIsLeftOutOfItsPicture) {
   const FrameState state = burr_out_of_sight();
   for (const Camera camera :
        {Camera::kReview, Camera::kOcclusal, Camera::kBuccal, Camera::kMesial}) {
-    both->set_camera(camera);
-    alone->set_camera(camera);
+    both->set_viewpoint(camera);
+    alone->set_viewpoint(camera);
     const std::size_t seen = difference(both->draw(state), alone->draw(state), 24).pixels;
     if (camera == Camera::kMesial) {
       EXPECT_EQ(seen, 0u);
@@ -382,8 +382,8 @@ TEST(RendererOfSeveralBodies, WhatIsInTheWayOfACameraIsLeftOutOfItsPicture) {
   // Beyond the workpiece the same body is in nobody's way.
   const GreenBall distal(at(-12e-3, 5.5e-3, 0));
   const auto other = make_renderer(small(false), {distal.body});
-  other->set_camera(Camera::kMesial);
-  alone->set_camera(Camera::kMesial);
+  other->set_viewpoint(Camera::kMesial);
+  alone->set_viewpoint(Camera::kMesial);
   EXPECT_GT(difference(other->draw(state), alone->draw(state), 24).pixels, 200u);
 }
 
@@ -429,7 +429,7 @@ TEST(Renderer, CameraSizeAndBurrMatter) {
   FrameState state;
   state.world_from_tool.position = {0, -6e-3, 0};
   const Image review = renderer->draw(state);
-  renderer->set_camera(Camera::kBuccal);
+  renderer->set_viewpoint(Camera::kBuccal);
   const Image buccal = renderer->draw(state);
   EXPECT_NE(buccal, review);
   state.world_from_tool.position = {1e-3, -6e-3, 0};

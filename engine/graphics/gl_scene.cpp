@@ -1,11 +1,10 @@
-#include "engine/graphics/renderer.hpp"
+#include "engine/graphics/gl_scene.hpp"
 
 #include <stdexcept>
 #include <utility>
 
 #include <epoxy/gl.h>
 
-#include "engine/graphics/camera.hpp"
 #include "engine/graphics/shaders.hpp"
 #include "engine/graphics/sight.hpp"
 
@@ -31,10 +30,10 @@ std::vector<std::unique_ptr<GlBody>> gl_bodies(std::vector<RenderedBody> bodies)
 
 }  // namespace
 
-Renderer::Renderer(const RenderSettings& settings, std::vector<RenderedBody> bodies,
-                   const TriangleMesh& burr_mesh_tool, double burr_head_length_m)
+GlScene::GlScene(const RenderSettings& settings, std::vector<RenderedBody> bodies,
+                 const TriangleMesh& burr_mesh_tool, double burr_head_length_m)
     : settings_(settings),
-      camera_(settings.camera),
+      from_(settings.camera),
       bodies_(gl_bodies(std::move(bodies))),
       burr_(burr_mesh_tool, burr_head_length_m),
       background_program_("background", kBackgroundVertex, kBackgroundFragment),
@@ -45,31 +44,25 @@ Renderer::Renderer(const RenderSettings& settings, std::vector<RenderedBody> bod
   glGenVertexArrays(1, &background_array_);
 }
 
-Renderer::~Renderer() {
-  context_.make_current();
-  glDeleteVertexArrays(1, &background_array_);
-}
+GlScene::~GlScene() { glDeleteVertexArrays(1, &background_array_); }
 
-void Renderer::set_size(int width, int height) {
-  context_.make_current();
+void GlScene::set_size(int width, int height) {
   if (frame_ && frame_->width() == width && frame_->height() == height) return;
   frame_ = std::make_unique<GlFramebuffer>(width, height);
   if (settings_.hud) hud_.emplace(height);
 }
 
-void Renderer::add_piece(std::span<const std::uint32_t> voxels) {
-  context_.make_current();
+void GlScene::add_piece(std::span<const std::uint32_t> voxels) {
   bodies_.front()->add_piece(voxels);
 }
 
-Image Renderer::draw(const FrameState& state) {
-  context_.make_current();
+void GlScene::draw(const FrameState& state) {
   GlBody& workpiece = *bodies_.front();
   workpiece.update(state.pieces);
   for (std::size_t i = 1; i < bodies_.size(); ++i) bodies_[i]->update({});
   const Eigen::Vector3d& tip_world = state.world_from_tool.position;
-  const View view = make_view(camera_, workpiece.solid_at_start(), tip_world, burr_.radius_m(),
-                              frame_->width(), frame_->height(), others_world_);
+  view_ = make_view(from_, workpiece.solid_at_start(), tip_world, burr_.radius_m(), frame_->width(),
+                    frame_->height(), others_world_);
   frame_->begin();
   glDisable(GL_BLEND);
   glDisable(GL_SCISSOR_TEST);
@@ -83,16 +76,16 @@ Image Renderer::draw(const FrameState& state) {
   glDepthFunc(GL_LESS);
   glEnable(GL_CULL_FACE);
   glFrontFace(GL_CCW);
-  burr_.draw(view, state.world_from_tool, state.burr_turn_rad);
-  workpiece.draw(tooth_program_, view, state.pieces);
+  burr_.draw(view_, state.world_from_tool, state.burr_turn_rad);
+  workpiece.draw(tooth_program_, view_, state.pieces);
   if (bodies_.size() > 1) {
     const std::vector<Eigen::Vector3d> points =
-        points_to_see(camera_, workpiece.solid_at_start(), tip_world);
+        points_to_see(from_, workpiece.solid_at_start(), tip_world);
     for (std::size_t i = 1; i < bodies_.size(); ++i) {
       const GlBody& body = *bodies_[i];
-      const double hidden = hidden_share(view.eye_world.cast<double>(), points,
+      const double hidden = hidden_share(view_.eye_world.cast<double>(), points,
                                          body.solid_at_start(), body.world_from_grid());
-      if (hidden < kHiddenShare) body.draw(tooth_program_, view, {});
+      if (hidden < kHiddenShare) body.draw(tooth_program_, view_, {});
     }
   }
   glDisable(GL_CULL_FACE);
@@ -102,17 +95,16 @@ Image Renderer::draw(const FrameState& state) {
   smooth_program_.set("picture", 0);
   glBindVertexArray(background_array_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
-  if (hud_) hud_->draw(state, frame_->width(), frame_->height(), view.metres_per_pixel);
-  return frame_->read();
+  if (hud_) hud_->draw(state, frame_->width(), frame_->height(), view_.metres_per_pixel);
 }
 
-std::size_t Renderer::triangle_count() const {
+std::size_t GlScene::triangle_count() const {
   std::size_t count = 0;
   for (const auto& body : bodies_) count += body->triangle_count();
   return count;
 }
 
-std::size_t Renderer::memory_bytes() const {
+std::size_t GlScene::memory_bytes() const {
   const std::size_t pixels = static_cast<std::size_t>(frame_->width()) * frame_->height();
   std::size_t bytes = burr_.bytes() + pixels * 12;
   for (const auto& body : bodies_) bytes += body->memory_bytes();

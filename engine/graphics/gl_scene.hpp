@@ -1,0 +1,93 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "engine/core/triangle_mesh.hpp"
+#include "engine/graphics/camera.hpp"
+#include "engine/graphics/drawn_surface.hpp"
+#include "engine/graphics/frame_state.hpp"
+#include "engine/graphics/gl_body.hpp"
+#include "engine/graphics/gl_burr.hpp"
+#include "engine/graphics/gl_framebuffer.hpp"
+#include "engine/graphics/gl_program.hpp"
+#include "engine/graphics/hud.hpp"
+#include "engine/graphics/rendered_body.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace sulcus {
+
+/// All that a picture shows, as OpenGL draws it: the workpiece, what was cut loose from it, other
+/// bodies, the burr and the figures:
+///
+///   removals -> bricks of the surfaces meshed again -> burr, workpiece, pieces, other bodies that
+///   are not in the way -> edges smoothed -> figures
+///
+/// The workpiece is what is reviewed: cameras frame it alone, and a body that would hide a third or
+/// more of what they are there to show of it (`points_to_see`, `hidden_share`, by the boxes of what
+/// was solid at the start) is left out of the picture: so the mesial neighbour from mesial, and in
+/// close-ups of the burr whatever stands before its tip. Bodies do not shade each other.
+///
+/// It has its own copy of the volumes. Made, used and destroyed with the same OpenGL context
+/// current: that of a Renderer, or of a window.
+class GlScene {
+ public:
+  /// `bodies`: the first is the workpiece, whose grid is the world's; throws std::invalid_argument
+  /// where there is none or it is placed elsewhere. `burr_mesh_tool`: tool space, m; blades are
+  /// shown up to `burr_head_length_m` from the tip. Throws std::runtime_error where nothing can be
+  /// drawn.
+  GlScene(const RenderSettings& settings, std::vector<RenderedBody> bodies,
+          const TriangleMesh& burr_mesh_tool, double burr_head_length_m);
+  ~GlScene();
+  GlScene(const GlScene&) = delete;
+  GlScene& operator=(const GlScene&) = delete;
+
+  /// Voxels (VoxelGrid::linear) of a body that are no longer solid. `body`: its place in what the
+  /// scene was made with, 0 the workpiece; throws std::out_of_range beyond.
+  void remove(std::size_t body, std::span<const std::uint32_t> voxels) {
+    bodies_.at(body)->remove(voxels);
+  }
+  /// A piece that was cut loose from the workpiece, by its voxels (VoxelGrid::linear), each once: a
+  /// body of its own from now on, drawn where FrameState::pieces says. It is meshed here, once, by
+  /// `piece_mesh`, which says what it throws. The caller also removes its voxels, in the same
+  /// frame, before or after: the piece comes out the same. Workpiece and pieces shade each other
+  /// where they are.
+  void add_piece(std::span<const std::uint32_t> voxels);
+  void set_viewpoint(const Viewpoint& from) { from_ = from; }
+  /// Pixels. Throws std::runtime_error beyond what OpenGL here can draw; the size then stays.
+  void set_size(int width, int height);
+  /// Meshes what has changed and draws a frame; the second picture of `frame()` holds it, and is
+  /// bound.
+  void draw(const FrameState& state);
+
+  const GlFramebuffer& frame() const { return *frame_; }
+  /// Of the last picture.
+  const View& view() const { return view_; }
+  /// Of the workpiece.
+  const DrawnSurface& surface() const { return bodies_.front()->surface(); }
+  /// Of the bodies and the pieces, in the last picture or left out.
+  std::size_t triangle_count() const;
+  /// Of the volumes, the meshes and the pictures, as far as they are ours.
+  std::size_t memory_bytes() const;
+
+ private:
+  RenderSettings settings_;
+  Viewpoint from_;
+  View view_;
+  std::vector<std::unique_ptr<GlBody>> bodies_;    // the first: the workpiece
+  std::vector<Eigen::AlignedBox3d> others_world_;  // a box for each of the others
+  GlBurr burr_;
+  std::unique_ptr<GlFramebuffer> frame_;
+  std::optional<Hud> hud_;
+  GlProgram background_program_, tooth_program_, smooth_program_;
+  unsigned background_array_ = 0;
+};
+
+}  // namespace sulcus
