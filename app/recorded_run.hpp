@@ -48,6 +48,10 @@ class RecordedShape {
   /// To right after a row, on or back. Returns the edits on the way, of all bodies and in their
   /// order: made on the way on, taken back on the way back.
   std::span<const Edit> seek_row(std::size_t row);
+  /// All edits up to right after a row.
+  std::span<const Edit> edits_before(std::size_t row) const {
+    return edits_.between(0, rows_[row].edits_end);
+  }
   const VoxelModel& model() const { return model_; }
   const std::vector<TickRecord>& rows() const { return rows_; }
   std::size_t row_at(double time_s) const { return sulcus::row_at(rows_, time_s); }

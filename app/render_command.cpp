@@ -1,169 +1,196 @@
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <memory>
-#include <stdexcept>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "app/commands.hpp"
-#include "app/frame_history.hpp"
-#include "app/recorded_run.hpp"
-#include "app/render_thread.hpp"
+#include "app/recorded_film.hpp"
+#include "app/review_page.hpp"
+#include "app/video_writer.hpp"
 #include "engine/core/error.hpp"
+#include "engine/graphics/renderer.hpp"
 
 namespace sulcus {
 
 namespace {
 
 struct RenderOptions {
-  std::string recording, folder, size, camera, video;
+  std::string recording, folder, size, section, colour_by = "tissue", video, sheet, review;
+  std::vector<std::string> cameras;
   std::vector<double> at_s;
   double fps = 0.0;
+  bool arrows = false, no_hud = false;
 };
 
-/// Pipes pictures to ffmpeg.
-class VideoWriter {
- public:
-  VideoWriter(const std::string& file, int width, int height, double fps) : file_(file) {
-    // The name goes through the environment, so that no character of it means anything to a shell.
-    setenv("SULCUS_VIDEO", file.c_str(), 1);
-    char command[256];
-    std::snprintf(command, sizeof(command),
-                  "exec ffmpeg -v error -y -f rawvideo -pix_fmt rgb24 -s %dx%d -r %.6g -i - "
-                  "-vf 'pad=ceil(iw/2)*2:ceil(ih/2)*2' -c:v libx264 -preset fast -crf 18 "
-                  "-pix_fmt yuv420p -movflags +faststart \"$SULCUS_VIDEO\"",
-                  width, height, fps);
-    pipe_ = popen(command, "w");
-    if (!pipe_) throw std::runtime_error(file + ": ffmpeg could not be started");
+/// Reads numbers from all of a text, `separator` between them; empty where it is not that.
+std::vector<double> numbers_of(std::string_view text, char separator) {
+  std::vector<double> numbers;
+  const char *at = text.data(), *end = at + text.size();
+  while (at != end) {
+    double number = 0.0;
+    const auto [next, error] = std::from_chars(at, end, number);
+    const bool more = error == std::errc{} && next != end;
+    if (error != std::errc{} || (more && (*next != separator || next + 1 == end))) return {};
+    numbers.push_back(number);
+    at = more ? next + 1 : next;
   }
-  ~VideoWriter() {
-    if (pipe_) pclose(pipe_);
-  }
-  VideoWriter(const VideoWriter&) = delete;
-  VideoWriter& operator=(const VideoWriter&) = delete;
+  return numbers;
+}
 
-  void add(const Image& image) {
-    if (std::fwrite(image.rgb.data(), 1, image.rgb.size(), pipe_) != image.rgb.size()) {
-      throw std::runtime_error(file_ + ": ffmpeg stopped (is it installed?)");
-    }
-  }
-  void close() {
-    const int status = pclose(pipe_);
-    pipe_ = nullptr;
-    if (status != 0) throw std::runtime_error(file_ + ": ffmpeg could not write it");
-  }
-
- private:
-  std::string file_;
-  std::FILE* pipe_ = nullptr;
+struct NamedViewpoint {
+  std::string name;
+  Viewpoint from;
 };
+
+NamedViewpoint viewpoint_of(const std::string& text) {
+  const auto found = std::find(kCameraNames.begin(), kCameraNames.end(), text);
+  if (found != kCameraNames.end()) return {text, Camera(found - kCameraNames.begin())};
+  const std::vector<double> numbers = numbers_of(text, ',');
+  const bool fits = numbers.size() >= 2 && numbers.size() <= 3 && std::abs(numbers[0]) <= 360.0 &&
+                    std::abs(numbers[1]) <= 90.0;
+  if (!fits || (numbers.size() == 3 && !(numbers[2] >= 0.1 && numbers[2] <= 100.0))) {
+    throw InputError(
+        "", "--camera", "'" + text + "'",
+        "review, occlusal, buccal, mesial, burr or AZIMUTH,ELEVATION[,ZOOM] in degrees");
+  }
+  NamedViewpoint given{text, Viewpoint(numbers[0], numbers[1])};
+  if (numbers.size() == 3) given.from.zoom = numbers[2];
+  std::ranges::replace(given.name, ',', '_');
+  return given;
+}
 
 /// Rows to be drawn, rising: those of --at, else every 1 / fps, else the last.
-std::vector<std::size_t> rows_to_draw(const RecordedShape& shape, const RenderOptions& options) {
+std::vector<std::size_t> rows_to_draw(const RecordedFilm& film, const RenderOptions& options) {
   std::vector<std::size_t> rows;
-  for (double time_s : options.at_s) rows.push_back(shape.row_at(time_s));
+  for (double time_s : options.at_s) rows.push_back(film.row_at(time_s));
   std::sort(rows.begin(), rows.end());
   if (options.fps > 0.0) {
-    const double end_s = shape.rows().back().time_s;
+    const double end_s = film.rows().back().time_s;
     for (std::uint64_t frame = 0; static_cast<double>(frame) / options.fps <= end_s; ++frame) {
-      rows.push_back(shape.row_at(static_cast<double>(frame) / options.fps));
+      rows.push_back(film.row_at(static_cast<double>(frame) / options.fps));
     }
   }
-  if (rows.empty()) rows.push_back(shape.rows().size() - 1);
+  if (rows.empty()) rows.push_back(film.rows().size() - 1);
   return rows;
 }
 
 RenderSettings render_settings(const Scene& scene, const RenderOptions& options) {
   RenderSettings settings = scene.render.value_or(RenderSettings{});
   if (!options.size.empty()) {
-    const char *begin = options.size.data(), *end = begin + options.size.size();
-    const auto width = std::from_chars(begin, end, settings.width);
-    const bool by = width.ec == std::errc{} && width.ptr != end && *width.ptr == 'x';
-    const auto height = std::from_chars(by ? width.ptr + 1 : end, end, settings.height);
-    const auto fits = [](int pixels) { return pixels >= 16 && pixels <= 8192; };
-    if (!by || height.ec != std::errc{} || height.ptr != end || !fits(settings.width) ||
-        !fits(settings.height)) {
+    const std::vector<double> size = numbers_of(options.size, 'x');
+    const auto fits = [](double pixels) {
+      return pixels >= 16 && pixels <= 8192 && pixels == static_cast<int>(pixels);
+    };
+    if (size.size() != 2 || !fits(size[0]) || !fits(size[1])) {
       throw InputError("", "--size", "'" + options.size + "'", "WxH, 16 to 8192 each");
     }
+    settings.width = static_cast<int>(size[0]);
+    settings.height = static_cast<int>(size[1]);
   }
-  if (!options.camera.empty()) {
-    const auto found = std::find(kCameraNames.begin(), kCameraNames.end(), options.camera);
-    settings.camera = Camera(found - kCameraNames.begin());
+  settings.arrows = settings.arrows || options.arrows;
+  settings.hud = settings.hud && !options.no_hud;
+  if (!options.section.empty()) {
+    settings.section = parse_section(options.section);
+    if (!settings.section) {
+      throw InputError("", "--section", "'" + options.section + "'", kSectionForm);
+    }
   }
   return settings;
 }
 
-void render(RenderOptions options) {
-  const RecordingReader reader(options.recording);
-  if (reader.tick_count() == 0) {
-    throw InputError(options.recording, "/ticks", "no rows", "at least one tick");
+/// The summary of the run, where it lies beside its recording.
+std::string summary_beside(const std::string& recording) {
+  std::ifstream in(std::filesystem::path(recording).parent_path() / "summary.json");
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Draws rows from each camera, and hands on what is drawn: `take(image, camera)`.
+template <class Take>
+void draw_rows(RecordedFilm& film, Renderer& renderer, std::span<const std::size_t> rows,
+               std::span<const NamedViewpoint> cameras, const Take& take) {
+  for (const std::size_t row : rows) {
+    const FrameState state = film.seek_row(row, renderer);
+    for (const NamedViewpoint& camera : cameras) {
+      renderer.set_viewpoint(camera.from);
+      take(renderer.draw(state), camera);
+    }
   }
-  if (!reader.missing().empty()) std::fprintf(stderr, "sulcus: %s\n", reader.missing().c_str());
+}
+
+void check(const RenderOptions& options) {
   if (!options.at_s.empty() && options.fps > 0.0) {
     throw InputError("", "--fps", "both --at and --fps", "one of them");
   }
-  const bool video = !options.video.empty();
-  if (video && options.fps <= 0.0) options.fps = 30.0;
-  const Scene scene = recorded_scene(reader, options.recording);
-  const Burr burr = recorded_burr(reader, scene);
-  const RenderSettings settings = render_settings(scene, options);
-  RecordedShape shape(reader, recorded_workpiece(reader, scene));
-  FrameHistory history(scene, shape.model());
-  Renderer renderer(settings, rendered_bodies(scene, shape.model(), recorded_bodies(reader, scene)),
-                    burr.mesh_tool, burr.head_length_m);
+  if (!options.video.empty() && options.cameras.size() > 1) {
+    throw InputError("", "--video", std::to_string(options.cameras.size()) + " cameras",
+                     "one of them");
+  }
+  if (!options.video.empty() && !options.sheet.empty()) {
+    throw InputError("", "--video", "both --video and --sheet", "one of them");
+  }
+}
 
-  std::unique_ptr<VideoWriter> writer;
-  if (video) {
-    writer =
-        std::make_unique<VideoWriter>(options.video, settings.width, settings.height, options.fps);
+void render(RenderOptions options) {
+  check(options);
+  const RecordingReader reader(options.recording);
+  if (!reader.missing().empty()) std::fprintf(stderr, "sulcus: %s\n", reader.missing().c_str());
+  if (!options.review.empty()) {
+    write_review_page(reader, options.recording, summary_beside(options.recording), options.review);
+    std::printf("%s\n", options.review.c_str());
+    return;
+  }
+  RecordedFilm film(reader, options.recording);
+  const RenderSettings settings = render_settings(film.scene(), options);
+  std::vector<NamedViewpoint> cameras;
+  for (const std::string& text : options.cameras) cameras.push_back(viewpoint_of(text));
+  if (cameras.empty()) cameras.push_back({"", settings.camera});
+  Renderer renderer(settings, film.bodies(), film.burr().mesh_tool, film.burr().head_length_m);
+  if (options.colour_by == "time") renderer.colour_by_time(film.rows().back().time_s);
+  if (!options.video.empty() && options.fps <= 0.0) options.fps = 30.0;
+  const std::vector<std::size_t> rows = rows_to_draw(film, options);
+
+  if (!options.video.empty()) {
+    VideoWriter video(options.video, settings.width, settings.height, options.fps);
+    draw_rows(film, renderer, rows, cameras,
+              [&](const Image& image, const NamedViewpoint&) { video.add(image); });
+    video.close();
+    std::printf("%s\n", options.video.c_str());
+    return;
+  }
+  if (!options.sheet.empty()) {
+    renderer.set_hud({settings.hud, false, settings.arrows});
+    std::vector<Image> images;
+    draw_rows(film, renderer, rows, cameras,
+              [&](Image image, const NamedViewpoint&) { images.push_back(std::move(image)); });
+    // A row to each time where there are several cameras.
+    const auto columns =
+        cameras.size() > 1 ? cameras.size() : std::min<std::size_t>(rows.size(), 4);
+    write_png(sheet_of(images, static_cast<int>(columns)), options.sheet);
+    std::printf("%s\n", options.sheet.c_str());
+    return;
   }
   if (options.folder.empty()) {
     options.folder = (std::filesystem::path(options.recording).parent_path() / "render").string();
   }
-  if (!video) std::filesystem::create_directories(options.folder);
-
-  std::vector<std::vector<std::uint32_t>> removed(1 + scene.bodies.size());  // by body
-  RecordedPieces pieces(reader);
-  const std::vector<CuttingRecord> cutting = reader.cutting();
-  const std::vector<PortRecord> port = reader.port();
-  std::size_t next = 0;
-  std::uint64_t frame = 0;
-  for (std::size_t row : rows_to_draw(shape, options)) {
-    for (; next <= row; ++next) {
-      history.add(shape.rows()[next], next < cutting.size() ? &cutting[next] : nullptr,
-                  next < port.size() ? &port[next] : nullptr);
-    }
-    for (std::vector<std::uint32_t>& voxels : removed) voxels.clear();
-    for (const Edit& edit : shape.seek_row(row)) {
-      removed[edit.body].push_back(edit.voxel);
-      history.add(edit);
-    }
-    for (std::size_t body = 0; body < removed.size(); ++body) renderer.remove(body, removed[body]);
-    FrameState state = history.state();
-    for (const auto& voxels : pieces.advance_to_tick(state.tick)) {
-      if (!voxels.empty()) renderer.add_piece(voxels);
-    }
-    state.pieces = pieces.poses();
-    const Image image = renderer.draw(state);
-    if (writer) {
-      writer->add(image);
-      continue;
-    }
-    char name[32];
-    std::snprintf(name, sizeof(name), "/%06llu.png", static_cast<unsigned long long>(frame++));
-    write_png(image, options.folder + name);
-    if (options.fps <= 0.0) std::printf("%s%s\n", options.folder.c_str(), name);
-  }
-  if (writer) {
-    writer->close();
-    std::printf("%s\n", options.video.c_str());
-  } else if (options.fps > 0.0) {
-    std::printf("%s: %llu pictures\n", options.folder.c_str(),
-                static_cast<unsigned long long>(frame));
-  }
+  std::filesystem::create_directories(options.folder);
+  std::size_t drawn = 0;
+  draw_rows(film, renderer, rows, cameras, [&](const Image& image, const NamedViewpoint& camera) {
+    char number[32];
+    std::snprintf(number, sizeof(number), "%06zu.png", drawn++ / cameras.size());
+    const std::string file =
+        options.folder + '/' + (cameras.size() > 1 ? camera.name + '_' : "") + number;
+    write_png(image, file);
+    if (options.fps <= 0.0) std::printf("%s\n", file.c_str());
+  });
+  if (options.fps > 0.0) std::printf("%s: %zu pictures\n", options.folder.c_str(), drawn);
 }
 
 }  // namespace
@@ -179,9 +206,22 @@ void add_render_command(CLI::App& program) {
   command->add_option("--fps", options->fps, "Draw the whole run, this many pictures a second")
       ->check(CLI::Range(0.01, 1000.0));
   command->add_option("--size", options->size, "Pixels, WxH");
-  command->add_option("--camera", options->camera, "review, occlusal, buccal, mesial or burr")
-      ->check(CLI::IsMember({"review", "occlusal", "buccal", "mesial", "burr"}));
+  command
+      ->add_option("--camera", options->cameras,
+                   "review, occlusal, buccal, mesial, burr (which follows it), or\n"
+                   "AZIMUTH,ELEVATION[,ZOOM] in degrees from mesial to lingual and up; repeatable")
+      ->expected(1)
+      ->take_all();
+  command->add_option("--section", options->section, "Cut open across an axis, such as y=0 (mm)");
+  command->add_option("--colour-by", options->colour_by, "tissue, or time: when it was cut")
+      ->check(CLI::IsMember({"tissue", "time"}));
+  command->add_flag("--arrows", options->arrows, "Show force and torque at the burr");
+  command->add_flag("--no-hud", options->no_hud, "No figures");
   command->add_option("--video", options->video, "Write an MP4 (30 pictures a second)");
+  command->add_option("--sheet", options->sheet,
+                      "Write all into one picture: times down, cameras across");
+  command->add_option("--review", options->review,
+                      "Write a page on the run, .html, that needs nothing beside it");
   command->callback([options] { render(*options); });
 }
 

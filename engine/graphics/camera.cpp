@@ -134,6 +134,7 @@ View view_of_moved(const View& view, const Pose& world_now_from_start) {
   moved.right_world = direction(view.right_world);
   moved.up_world = direction(view.up_world);
   moved.back_world = direction(view.back_world);
+  moved.shown_world = matrix_of(world_now_from_start).transpose().cast<float>() * view.shown_world;
   return moved;
 }
 

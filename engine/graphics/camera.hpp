@@ -16,6 +16,8 @@ struct View {
   Eigen::Vector3f eye_world;                          // m
   Eigen::Vector3f right_world, up_world, back_world;  // unit, right-handed; it looks along -back
   double metres_per_pixel = 0.0;                      // at the depth of the point that it looks at
+  // Of the bodies that which is at (x, y, z) where its product with (x, y, z, 1) is not negative.
+  Eigen::Vector4f shown_world = Eigen::Vector4f::UnitW();
 };
 
 /// Where a picture is taken from.

@@ -93,6 +93,23 @@ Eigen::Vector3f blend(const Eigen::Vector3f& near, const Eigen::Vector3f& wide,
   return length > 1e-6f ? Eigen::Vector3f(sum / length) : Eigen::Vector3f::UnitZ();
 }
 
+Cell rounded(const Eigen::Vector3f& p) {
+  return {static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y())),
+          static_cast<int>(std::lround(p.z()))};
+}
+
+/// Linear RGB from light to dark, early to late; in between every step is darker than the one
+/// before it, so that it reads in grey as well.
+Eigen::Vector3f colour_of_time(float part) {
+  static const std::array<Eigen::Vector3f, 5> kSteps{
+      Eigen::Vector3f(0.96f, 0.90f, 0.30f), Eigen::Vector3f(0.90f, 0.47f, 0.10f),
+      Eigen::Vector3f(0.62f, 0.10f, 0.15f), Eigen::Vector3f(0.25f, 0.02f, 0.25f),
+      Eigen::Vector3f(0.03f, 0.01f, 0.12f)};
+  const float at = std::clamp(part, 0.0f, 1.0f) * static_cast<float>(kSteps.size() - 1);
+  const auto low = std::min(static_cast<std::size_t>(at), kSteps.size() - 2);
+  return kSteps[low] + (at - static_cast<float>(low)) * (kSteps[low + 1] - kSteps[low]);
+}
+
 }  // namespace
 
 DrawnSurface::DrawnSurface(VoxelModel model, std::vector<TissueLook> looks, int cell_voxels,
@@ -109,16 +126,26 @@ DrawnSurface::DrawnSurface(VoxelModel model, std::vector<TissueLook> looks, int 
   changed_.assign(brick_count(), 1);
 }
 
-void DrawnSurface::remove(std::span<const std::uint32_t> voxels) {
+void DrawnSurface::remove(std::span<const std::uint32_t> voxels, double time_s) {
+  change(voxels, false, static_cast<float>(time_s));
+}
+
+void DrawnSurface::restore(std::span<const std::uint32_t> voxels) { change(voxels, true, 0.0f); }
+
+void DrawnSurface::change(std::span<const std::uint32_t> voxels, bool solid, float time_s) {
   // Vertices lie up to two cells beyond their brick.
   const int reach = kReach + 2 * cell_voxels();
   std::vector<std::uint32_t> leaves;
   for (const std::uint32_t voxel : voxels) {
     const Cell c = model_.grid.cell_of_linear(voxel);
-    if (!model_.solid(c)) continue;
-    model_.set(c, false);
+    if (solid ? !removed(c) : !model_.solid(c)) continue;
+    model_.set(c, solid);
     const std::uint32_t leaf = model_.grid.leaf_of(c);
-    removed_[leaf].words[leaf_word(c.z())] |= std::uint64_t{1} << leaf_bit(c.x(), c.y());
+    removed_[leaf].words[leaf_word(c.z())] ^= std::uint64_t{1} << leaf_bit(c.x(), c.y());
+    if (time_span_s_ > 0.0) {
+      const int place = 64 * leaf_word(c.z()) + leaf_bit(c.x(), c.y());
+      removed_at_s_[leaf][static_cast<std::size_t>(place)] = time_s;
+    }
     if (leaves.empty() || leaf != leaves.back()) leaves.push_back(leaf);
     const Eigen::Vector3i low = (c - Cell::Constant(reach)).cwiseMax(0) / brick_voxels_;
     const Eigen::Vector3i high =
@@ -191,13 +218,24 @@ bool DrawnSurface::removed(const Cell& c) const {
          (found->second.words[leaf_word(c.z())] >> leaf_bit(c.x(), c.y()) & 1u) != 0;
 }
 
+float DrawnSurface::mean_time_s(const Eigen::Vector3f& p_index,
+                                const Eigen::Vector3f& normal) const {
+  const Cell outside = rounded(p_index + 1.5f * normal);
+  float sum_s = 0.0f;
+  int count = 0;
+  for (int n = 0; n < 27; ++n) {
+    const Cell c = outside + Cell(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1) * 2;
+    if (!removed(c)) continue;
+    const int place = 64 * leaf_word(c.z()) + leaf_bit(c.x(), c.y());
+    sum_s += removed_at_s_.at(model_.grid.leaf_of(c))[static_cast<std::size_t>(place)];
+    ++count;
+  }
+  return count > 0 ? sum_s / static_cast<float>(count) : 0.0f;
+}
+
 std::array<std::uint8_t, 4> DrawnSurface::colour_at(const Eigen::Vector3f& p_index,
                                                     const Eigen::Vector3f& normal,
                                                     bool was_cut) const {
-  auto rounded = [](const Eigen::Vector3f& p) {
-    return Cell(static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y())),
-                static_cast<int>(std::lround(p.z())));
-  };
   // Binomial weights over 27 voxels, 2 apart, round a point just inside: a border between tissues
   // is then as wide as the triangles and shows no teeth.
   Eigen::Vector3f colour = Eigen::Vector3f::Zero();
@@ -226,6 +264,11 @@ std::array<std::uint8_t, 4> DrawnSurface::colour_at(const Eigen::Vector3f& p_ind
       gone += removed(c) ? 1 : 0;
     }
     if (empty > 0) cut = static_cast<float>(gone) / static_cast<float>(empty);
+  }
+  if (time_span_s_ > 0.0 && cut > 0.0f) {
+    const float part = mean_time_s(p_index, normal) / static_cast<float>(time_span_s_);
+    colour = (1.0f - cut) * colour / weight + cut * colour_of_time(part);
+    weight = 1.0f;
   }
   std::array<std::uint8_t, 4> packed{};
   for (int i = 0; i < 3; ++i) {

@@ -39,6 +39,9 @@ struct DrawnMesh {
   std::vector<std::uint32_t> indices;  // triangles, counter-clockwise seen from outside
 };
 
+/// When voxels of a leaf were removed, s, by LeafBits' places.
+using LeafTimes = std::unordered_map<std::uint32_t, std::array<float, 512>>;
+
 /// Voxels by leaf; leaves without any are left out.
 using LeafMap = std::unordered_map<std::uint32_t, LeafBits>;
 
@@ -54,8 +57,14 @@ class DrawnSurface {
   DrawnSurface(VoxelModel model, std::vector<TissueLook> looks, int cell_voxels = 0,
                LeafMap removed = {});
 
+  /// Draws what was cut by the time at which it was, light to dark over so many seconds, instead of
+  /// by tissue. Before the first removal.
+  void colour_by_time(double span_s) { time_span_s_ = span_s; }
   /// Voxels (VoxelGrid::linear) that are no longer solid; those that were not are ignored.
-  void remove(std::span<const std::uint32_t> voxels);
+  /// `time_s`: when, for colour_by_time.
+  void remove(std::span<const std::uint32_t> voxels, double time_s = 0.0);
+  /// Takes removals back; voxels that were not removed are ignored. All is then as before them.
+  void restore(std::span<const std::uint32_t> voxels);
 
   const VoxelModel& model() const { return model_; }
   const Density& density() const { return density_; }
@@ -83,6 +92,8 @@ class DrawnSurface {
   std::size_t memory_bytes() const;
 
  private:
+  void change(std::span<const std::uint32_t> voxels, bool solid, float time_s);
+  float mean_time_s(const Eigen::Vector3f& p_index, const Eigen::Vector3f& normal) const;
   bool may_have_surface(const Eigen::Vector3i& low_voxel, const Eigen::Vector3i& high_voxel) const;
   std::array<std::uint8_t, 4> colour_at(const Eigen::Vector3f& p_index,
                                         const Eigen::Vector3f& normal, bool was_cut) const;
@@ -97,6 +108,8 @@ class DrawnSurface {
   std::vector<std::uint8_t> changed_;  // per brick
   LeafMap removed_;
   std::vector<std::uint32_t> changed_leaves_;
+  double time_span_s_ = 0.0;  // 0: by tissue
+  LeafTimes removed_at_s_;    // with a span
 };
 
 /// Boxes, world, that hold the solid voxels, one for each layer of leaves that has any: closer to

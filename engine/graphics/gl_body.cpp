@@ -87,6 +87,7 @@ void GlBody::use(GlProgram& program, const View& view, const Pose& world_now_fro
   program.set("right_world", seen.right_world);
   program.set("up_world", seen.up_world);
   program.set("back_world", seen.back_world);
+  program.set("shown", seen.shown_world);
   const VoxelGrid& grid = surface_.model().grid;
   const Eigen::Vector3d texture_m = occlusion_.dims().cast<double>() * occlusion_.cell_m();
   const Eigen::Vector3d half_m = 0.5 * grid.voxel_m * grid.cells.cast<double>();

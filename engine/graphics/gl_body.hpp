@@ -29,7 +29,12 @@ class GlBody {
   GlBody& operator=(const GlBody&) = delete;
 
   /// Voxels (VoxelGrid::linear) that are no longer solid.
-  void remove(std::span<const std::uint32_t> voxels) { surface_.remove(voxels); }
+  void remove(std::span<const std::uint32_t> voxels, double time_s) {
+    surface_.remove(voxels, time_s);
+  }
+  void restore(std::span<const std::uint32_t> voxels) { surface_.restore(voxels); }
+  /// As DrawnSurface.
+  void colour_by_time(double span_s) { surface_.colour_by_time(span_s); }
   /// As Renderer::add_piece.
   void add_piece(std::span<const std::uint32_t> voxels);
 

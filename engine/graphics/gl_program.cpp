@@ -56,6 +56,10 @@ void GlProgram::set(const char* name, int value) { glUniform1i(location(name), v
 void GlProgram::set(const char* name, const Eigen::Vector3f& value) {
   glUniform3fv(location(name), 1, value.data());
 }
+void GlProgram::set(const char* name, const Eigen::Vector4f& value) {
+  glUniform4fv(location(name), 1, value.data());
+}
+
 void GlProgram::set(const char* name, const Eigen::Matrix4f& value) {
   glUniformMatrix4fv(location(name), 1, GL_FALSE, value.data());
 }

@@ -21,6 +21,7 @@ class GlProgram {
   void set(const char* name, float value);
   void set(const char* name, int value);
   void set(const char* name, const Eigen::Vector3f& value);
+  void set(const char* name, const Eigen::Vector4f& value);
   void set(const char* name, const Eigen::Matrix4f& value);
 
  private:

@@ -34,6 +34,7 @@ GlScene::GlScene(const RenderSettings& settings, std::vector<RenderedBody> bodie
                  const TriangleMesh& burr_mesh_tool, double burr_head_length_m)
     : settings_(settings),
       from_(settings.camera),
+      hud_parts_{settings.hud, settings.hud, settings.arrows},
       bodies_(gl_bodies(std::move(bodies))),
       burr_(burr_mesh_tool, burr_head_length_m),
       background_program_("background", kBackgroundVertex, kBackgroundFragment),
@@ -49,11 +50,46 @@ GlScene::~GlScene() { glDeleteVertexArrays(1, &background_array_); }
 void GlScene::set_size(int width, int height) {
   if (frame_ && frame_->width() == width && frame_->height() == height) return;
   frame_ = std::make_unique<GlFramebuffer>(width, height);
-  if (settings_.hud) hud_.emplace(height);
+  if (hud_) hud_.emplace(height);
 }
 
 void GlScene::add_piece(std::span<const std::uint32_t> voxels) {
   bodies_.front()->add_piece(voxels);
+}
+
+/// Those that would be in the way are left out, and of all what lies before a section.
+void GlScene::draw_bodies(const FrameState& state) {
+  const GlBody& workpiece = *bodies_.front();
+  std::vector<const GlBody*> shown{&workpiece};
+  if (bodies_.size() > 1) {
+    const std::vector<Eigen::Vector3d> points =
+        points_to_see(from_, workpiece.solid_at_start(), state.world_from_tool.position);
+    for (std::size_t i = 1; i < bodies_.size(); ++i) {
+      const double hidden =
+          hidden_share(view_.eye_world.cast<double>(), points, bodies_[i]->solid_at_start(),
+                       bodies_[i]->world_from_grid());
+      if (hidden < kHiddenShare) shown.push_back(bodies_[i].get());
+    }
+  }
+  if (settings_.section) {
+    const Section& section = *settings_.section;
+    const float side = from_.back_world[section.axis] < 0.0 ? 1.0f : -1.0f;
+    view_.shown_world = Eigen::Vector4f::Zero();
+    view_.shown_world[section.axis] = side;
+    view_.shown_world.w() = -side * static_cast<float>(section.at_m);
+    glEnable(GL_CLIP_DISTANCE0);
+  }
+  for (const GlBody* body : shown) {
+    body->draw(tooth_program_, view_, body == &workpiece ? state.pieces : std::span<const Pose>{});
+  }
+  if (!settings_.section) return;
+  glDisable(GL_CLIP_DISTANCE0);
+  glDisable(GL_CULL_FACE);
+  if (!section_) section_.emplace();
+  for (const GlBody* body : shown) {
+    section_->draw(section_face(body->surface(), body->world_from_grid(), *settings_.section),
+                   view_);
+  }
 }
 
 void GlScene::draw(const FrameState& state) {
@@ -77,17 +113,7 @@ void GlScene::draw(const FrameState& state) {
   glEnable(GL_CULL_FACE);
   glFrontFace(GL_CCW);
   burr_.draw(view_, state.world_from_tool, state.burr_turn_rad);
-  workpiece.draw(tooth_program_, view_, state.pieces);
-  if (bodies_.size() > 1) {
-    const std::vector<Eigen::Vector3d> points =
-        points_to_see(from_, workpiece.solid_at_start(), tip_world);
-    for (std::size_t i = 1; i < bodies_.size(); ++i) {
-      const GlBody& body = *bodies_[i];
-      const double hidden = hidden_share(view_.eye_world.cast<double>(), points,
-                                         body.solid_at_start(), body.world_from_grid());
-      if (hidden < kHiddenShare) body.draw(tooth_program_, view_, {});
-    }
-  }
+  draw_bodies(state);
   glDisable(GL_CULL_FACE);
   glDisable(GL_DEPTH_TEST);
   frame_->begin_overlay();
@@ -95,7 +121,9 @@ void GlScene::draw(const FrameState& state) {
   smooth_program_.set("picture", 0);
   glBindVertexArray(background_array_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
-  if (hud_) hud_->draw(state, frame_->width(), frame_->height(), view_.metres_per_pixel);
+  if (!hud_parts_.any()) return;
+  if (!hud_) hud_.emplace(frame_->height());
+  hud_->draw(state, frame_->width(), frame_->height(), view_, hud_parts_);
 }
 
 std::size_t GlScene::triangle_count() const {

@@ -18,6 +18,7 @@
 #include "engine/graphics/gl_burr.hpp"
 #include "engine/graphics/gl_framebuffer.hpp"
 #include "engine/graphics/gl_program.hpp"
+#include "engine/graphics/gl_section.hpp"
 #include "engine/graphics/hud.hpp"
 #include "engine/graphics/rendered_body.hpp"
 #include "engine/scene/scene.hpp"
@@ -28,7 +29,7 @@ namespace sulcus {
 /// bodies, the burr and the figures:
 ///
 ///   removals -> bricks of the surfaces meshed again -> burr, workpiece, pieces, other bodies that
-///   are not in the way -> edges smoothed -> figures
+///   are not in the way, the face of a section -> edges smoothed -> figures
 ///
 /// The workpiece is what is reviewed: cameras frame it alone, and a body that would hide a third or
 /// more of what they are there to show of it (`points_to_see`, `hidden_share`, by the boxes of what
@@ -51,8 +52,17 @@ class GlScene {
 
   /// Voxels (VoxelGrid::linear) of a body that are no longer solid. `body`: its place in what the
   /// scene was made with, 0 the workpiece; throws std::out_of_range beyond.
-  void remove(std::size_t body, std::span<const std::uint32_t> voxels) {
-    bodies_.at(body)->remove(voxels);
+  /// `time_s`: when, for colour_by_time.
+  void remove(std::size_t body, std::span<const std::uint32_t> voxels, double time_s = 0.0) {
+    bodies_.at(body)->remove(voxels, time_s);
+  }
+  /// Takes removals back.
+  void restore(std::size_t body, std::span<const std::uint32_t> voxels) {
+    bodies_.at(body)->restore(voxels);
+  }
+  /// As DrawnSurface, for all bodies.
+  void colour_by_time(double span_s) {
+    for (const auto& body : bodies_) body->colour_by_time(span_s);
   }
   /// A piece that was cut loose from the workpiece, by its voxels (VoxelGrid::linear), each once: a
   /// body of its own from now on, drawn where FrameState::pieces says. It is meshed here, once, by
@@ -61,6 +71,8 @@ class GlScene {
   /// where they are.
   void add_piece(std::span<const std::uint32_t> voxels);
   void set_viewpoint(const Viewpoint& from) { from_ = from; }
+  void set_hud(const HudParts& parts) { hud_parts_ = parts; }
+  void set_section(std::optional<Section> section) { settings_.section = section; }
   /// Pixels. Throws std::runtime_error beyond what OpenGL here can draw; the size then stays.
   void set_size(int width, int height);
   /// Meshes what has changed and draws a frame; the second picture of `frame()` holds it, and is
@@ -78,16 +90,20 @@ class GlScene {
   std::size_t memory_bytes() const;
 
  private:
+  void draw_bodies(const FrameState& state);
+
   RenderSettings settings_;
   Viewpoint from_;
+  HudParts hud_parts_;
   View view_;
   std::vector<std::unique_ptr<GlBody>> bodies_;    // the first: the workpiece
   std::vector<Eigen::AlignedBox3d> others_world_;  // a box for each of the others
   GlBurr burr_;
   std::unique_ptr<GlFramebuffer> frame_;
-  std::optional<Hud> hud_;
+  std::optional<Hud> hud_;  // once one has been drawn
   GlProgram background_program_, tooth_program_, smooth_program_;
   unsigned background_array_ = 0;
+  std::optional<GlSection> section_;  // once one has been drawn
 };
 
 }  // namespace sulcus

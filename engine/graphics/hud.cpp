@@ -178,6 +178,70 @@ void draw_scale_bar(const Pen& pen, float bottom, double metres_per_pixel) {
   pen.text(x, y - 26, kInk, format("%g mm", length_mm));
 }
 
+/// From the burr's tip along a vector of the world, as long as it says, seen as the picture is.
+/// `heads`: 1 for a force, 2 for a torque, whose direction is its axis.
+void draw_arrow(const Pen& pen, ImVec2 from, ImVec2 way, float length, int heads, ImU32 colour,
+                const std::string& value) {
+  const ImVec2 to(from.x + length * way.x, from.y + length * way.y);
+  const ImU32 edge = IM_COL32(255, 255, 255, 200);
+  pen.list->AddLine(pen.at(from.x, from.y), pen.at(to.x, to.y), edge, 7.0f * pen.scale);
+  pen.list->AddLine(pen.at(from.x, from.y), pen.at(to.x, to.y), colour, 4.0f * pen.scale);
+  for (int head = 0; head < heads; ++head) {
+    const float back = 11.0f * static_cast<float>(head);
+    const ImVec2 tip(to.x + (9.0f - back) * way.x, to.y + (9.0f - back) * way.y);
+    const ImVec2 root(tip.x - 16.0f * way.x, tip.y - 16.0f * way.y);
+    pen.list->AddTriangleFilled(pen.at(tip.x, tip.y),
+                                pen.at(root.x + 8.0f * way.y, root.y - 8.0f * way.x),
+                                pen.at(root.x - 8.0f * way.y, root.y + 8.0f * way.x), colour);
+  }
+  pen.text(to.x + 14.0f, to.y - 8.0f, colour, value);
+}
+
+void draw_arrows(const Pen& pen, const FrameState& state, const View& view, float wide,
+                 float tall) {
+  const Eigen::Vector3f tip = state.world_from_tool.position.cast<float>();
+  const Eigen::Vector4f clip = view.clip_from_world * tip.homogeneous().eval();
+  if (clip.w() <= 0.0f) return;
+  const ImVec2 from(0.5f * wide * (1.0f + clip.x() / clip.w()),
+                    0.5f * tall * (1.0f - clip.y() / clip.w()));
+  constexpr double kShortest = 14.0;  // pixels: an arrow's head
+  const auto draw = [&](const Eigen::Vector3d& vector, double pixels, int heads, ImU32 colour,
+                        const std::string& value) {
+    const Eigen::Vector3f v = vector.cast<float>();
+    const float right = v.dot(view.right_world), up = v.dot(view.up_world);
+    const float seen = std::hypot(right, up);
+    // One that comes straight at the eye has no direction in the picture.
+    if (seen * pixels < kShortest) return;
+    const float length = std::min(static_cast<float>(seen * pixels), 0.4f * tall);
+    draw_arrow(pen, from, ImVec2(right / seen, -up / seen), length, heads, colour, value);
+  };
+  constexpr double kPixelsPerNewton = 80.0, kPixelsPerNewtonMetre = 2000.0;
+  draw(state.force_N, kPixelsPerNewton, 1, kForce, format("%.2f N", state.force_N.norm()));
+  draw(state.torque_Nm, kPixelsPerNewtonMetre, 2, kTorque,
+       format("%.1f mN m", 1e3 * state.torque_Nm.norm()));
+}
+
+void draw_figures(const Pen& pen, const FrameState& state, float wide, float tall) {
+  const float x = wide - kCardWidth - 18;
+  float y = 18;
+  const Curve curves[] = {
+      {"Force", format("%.2f N", state.force_N.norm()), state.force_history_N, kForce, false,
+       axis_top(state.force_history_N, 0.5)},
+      {"Torque", format("%.2f mN m", 1e3 * state.torque_Nm.norm()), state.torque_history_mNm,
+       kTorque, false, axis_top(state.torque_history_mNm, 5.0)},
+      {"Tick", format("%.0f \xC2\xB5s", state.tick_us), state.tick_history_us, kTick, true,
+       10.0 * kTickBudget_us},
+  };
+  for (const Curve& curve : curves) {
+    draw_curve(pen, x, y, curve);
+    y += kCardHeight + 10;
+  }
+  y = draw_outcome(pen, x, y, state);
+  if (y + 20 + kStageRow * static_cast<float>(state.stages.size()) < tall) {
+    draw_stages(pen, x, y + 10, state.stages);
+  }
+}
+
 }  // namespace
 
 Hud::Hud(int frame_height) : scale_(static_cast<float>(frame_height) / 720.0f) {
@@ -208,7 +272,8 @@ Hud::~Hud() {
   ImGui::SetCurrentContext(previous == context_ ? nullptr : previous);
 }
 
-void Hud::draw(const FrameState& state, int width, int height, double metres_per_pixel) {
+void Hud::draw(const FrameState& state, int width, int height, const View& view,
+               const HudParts& parts) {
   ImGui::SetCurrentContext(context_);
   ImGuiIO& io = ImGui::GetIO();
   io.DisplaySize = ImVec2(static_cast<float>(width), static_cast<float>(height));
@@ -218,31 +283,14 @@ void Hud::draw(const FrameState& state, int width, int height, double metres_per
   const Pen pen{ImGui::GetBackgroundDrawList(), text_, title_, scale_};
   const float wide = static_cast<float>(width) / scale_;
   const float tall = static_cast<float>(height) / scale_;
-
-  pen.text(24, 18, kInk, state.title, 21.0f);
-  pen.text(24, 48, kFaint, format("%.3f s", state.time_s));
-  pen.text(24, 68, kFaint, format("tick %llu", static_cast<unsigned long long>(state.tick)));
-
-  const float x = wide - kCardWidth - 18;
-  float y = 18;
-  const Curve curves[] = {
-      {"Force", format("%.2f N", state.force_N.norm()), state.force_history_N, kForce, false,
-       axis_top(state.force_history_N, 0.5)},
-      {"Torque", format("%.2f mN m", 1e3 * state.torque_Nm.norm()), state.torque_history_mNm,
-       kTorque, false, axis_top(state.torque_history_mNm, 5.0)},
-      {"Tick", format("%.0f \xC2\xB5s", state.tick_us), state.tick_history_us, kTick, true,
-       10.0 * kTickBudget_us},
-  };
-  for (const Curve& curve : curves) {
-    draw_curve(pen, x, y, curve);
-    y += kCardHeight + 10;
+  if (parts.arrows) draw_arrows(pen, state, view, wide, tall);
+  if (parts.title) {
+    pen.text(24, 18, kInk, state.title, 21.0f);
+    pen.text(24, 48, kFaint, format("%.3f s", state.time_s));
+    pen.text(24, 68, kFaint, format("tick %llu", static_cast<unsigned long long>(state.tick)));
+    draw_scale_bar(pen, tall, view.metres_per_pixel);
   }
-  y = draw_outcome(pen, x, y, state);
-  if (y + 20 + kStageRow * static_cast<float>(state.stages.size()) < tall) {
-    draw_stages(pen, x, y + 10, state.stages);
-  }
-  draw_scale_bar(pen, tall, metres_per_pixel);
-
+  if (parts.figures) draw_figures(pen, state, wide, tall);
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }

@@ -1,11 +1,20 @@
 #pragma once
 
+#include "engine/graphics/camera.hpp"
 #include "engine/graphics/frame_state.hpp"
 
 struct ImGuiContext;
 struct ImFont;
 
 namespace sulcus {
+
+/// What of it is drawn.
+struct HudParts {
+  bool title = true;    // with the time and the scale bar
+  bool figures = true;  // curves, contacts, what was removed, stages
+  bool arrows = false;  // of force and torque, at the burr
+  bool any() const { return title || figures || arrows; }
+};
 
 /// The figures over the picture: title and time, curves of force, torque and tick time with their
 /// values, contacts, removed volume, and a scale bar. Keeps to the frame's left and right edges. On
@@ -18,8 +27,9 @@ class Hud {
   Hud(const Hud&) = delete;
   Hud& operator=(const Hud&) = delete;
 
-  /// Draws into the bound framebuffer. `metres_per_pixel`: for the scale bar.
-  void draw(const FrameState& state, int width, int height, double metres_per_pixel);
+  /// Draws into the bound framebuffer. `view`: for the scale bar and the arrows.
+  void draw(const FrameState& state, int width, int height, const View& view,
+            const HudParts& parts);
 
  private:
   ImGuiContext* context_ = nullptr;

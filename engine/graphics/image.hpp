@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,5 +18,12 @@ struct Image {
 /// Writes a PNG file; the same image gives the same bytes. Throws std::runtime_error, naming the
 /// file, where it cannot be written. Any thread.
 void write_png(const Image& image, const std::string& file);
+
+/// The same bytes. Throws std::runtime_error where they cannot be made.
+std::vector<std::uint8_t> png_bytes(const Image& image);
+
+/// Pictures of one size side by side, so many in a row; what is left of the last row is white.
+/// None: an empty picture. Throws std::invalid_argument for pictures of several sizes.
+Image sheet_of(std::span<const Image> images, int columns);
 
 }  // namespace sulcus

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,14 +27,20 @@ class Renderer {
   Renderer& operator=(const Renderer&) = delete;
 
   // As GlScene's.
-  void remove(std::size_t body, std::span<const std::uint32_t> voxels) {
-    scene_.remove(body, voxels);
+  void remove(std::size_t body, std::span<const std::uint32_t> voxels, double time_s = 0.0) {
+    scene_.remove(body, voxels, time_s);
   }
+  void restore(std::size_t body, std::span<const std::uint32_t> voxels) {
+    scene_.restore(body, voxels);
+  }
+  void colour_by_time(double span_s) { scene_.colour_by_time(span_s); }
   void add_piece(std::span<const std::uint32_t> voxels) {
     context_.make_current();
     scene_.add_piece(voxels);
   }
   void set_viewpoint(const Viewpoint& from) { scene_.set_viewpoint(from); }
+  void set_hud(const HudParts& parts) { scene_.set_hud(parts); }
+  void set_section(std::optional<Section> section) { scene_.set_section(section); }
   void set_size(int width, int height) {
     context_.make_current();
     scene_.set_size(width, height);

@@ -74,6 +74,7 @@ layout(location = 2) in vec4 colour_cut;
 uniform mat4 clip_from_world;
 uniform sampler3D occlusion;        // blurred density of the solid
 uniform mat4 texture_from_world;
+uniform vec4 shown;                 // the plane of a section
 uniform float occlusion_cell;       // m
 uniform vec3 eye_world;
 uniform vec3 right_world, up_world, back_world;
@@ -85,6 +86,7 @@ float lobe(vec3 n, vec3 view, vec3 light, float power) {
 
 void main() {
   gl_Position = clip_from_world * vec4(position_world, 1.0);
+  gl_ClipDistance[0] = dot(shown, vec4(position_world, 1.0));
   vec3 n = normalize(normal_world);
   vec3 albedo = colour_cut.rgb * colour_cut.rgb;
   float cut = colour_cut.a;
@@ -135,6 +137,32 @@ inline constexpr const char* kToothFragment = R"(#version 330 core
 in vec3 encoded;
 out vec4 colour;
 void main() { colour = vec4(encoded, 1.0); }
+)";
+
+// The face of a section: a quad with a picture of the tissues that it goes through, colours times
+// how much is solid, so that an edge keeps the colour of what is inside it.
+inline constexpr const char* kSectionVertex = R"(#version 330 core
+uniform mat4 clip_from_world;
+uniform vec3 corner, along, across;  // m
+out vec2 place;
+void main() {
+  place = vec2(gl_VertexID & 1, gl_VertexID >> 1);
+  gl_Position = clip_from_world * vec4(corner + place.x * along + place.y * across, 1.0);
+}
+)";
+
+inline constexpr const char* kSectionFragment = R"(#version 330 core
+in vec2 place;
+uniform sampler2D tissues;
+out vec4 colour;
+void main() {
+  vec4 solid = texture(tissues, place);
+  if (solid.a < 0.5) discard;
+  vec3 lit = 0.92 * solid.rgb / solid.a;
+  // A thin dark line where the tooth ends.
+  lit *= mix(0.55, 1.0, smoothstep(0.5, 0.75, solid.a));
+  colour = vec4(pow(min(lit, vec3(1.0)), vec3(1.0 / 2.2)), 1.0);
+}
 )";
 
 inline constexpr const char* kBurrVertex = R"(#version 330 core

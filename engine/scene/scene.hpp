@@ -11,6 +11,7 @@
 
 #include "engine/core/input_limits.hpp"
 #include "engine/core/pose.hpp"
+#include "engine/scene/section.hpp"
 
 namespace sulcus {
 
@@ -216,6 +217,8 @@ struct RenderSettings {
   double fps = 30.0;               // frames per second of simulated time
   Camera camera = Camera::kReview;
   bool hud = true;
+  bool arrows = false;             // the force and the torque at the burr
+  std::optional<Section> section;  // none: bodies are whole
 };
 
 struct RecordSettings {

@@ -419,6 +419,11 @@ void read_optional_tables(TomlTable& root, Scene& scene) {
     r.fps = table->number("fps", {0.01, 1000}, r.fps);
     if (const auto camera = table->choice("camera", kCameraNames)) r.camera = Camera(*camera);
     r.hud = table->boolean("hud", r.hud);
+    r.arrows = table->boolean("arrows", r.arrows);
+    if (const std::string text = table->text("section", ""); !text.empty()) {
+      r.section = parse_section(text);
+      if (!r.section) table->fail("section", "'" + text + "'", kSectionForm);
+    }
     table->finish();
   }
   if (auto table = root.table("record")) {

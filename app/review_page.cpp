@@ -1,0 +1,268 @@
+#include "app/review_page.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <optional>
+#include <span>
+#include <sstream>
+#include <stdexcept>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "app/recorded_film.hpp"
+#include "engine/core/base64.hpp"
+#include "engine/core/units.hpp"
+#include "engine/graphics/renderer.hpp"
+#include "engine/scene/section.hpp"
+
+namespace sulcus {
+
+namespace {
+
+constexpr int kWide = 800, kTall = 500;            // pixels of a picture
+constexpr int kStripWide = 384, kStripTall = 240;  // of the way there
+constexpr std::size_t kStrip = 8;
+constexpr double kChartWide = 900.0, kChartTall = 150.0;
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+std::string picture(const Image& image, const std::string& words) {
+  return "<figure><img alt=\"" + escaped(words) + "\" src=\"data:image/png;base64," +
+         base64(png_bytes(image)) + "\"><figcaption>" + escaped(words) + "</figcaption></figure>\n";
+}
+
+/// A curve over the whole run: of the rows that fall on a pixel the largest is drawn.
+template <class Value>
+std::string curve(const std::string& name, const std::string& unit, const char* colour,
+                  std::span<const TickRecord> rows, const Value& value) {
+  constexpr double kLeft = 52.0, kBottom = 20.0;
+  const double end_s = std::max(rows.back().time_s, 1e-9);
+  const auto columns = static_cast<std::size_t>(kChartWide - kLeft);
+  std::vector<double> largest(columns, -1.0);
+  double top = 0.0;
+  for (const TickRecord& row : rows) {
+    const double v = value(row);
+    if (!std::isfinite(v)) continue;
+    const auto at = static_cast<std::size_t>(row.time_s / end_s * static_cast<double>(columns - 1));
+    double& there = largest[std::min(at, columns - 1)];
+    there = std::max(there, v);
+    top = std::max(top, v);
+  }
+  if (top <= 0.0) top = 1.0;
+  std::ostringstream svg;
+  svg.precision(6);
+  svg << "<figure><svg viewBox=\"0 0 " << kChartWide << ' ' << kChartTall << "\" role=\"img\">"
+      << "<title>" << escaped(name) << "</title>";
+  for (const double part : {0.0, 0.5, 1.0}) {
+    const double y = kChartTall - kBottom - part * (kChartTall - kBottom - 8.0);
+    char label[32];
+    std::snprintf(label, sizeof label, "%.3g", part * top);
+    svg << "<path class=\"grid\" d=\"M" << kLeft << ' ' << y << "H" << kChartWide
+        << "\"/><text x=\"" << kLeft - 6 << "\" y=\"" << y + 4 << "\" text-anchor=\"end\">" << label
+        << "</text>";
+  }
+  for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+    char label[32];
+    std::snprintf(label, sizeof label, "%.3g s", part * end_s);
+    svg << "<text x=\"" << kLeft + part * (kChartWide - kLeft) << "\" y=\"" << kChartTall - 4
+        << "\" text-anchor=\""
+        << (part == 0.0   ? "start"
+            : part == 1.0 ? "end"
+                          : "middle")
+        << "\">" << label << "</text>";
+  }
+  svg << "<polyline fill=\"none\" stroke=\"" << colour << "\" points=\"";
+  for (std::size_t c = 0; c < columns; ++c) {
+    if (largest[c] < 0.0) continue;
+    svg << kLeft + static_cast<double>(c) << ','
+        << kChartTall - kBottom - largest[c] / top * (kChartTall - kBottom - 8.0) << ' ';
+  }
+  svg << "\"/></svg><figcaption>" << escaped(name) << ", " << escaped(unit)
+      << "</figcaption></figure>\n";
+  return svg.str();
+}
+
+double norm(const double (&v)[3]) { return std::hypot(v[0], v[1], v[2]); }
+
+void add_rows(const nlohmann::json& value, const std::string& name, std::ostream& table) {
+  if (value.is_object()) {
+    for (const auto& [key, inner] : value.items()) {
+      add_rows(inner, name.empty() ? key : name + ", " + key, table);
+    }
+    return;
+  }
+  table << "<tr><th>" << escaped(name) << "</th><td>"
+        << escaped(value.is_string() ? value.get<std::string>() : value.dump()) << "</td></tr>\n";
+}
+
+std::string outcome_table(const FrameState& end, const std::string& summary_json) {
+  std::ostringstream table;
+  table << "<table>\n";
+  char text[64];
+  std::snprintf(text, sizeof text, "%.3f s, %zu ticks", end.time_s,
+                static_cast<std::size_t>(end.tick) + 1);
+  table << "<tr><th>Lasted</th><td>" << text << "</td></tr>\n";
+  std::snprintf(text, sizeof text, "%.3f mm\xC2\xB3", end.removed_mm3);
+  table << "<tr><th>Removed</th><td>" << text << "</td></tr>\n";
+  for (const OutcomeLine& line : end.outcome) {
+    table << "<tr><th>" << escaped(line.name) << "</th><td>" << escaped(line.value)
+          << "</td></tr>\n";
+  }
+  table << "</table>\n";
+  const auto summary = nlohmann::json::parse(summary_json, nullptr, false);
+  if (!summary.is_object()) return table.str();
+  table << "<details><summary>summary.json</summary><table>\n";
+  add_rows(summary, "", table);
+  table << "</table></details>\n";
+  return table.str();
+}
+
+/// A plane across y through the middle of what was cut; none where nothing was.
+std::optional<Section> section_of_cut(const RecordedFilm& film, std::span<const Edit> edits) {
+  double sum = 0.0;
+  std::size_t count = 0;
+  const VoxelGrid& grid = film.model().grid;
+  for (const Edit& edit : edits) {
+    if (edit.body != 0 || edit.cause != EditCause::kCut) continue;
+    sum += grid.world_from_index(grid.cell_of_linear(edit.voxel).cast<double>()).y();
+    ++count;
+  }
+  if (count == 0) return {};
+  return Section{1, sum / static_cast<double>(count)};
+}
+
+constexpr const char* kHead = R"(<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
+<style>
+body{font:15px/1.5 "DejaVu Sans",Verdana,sans-serif;color:#222831;background:#eef0f2;margin:0 auto;max-width:1240px;padding:24px}
+h1{font-size:24px;margin:0}h2{font-size:18px;margin:32px 0 8px}p{color:#5b6470;margin:4px 0}
+figure{margin:0;background:#fff;border-radius:6px;overflow:hidden}figcaption{padding:4px 10px;color:#5b6470;font-size:13px}
+img,svg{width:100%;display:block}svg text{font-size:11px;fill:#5b6470}.grid{stroke:#d5d9de}
+.two{display:grid;grid-template-columns:1fr 1fr;gap:10px}.four{display:grid;grid-template-columns:repeat(4,1fr);gap:10px}
+table{border-collapse:collapse;background:#fff;border-radius:6px}th,td{text-align:left;padding:3px 14px;font-weight:normal;border-bottom:1px solid #eef0f2;white-space:pre}
+td{font-variant-numeric:tabular-nums}details{margin-top:10px}
+</style>
+)";
+
+}  // namespace
+
+void write_review_page(const RecordingReader& reader, const std::string& recording,
+                       const std::string& summary_json, const std::string& file) {
+  RecordedFilm film(reader, recording);
+  const std::vector<TickRecord>& rows = film.rows();
+  const std::size_t last = rows.size() - 1;
+  constexpr std::array<Camera, 4> kSides{Camera::kOcclusal, Camera::kReview, Camera::kBuccal,
+                                         Camera::kMesial};
+  RenderSettings settings = film.scene().render.value_or(RenderSettings{});
+  settings.width = kWide;
+  settings.height = kTall;
+  settings.section.reset();
+  std::ostringstream page;
+  const std::string title = escaped(film.scene().title);
+  page << kHead << "<title>" << title << "</title></head><body>\n<h1>" << title << "</h1>\n<p>"
+       << escaped(recording) << "</p>\n";
+  FrameState end;
+  std::optional<Section> section;
+  std::array<std::string, kSides.size()> before, after;
+  std::string strip, cut_open;
+  {
+    Renderer renderer(settings, film.bodies(), film.burr().mesh_tool, film.burr().head_length_m);
+    renderer.set_hud({.title = false, .figures = false, .arrows = false});
+    const auto draw_sides = [&](std::size_t row, const char* when, auto& into) {
+      const FrameState state = film.seek_row(row, renderer);
+      for (std::size_t side = 0; side < kSides.size(); ++side) {
+        renderer.set_viewpoint(kSides[side]);
+        into[side] = picture(
+            renderer.draw(state),
+            std::string(kCameraNames[static_cast<std::size_t>(kSides[side])]) + ", " + when);
+      }
+    };
+    draw_sides(0, "before", before);
+    renderer.set_size(kStripWide, kStripTall);
+    renderer.set_viewpoint(Camera::kBurr);
+    renderer.set_hud({.title = false, .figures = false, .arrows = true});
+    for (std::size_t n = 1; n <= kStrip; ++n) {
+      const std::size_t row = last * n / (kStrip + 1);
+      char words[48];
+      std::snprintf(words, sizeof words, "%.2f s, %.2f N", rows[row].time_s,
+                    norm(rows[row].contact_force_N));
+      strip += picture(renderer.draw(film.seek_row(row, renderer)), words);
+    }
+    renderer.set_size(kWide, kTall);
+    renderer.set_hud({.title = false, .figures = false, .arrows = false});
+    draw_sides(last, "after", after);
+    end = film.seek_row(last, renderer);
+    section = section_of_cut(film, film.edits_before(last));
+    if (section) {
+      renderer.set_section(section);
+      renderer.set_viewpoint(Viewpoint(-90.0, 15.0));
+      char words[64];
+      std::snprintf(words, sizeof words, "cut open at y = %.2f mm, from buccal",
+                    section->at_m / kMillimetre);
+      cut_open = picture(renderer.draw(end), words);
+    }
+  }
+  page << "<h2>Outcome</h2>\n" << outcome_table(end, summary_json);
+  page << "<h2>Before and after</h2>\n<div class=\"two\">\n";
+  for (std::size_t side = 0; side < kSides.size(); ++side) page << before[side] << after[side];
+  page << "</div>\n";
+  if (section) {
+    Renderer renderer(settings, film.bodies(), film.burr().mesh_tool, film.burr().head_length_m);
+    renderer.set_hud({.title = false, .figures = false, .arrows = false});
+    renderer.set_viewpoint(Camera::kOcclusal);
+    renderer.colour_by_time(rows.back().time_s);
+    RecordedFilm again(reader, recording);
+    page << "<h2>What was cut</h2>\n<div class=\"two\">\n"
+         << cut_open
+         << picture(renderer.draw(again.seek_row(last, renderer)),
+                    "when it was cut: early yellow, late dark")
+         << "</div>\n";
+  }
+  page << "<h2>The way there</h2>\n<div class=\"four\">\n" << strip << "</div>\n<h2>Curves</h2>\n";
+  const double voxel_mm3 = std::pow(film.model().grid.voxel_m / kMillimetre, 3);
+  double removed = 0.0;
+  page << curve("Force", "N", "#2062b2", rows, [](const TickRecord& row) {
+    return norm(row.force_N);
+  }) << curve("Torque", "mN m", "#c45e12", rows, [](const TickRecord& row) {
+    return 1e3 * norm(row.torque_Nm);
+  }) << curve("Voxels in contact", "1", "#6b4aa0", rows, [](const TickRecord& row) {
+    return static_cast<double>(row.contacts);
+  }) << curve("Removed", "mm\xC2\xB3", "#8a6d1c", rows, [&](const TickRecord& row) {
+    removed += static_cast<double>(row.removed) * voxel_mm3;
+    return removed;
+  }) << curve("Compute time of a tick", "\xC2\xB5s", "#1c8054", rows, [](const TickRecord& row) {
+    return static_cast<double>(row.step_us);
+  });
+  page << "</body></html>\n";
+  std::ofstream out(file, std::ios::binary);
+  out << page.str();
+  out.close();
+  if (!out) throw std::runtime_error(file + ": the page could not be written");
+}
+
+}  // namespace sulcus

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+#include "engine/recording/recording_reader.hpp"
+
+namespace sulcus {
+
+/// Writes a page on a run that needs nothing beside it (HTML, pictures and curves in it): the tooth
+/// before and after from each side, a section through what was cut, when what was cut, the way
+/// there, curves over the whole run, and what came of it. `summary_json`: the run's, "" where there
+/// is none. InputError as RecordedFilm; std::runtime_error where nothing can be drawn or the file
+/// cannot be written.
+void write_review_page(const RecordingReader& reader, const std::string& recording,
+                       const std::string& summary_json, const std::string& file);
+
+}  // namespace sulcus
