@@ -194,7 +194,8 @@ void write_review_page(const RecordingReader& reader, const std::string& recordi
     Renderer renderer(settings, film.bodies(), film.burr().mesh_tool, film.burr().head_length_m);
     renderer.set_hud({.title = false, .figures = false, .arrows = false});
     const auto draw_sides = [&](std::size_t row, const char* when, auto& into) {
-      const FrameState state = film.seek_row(row, renderer);
+      FrameState state = film.seek_row(row, renderer);
+      state.burr_shown = false;
       for (std::size_t side = 0; side < kSides.size(); ++side) {
         renderer.set_viewpoint(kSides[side]);
         into[side] = picture(
@@ -204,19 +205,26 @@ void write_review_page(const RecordingReader& reader, const std::string& recordi
     };
     draw_sides(0, "before", before);
     renderer.set_size(kStripWide, kStripTall);
-    renderer.set_viewpoint(Camera::kBurr);
+    Viewpoint beside(-80.0, 20.0);
+    beside.follows_burr = true;
+    beside.zoom = 0.5;
+    renderer.set_viewpoint(beside);
     renderer.set_hud({.title = false, .figures = false, .arrows = true});
     for (std::size_t n = 1; n <= kStrip; ++n) {
       const std::size_t row = last * n / (kStrip + 1);
       char words[48];
       std::snprintf(words, sizeof words, "%.2f s, %.2f N", rows[row].time_s,
                     norm(rows[row].contact_force_N));
-      strip += picture(renderer.draw(film.seek_row(row, renderer)), words);
+      const FrameState state = film.seek_row(row, renderer);
+      renderer.set_section(Section{1, state.world_from_tool.position.y()});
+      strip += picture(renderer.draw(state), words);
     }
     renderer.set_size(kWide, kTall);
+    renderer.set_section({});
     renderer.set_hud({.title = false, .figures = false, .arrows = false});
     draw_sides(last, "after", after);
     end = film.seek_row(last, renderer);
+    end.burr_shown = false;
     section = section_of_cut(film, film.edits_before(last));
     if (section) {
       renderer.set_section(section);
@@ -237,13 +245,14 @@ void write_review_page(const RecordingReader& reader, const std::string& recordi
     renderer.set_viewpoint(Camera::kOcclusal);
     renderer.colour_by_time(rows.back().time_s);
     RecordedFilm again(reader, recording);
+    FrameState state = again.seek_row(last, renderer);
+    state.burr_shown = false;
     page << "<h2>What was cut</h2>\n<div class=\"two\">\n"
-         << cut_open
-         << picture(renderer.draw(again.seek_row(last, renderer)),
-                    "when it was cut: early yellow, late dark")
+         << cut_open << picture(renderer.draw(state), "when it was cut: early yellow, late dark")
          << "</div>\n";
   }
-  page << "<h2>The way there</h2>\n<div class=\"four\">\n" << strip << "</div>\n<h2>Curves</h2>\n";
+  page << "<h2>The way there, cut open at the burr</h2>\n<div class=\"four\">\n"
+       << strip << "</div>\n<h2>Curves</h2>\n";
   const double voxel_mm3 = std::pow(film.model().grid.voxel_m / kMillimetre, 3);
   double removed = 0.0;
   page << curve("Force", "N", "#2062b2", rows, [](const TickRecord& row) {

@@ -31,6 +31,7 @@ struct FrameState {
   // How pieces cut loose have moved, world now from world where they were, in the order in which
   // they were added to the renderer. Pieces beyond the poses are not drawn.
   std::span<const Pose> pieces;
+  bool burr_shown = true;
   double burr_turn_rad = 0.0;                           // of the spindle, about the tool's +y
   Eigen::Vector3d force_N = Eigen::Vector3d::Zero();    // world
   Eigen::Vector3d torque_Nm = Eigen::Vector3d::Zero();  // world

@@ -112,7 +112,7 @@ void GlScene::draw(const FrameState& state) {
   glDepthFunc(GL_LESS);
   glEnable(GL_CULL_FACE);
   glFrontFace(GL_CCW);
-  burr_.draw(view_, state.world_from_tool, state.burr_turn_rad);
+  if (state.burr_shown) burr_.draw(view_, state.world_from_tool, state.burr_turn_rad);
   draw_bodies(state);
   glDisable(GL_CULL_FACE);
   glDisable(GL_DEPTH_TEST);

@@ -87,5 +87,31 @@ TEST(ViewOfMoved, ShowsTheOldPlaceWhereTheBodyIsNow) {
   EXPECT_EQ(same.right_world, view.right_world);
 }
 
+TEST(Viewpoint, AnglesGoFromMesialToLingualAndUp) {
+  const auto expect_same = [](const Viewpoint& a, const Viewpoint& b) {
+    EXPECT_TRUE(a.back_world.isApprox(b.back_world, 1e-12)) << a.back_world.transpose();
+    EXPECT_TRUE(a.upright_world.isApprox(b.upright_world, 1e-12)) << a.upright_world.transpose();
+  };
+  expect_same(Viewpoint(0, 0), Camera::kMesial);
+  expect_same(Viewpoint(-90, 0), Camera::kBuccal);
+  expect_same(Viewpoint(-90, 90), Camera::kOcclusal);
+}
+
+TEST(Viewpoint, ZoomAndPanMoveTheEyeAndNothingElse) {
+  const Eigen::Vector3d tip(0, 0, 1);
+  const View plain = make_view(Camera::kMesial, {}, tip, 1e-3, 320, 180);
+  Viewpoint near(Camera::kMesial);
+  near.zoom = 2.0;
+  const View zoomed = make_view(near, {}, tip, 1e-3, 320, 180);
+  EXPECT_NEAR(zoomed.metres_per_pixel, plain.metres_per_pixel / 2, 1e-12);
+  EXPECT_NEAR(zoomed.eye_world.x(), plain.eye_world.x() / 2, 1e-7);
+  Viewpoint aside(Camera::kMesial);
+  aside.pan = {0.5, 0.0};
+  const View panned = make_view(aside, {}, tip, 1e-3, 320, 180);
+  // Half of half the frame's height to the right, which from mesial is +y.
+  EXPECT_NEAR(panned.eye_world.y(), 0.5 * 90 * plain.metres_per_pixel, 1e-7);
+  EXPECT_NEAR(panned.eye_world.x(), plain.eye_world.x(), 1e-7);
+}
+
 }  // namespace
 }  // namespace sulcus

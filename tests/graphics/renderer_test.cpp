@@ -1,6 +1,7 @@
 #include "engine/graphics/renderer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -29,6 +30,20 @@ VoxelModel ball() {
     if (model.grid.centre_world(c).norm() < 2.6e-3) model.set(c, true);
   }
   return model;
+}
+
+/// The inner part of the ball is of the second tissue.
+TissueMap core_tissues(const VoxelModel& model) {
+  TissueMap tissues(model.grid.leaf_count());
+  for (std::uint32_t leaf = 0; leaf < model.grid.leaf_count(); ++leaf) {
+    LabelBlock labels{};
+    for (int v = 0; v < 512; ++v) {
+      const Cell c = model.grid.leaf_origin(leaf) + Cell(v & 7, v >> 3 & 7, v >> 6);
+      labels[v] = model.grid.centre_world(c).norm() < 1.8e-3 ? 1 : 0;
+    }
+    tissues.set_block(leaf, labels, model.leaves[leaf].words);
+  }
+  return tissues;
 }
 
 TriangleMesh tetrahedron() {
@@ -134,6 +149,112 @@ TEST(Renderer, RemovedVoxelsAreGoneAndTheOrderOfCallsDoesNotMatter) {
   const auto other = make_renderer(small(false));
   other->remove(0, upper);
   EXPECT_EQ(other->draw(state), halved);
+}
+
+TEST(Renderer, WhatIsTakenBackLooksAsItDid) {
+  const auto renderer = make_renderer(small(false));
+  if (!renderer) GTEST_SKIP() << "no OpenGL here";
+  FrameState state;
+  state.world_from_tool.position = {0, 0, 0.1};
+  const Image whole = renderer->draw(state);
+  std::vector<std::uint32_t> first, second;
+  const VoxelGrid grid = renderer->surface().model().grid;
+  for (std::uint32_t v = 0; v < grid.cell_count(); ++v) {
+    const Cell c = grid.cell_of_linear(v);
+    if (c.z() >= 45) (c.x() < 32 ? first : second).push_back(v);
+  }
+  renderer->remove(0, first);
+  const Image half = renderer->draw(state);
+  renderer->remove(0, second);
+  EXPECT_NE(renderer->draw(state), half);
+  renderer->restore(0, second);
+  EXPECT_EQ(renderer->draw(state), half);
+  renderer->restore(0, first);
+  EXPECT_EQ(renderer->draw(state), whole);
+  renderer->restore(0, first);  // of what is solid nothing comes back
+  EXPECT_EQ(renderer->draw(state), whole);
+}
+
+TEST(Renderer, ASectionShowsWhatIsInside) {
+  VoxelModel two = ball();
+  two.tissues = std::make_shared<TissueMap>(core_tissues(two));
+  std::vector<RenderedBody> bodies;
+  bodies.push_back({two, {{"red", {0.8f, 0.05f, 0.05f}}, {"blue", {0.05f, 0.05f, 0.8f}}}, {}});
+  std::unique_ptr<Renderer> renderer;
+  try {
+    renderer = std::make_unique<Renderer>(small(false), std::move(bodies), tetrahedron(), 1e-3);
+  } catch (const std::runtime_error& error) {
+    GTEST_SKIP() << "no OpenGL here";
+  }
+  FrameState state;
+  state.world_from_tool.position = {0, 0, 0.1};
+  const auto blue = [](const Image& image) {
+    std::size_t count = 0;
+    for (std::size_t p = 0; p < image.rgb.size(); p += 3) {
+      count += image.rgb[p + 2] > 2 * image.rgb[p] ? 1u : 0u;
+    }
+    return count;
+  };
+  renderer->set_viewpoint(Camera::kBuccal);
+  const Image whole = renderer->draw(state);
+  EXPECT_EQ(blue(whole), 0u);
+  renderer->set_section(Section{1, 0.0});
+  const Image open = renderer->draw(state);
+  EXPECT_GT(blue(open), 1000u);
+  EXPECT_GT(red_pixels(open), 1000u) << "the outer tissue is round it";
+  // From the other side the other half is left out.
+  renderer->set_viewpoint(Viewpoint(90.0, 0.0));
+  EXPECT_GT(blue(renderer->draw(state)), 1000u);
+  // Beyond the body nothing of it is before the plane.
+  renderer->set_viewpoint(Camera::kBuccal);
+  renderer->set_section(Section{1, -3.1e-3});
+  EXPECT_EQ(renderer->draw(state), whole);
+  renderer->set_section({});
+  EXPECT_EQ(renderer->draw(state), whole);
+}
+
+TEST(Renderer, WhatWasCutIsColouredByItsTimeWhereThatIsAsked) {
+  const auto plain = make_renderer(small(false)), by_time = make_renderer(small(false));
+  if (!plain) GTEST_SKIP() << "no OpenGL here";
+  by_time->colour_by_time(2.0);
+  FrameState state;
+  state.world_from_tool.position = {0, 0, 0.1};
+  EXPECT_EQ(by_time->draw(state), plain->draw(state)) << "nothing is cut yet";
+  std::vector<std::uint32_t> early, late;
+  const VoxelGrid grid = plain->surface().model().grid;
+  for (std::uint32_t v = 0; v < grid.cell_count(); ++v) {
+    const Cell c = grid.cell_of_linear(v);
+    if (c.z() >= 40) (c.x() < 32 ? early : late).push_back(v);
+  }
+  for (Renderer* renderer : {plain.get(), by_time.get()}) {
+    renderer->remove(0, early, 0.0);
+    renderer->remove(0, late, 2.0);
+    renderer->set_viewpoint(Camera::kOcclusal);
+  }
+  const Image tissue = plain->draw(state), time = by_time->draw(state);
+  // Left and right of the middle of the cut face: yellow, and nearly black.
+  const auto at = [](const Image& image, int x, int y) {
+    const std::uint8_t* p = &image.rgb[3 * static_cast<std::size_t>(image.width * y + x)];
+    return std::array<int, 3>{p[0], p[1], p[2]};
+  };
+  const auto left = at(time, 140, 90), right = at(time, 180, 90);
+  EXPECT_GT(left[1], 2 * right[1]) << left[1] << ' ' << right[1];
+  EXPECT_GT(left[0], 100);
+  EXPECT_EQ(at(tissue, 140, 90)[0] > 2 * at(tissue, 140, 90)[1], true);
+}
+
+TEST(Renderer, ASheetHasThePicturesInRows) {
+  const Image red{2, 1, {255, 0, 0, 255, 0, 0}}, blue{2, 1, {0, 0, 255, 0, 0, 255}};
+  const std::vector<Image> three{red, blue, red};
+  const Image sheet = sheet_of(three, 2);
+  EXPECT_EQ(sheet.width, 4);
+  EXPECT_EQ(sheet.height, 2);
+  EXPECT_EQ(sheet.rgb,
+            (std::vector<std::uint8_t>{255, 0, 0, 255, 0, 0, 0,   0,   255, 0,   0,   255,
+                                       255, 0, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255}));
+  EXPECT_EQ(sheet_of({}, 3), Image{});
+  const std::vector<Image> several{red, Image{1, 1, {0, 0, 0}}};
+  EXPECT_THROW(sheet_of(several, 2), std::invalid_argument);
 }
 
 /// A ball from which a burr has all but cut a cap: the way of the burr, 0.6 mm wide, and the cap.

@@ -99,5 +99,60 @@ TEST_F(Replay, DrawsAnyTimeOfIt) {
   EXPECT_NE(early, late);
 }
 
+TEST_F(Replay, DrawsFromSeveralCamerasAndIntoOneSheet) {
+  const auto result =
+      command("render " + recording() + " --at 0.1 --at 0.3 --camera occlusal --camera -90,30,2 " +
+              "--section y=0 --arrows --size 160x120 -o " + scratch_.path("pictures"));
+  ASSERT_EQ(result.status, 0) << result.err;
+  for (const char* name : {"occlusal_000000", "occlusal_000001", "-90_30_2_000000"}) {
+    EXPECT_FALSE(test::read_file(scratch_.path("pictures/") + name + ".png").empty()) << name;
+  }
+  const auto sheet = command("render " + recording() +
+                             " --at 0.1 --at 0.3 --camera occlusal --camera burr --size 160x120 " +
+                             "--colour-by time --sheet " + scratch_.path("sheet.png"));
+  ASSERT_EQ(sheet.status, 0) << sheet.err;
+  const std::string png = test::read_file(scratch_.path("sheet.png"));
+  ASSERT_GT(png.size(), 24u);
+  const auto number = [&](std::size_t at) {  // big-endian, of the header
+    return static_cast<unsigned char>(png[at + 2]) * 256 + static_cast<unsigned char>(png[at + 3]);
+  };
+  EXPECT_EQ(number(16), 320);
+  EXPECT_EQ(number(20), 240);
+}
+
+TEST_F(Replay, AReviewPageNeedsNothingBesideIt) {
+  const std::string file = scratch_.path("review.html");
+  const auto result = command("render " + recording() + " --review " + file);
+  ASSERT_EQ(result.status, 0) << result.err;
+  const std::string page = test::read_file(file);
+  const auto count = [&](const std::string& what) {
+    std::size_t found = 0;
+    for (std::size_t at = page.find(what); at != std::string::npos; at = page.find(what, at + 1)) {
+      ++found;
+    }
+    return found;
+  };
+  EXPECT_EQ(count("<img "), 18u);  // 4 before, 4 after, 2 of the cut, 8 on the way
+  EXPECT_EQ(count("src=\"data:image/png;base64,"), 18u);
+  EXPECT_EQ(count("<svg "), 5u);
+  EXPECT_EQ(count("http"), 0u);
+  EXPECT_EQ(count("summary.json"), 1u);
+  EXPECT_TRUE(page.ends_with("</body></html>\n"));
+}
+
+TEST_F(Replay, WhatRenderCannotDoIsSaid) {
+  const auto expect_refused = [&](const std::string& options, const std::string& says) {
+    const auto result = command("render " + recording() + ' ' + options);
+    EXPECT_EQ(result.status, 2) << options;
+    EXPECT_NE(result.err.find(says), std::string::npos) << result.err;
+  };
+  expect_refused("--camera above", "'above'");
+  expect_refused("--camera 10,91", "AZIMUTH,ELEVATION");
+  expect_refused("--camera 10,20,", "AZIMUTH,ELEVATION");
+  expect_refused("--section q=1", "an axis and mm");
+  expect_refused("--size 100", "WxH");
+  expect_refused("--camera occlusal --camera buccal --video v.mp4", "2 cameras");
+}
+
 }  // namespace
 }  // namespace sulcus

@@ -1,9 +1,13 @@
 // A recording at any time, on and back.
 #include <algorithm>
+#include <set>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "app/recorded_film.hpp"
 #include "app/recorded_state.hpp"
 #include "tests/pipeline/small_scenes.hpp"
 #include "tests/support/command.hpp"
@@ -107,6 +111,42 @@ TEST_F(Scrub, AShapeGoesOnAndBack) {
   // What was passed on the way.
   EXPECT_EQ(shape.seek_row(400).size(), start - end);
   EXPECT_EQ(shape.seek_row(250).size(), middle - end);
+}
+
+TEST_F(Scrub, AFilmIsTheSameOnTheWayBack) {
+  // A film drives what draws it: voxels that are gone of each body, and pieces.
+  struct Drawing {
+    std::set<std::pair<std::size_t, std::uint32_t>> gone;
+    std::size_t pieces = 0;
+    void remove(std::size_t body, std::span<const std::uint32_t> voxels, double) {
+      for (const std::uint32_t voxel : voxels) EXPECT_TRUE(gone.emplace(body, voxel).second);
+    }
+    void restore(std::size_t body, std::span<const std::uint32_t> voxels) {
+      for (const std::uint32_t voxel : voxels) EXPECT_EQ(gone.erase({body, voxel}), 1u);
+    }
+    void add_piece(std::span<const std::uint32_t>) { ++pieces; }
+  };
+  const std::string recording = record(test::kPostScene);
+  const RecordingReader reader(recording);
+  const std::size_t left = reader.pieces().at(0).tick, end = reader.tick_count() - 1;
+  const auto told = [](const FrameState& state) {
+    std::string text = std::to_string(state.tick) + ' ' + std::to_string(state.removed_mm3) + ' ' +
+                       std::to_string(state.pieces.size()) + ' ' +
+                       std::to_string(state.burr_turn_rad);
+    for (const OutcomeLine& line : state.outcome) text += ' ' + line.name + '=' + line.value;
+    for (const float f : state.force_history_N) text += ' ' + std::to_string(f);
+    return text;
+  };
+  RecordedFilm film(reader, recording);
+  Drawing drawing;
+  for (const std::size_t row : {left + 20, end, left - 50, std::size_t{0}, left + 40, left + 5}) {
+    RecordedFilm fresh(reader, recording);
+    Drawing straight;
+    const std::string expected = told(fresh.seek_row(row, straight));
+    EXPECT_EQ(told(film.seek_row(row, drawing)), expected) << row;
+    EXPECT_EQ(drawing.gone, straight.gone) << row;
+  }
+  EXPECT_EQ(drawing.pieces, reader.pieces().size()) << "each is meshed once";
 }
 
 }  // namespace
