@@ -10,6 +10,7 @@ namespace sulcus {
 void add_run_command(CLI::App& program);
 void add_replay_command(CLI::App& program);
 void add_render_command(CLI::App& program);
+void add_view_command(CLI::App& program);
 void add_repair_command(CLI::App& program);
 void add_export_command(CLI::App& program);
 void add_inspect_command(CLI::App& program);

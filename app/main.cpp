@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
   sulcus::add_run_command(program);
   sulcus::add_replay_command(program);
   sulcus::add_render_command(program);
+  sulcus::add_view_command(program);
   sulcus::add_export_command(program);
   sulcus::add_inspect_command(program);
   sulcus::add_repair_command(program);

@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "app/frame_history.hpp"
+#include "app/live_film.hpp"
 #include "engine/core/realtime.hpp"
 
 namespace sulcus {
@@ -64,55 +64,15 @@ void RenderThread::run() {
   // Pinned before the context is made: the software rasteriser's threads inherit it.
   if (drop_frames_) leave_realtime_core();
   std::filesystem::create_directories(folder_ + "/frames");
-  FrameHistory history(scene_, bodies_.front().model);
+  LiveFilm film(feed_, pieces_, scene_, bodies_.front().model);
   Renderer renderer(*scene_.render, std::move(bodies_), burr_.mesh_tool, burr_.head_length_m);
   is_ready_ = true;
   ready_.set_value();
 
-  std::vector<std::vector<std::uint32_t>> removed(1 + scene_.bodies.size());  // by body
-  std::uint64_t edits_taken = 0;
-
-  const auto take = [&](const TickReport& report) {
-    for (Edit edit; edits_taken < report.record.edits_end && feed_.edits.try_dequeue(edit);) {
-      removed[edit.body].push_back(edit.voxel);
-      history.add(edit);
-      ++edits_taken;
-    }
-    history.add(report);
-  };
-  std::vector<Pose> piece_poses;
-  std::optional<PieceNews> ahead;  // of a later tick than is drawn
-  const auto take_pieces = [&](std::uint64_t tick, bool last) {
-    // A run that does not drop frames waits, so that its pictures do not depend on who was faster;
-    // the last of any run does.
-    while ((!drop_frames_ || last) && pieces_->ticks_done <= tick) {
-      std::this_thread::sleep_for(std::chrono::microseconds(100));
-    }
-    PieceNews news;
-    while (ahead || pieces_->news.try_dequeue(news)) {
-      if (ahead) news = std::move(*std::exchange(ahead, std::nullopt));
-      if (news.tick > tick) {
-        ahead = std::move(news);
-        break;
-      }
-      if (news.voxels) {
-        renderer.add_piece(*news.voxels);
-        piece_poses.emplace_back();
-      } else {
-        piece_poses[news.piece] = news.world_now_from_start;
-      }
-    }
-  };
-  const auto draw = [&](bool last = false) {
+  // A run that drops frames does not wait for pieces, but for its last picture.
+  const auto draw = [&](bool wait) {
     const std::uint64_t begin = steady_ns();
-    FrameState state = history.state();
-    if (pieces_) take_pieces(state.tick, last);
-    state.pieces = piece_poses;
-    for (std::size_t body = 0; body < removed.size(); ++body) {
-      renderer.remove(body, removed[body]);
-      removed[body].clear();
-    }
-    const Image image = renderer.draw(state);
+    const Image image = renderer.draw(film.bring(renderer, wait));
     char name[32];
     std::snprintf(name, sizeof(name), "/frames/%06llu.png",
                   static_cast<unsigned long long>(frames_++));
@@ -124,21 +84,20 @@ void RenderThread::run() {
   for (bool ended = false; !ended;) {
     ended = feed_.ended.load();
     bool due = false;
-    TickReport report;
-    while (feed_.reports.try_dequeue(report)) {
-      take(report);
-      if (report.record.time_s * scene_.render->fps < static_cast<double>(frame)) continue;
-      frame = static_cast<std::uint64_t>(report.record.time_s * scene_.render->fps) + 1;
+    while (const std::optional<TickReport> report = film.take()) {
+      const double frames_s = report->record.time_s * scene_.render->fps;
+      if (frames_s < static_cast<double>(frame)) continue;
+      frame = static_cast<std::uint64_t>(frames_s) + 1;
       if (drop_frames_) {
         due = true;
       } else {
-        draw();
+        draw(true);
       }
     }
-    if (due) draw();
+    if (due) draw(false);
     if (!ended && !due) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
-  if (!history.empty()) draw(true);  // the last picture is the result
+  if (!film.empty()) draw(true);  // the last picture is the result
   memory_bytes_ = renderer.memory_bytes();
 }
 

@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "app/commands.hpp"
+#include "app/continued_run.hpp"
 #include "app/recorded_state.hpp"
 #include "app/results.hpp"
 #include "app/thread_limit.hpp"
 #include "app/verify_recording.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/hash.hpp"
-#include "engine/scene/scene_file.hpp"
 
 namespace sulcus {
 
@@ -40,41 +40,6 @@ void verify(RecordedRun& run, std::size_t first_row) {
   }
 }
 
-/// What makes the bodies and the tool is in the recording, and the tool's way is played back.
-void check_overrides(const std::vector<std::string>& overrides) {
-  for (const std::string& text : overrides) {
-    const std::string key = text.substr(0, text.find('='));
-    const std::string table = key.substr(0, key.find('.'));
-    const bool of_burr =
-        table == "burr" && key != "burr.speed_rpm" && key != "burr.tangential_ratio";
-    if (of_burr || table == "workpiece" || table == "trajectory" || table == "goal" ||
-        key == "haptics.rate_hz") {
-      throw InputError("", "--set " + key, "what the recording holds already",
-                       "a key of how it is felt, cut or drawn");
-    }
-  }
-}
-
-/// The run as it was after the last row before a time, to be gone on with under other settings.
-std::unique_ptr<Simulation> simulation_from(RecordedRun& run, std::size_t row,
-                                            const std::vector<std::string>& overrides) {
-  check_overrides(overrides);
-  RecordedState state(run);
-  state.seek_row(row);
-  const Simulation& then = state.simulation();
-  std::vector<VoxelModel> bodies;
-  for (const Neighbour& n : then.state().neighbours) bodies.push_back(n.solid.model());
-  std::vector<std::byte> bytes;
-  save_state(then.state(), bytes);
-  // Made of what is left, as a replay of the new recording will make it.
-  const Scene scene = parse_scene(run.reader.header().scene_toml, run.path, overrides);
-  auto simulation = std::make_unique<Simulation>(scene, then.workpiece().model(),
-                                                 make_neighbours(scene, std::move(bodies)),
-                                                 recorded_burr(run.reader, scene));
-  if (!simulation->load_state(bytes)) throw std::logic_error("a state that was just saved");
-  return simulation;
-}
-
 /// Makes a run go on after a row. Returns what the new recording names as its parent.
 std::string go_on_after(RecordedRun& run, std::size_t row,
                         const std::vector<std::string>& overrides) {
@@ -87,9 +52,8 @@ std::string go_on_after(RecordedRun& run, std::size_t row,
     throw InputError(run.path, "--from", "a time before ticks that were not recorded",
                      "one from " + std::to_string(rows[row + 1].time_s) + " s on, or earlier");
   }
-  run.simulation = simulation_from(run, row, overrides);
-  return std::filesystem::path(run.path).filename().string() + ", after tick " +
-         std::to_string(rows[row].tick) + ", scene_sha256 " + run.reader.header().scene_sha256;
+  run.simulation = simulation_after(run, row, overrides);
+  return parent_of(run, row);
 }
 
 /// Rows from `first` that follow on one another.
@@ -116,9 +80,7 @@ void replay(const ReplayOptions& options) {
 
   SessionOptions session;
   session.folder =
-      options.folder.empty()
-          ? "out/" + std::filesystem::path(options.recording).stem().string() + "_replay"
-          : options.folder;
+      options.folder.empty() ? default_folder(options.recording, "_replay") : options.folder;
   std::error_code ignored;  // what is not there is not the recording
   if (std::filesystem::equivalent(session.folder + "/recording.h5", options.recording, ignored)) {
     throw InputError(session.folder, "-o", "the folder of the recording itself", "another one");

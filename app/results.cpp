@@ -19,6 +19,10 @@
 
 namespace sulcus {
 
+std::string default_folder(const std::string& file, const std::string& suffix) {
+  return "out/" + std::filesystem::path(file).stem().string() + suffix;
+}
+
 void open_log(const std::string& folder) {
   try {
     std::filesystem::create_directories(folder);

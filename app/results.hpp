@@ -7,6 +7,9 @@
 
 namespace sulcus {
 
+/// Where the results of a run go unless told: out/NAME, by a scene's or a recording's file.
+std::string default_folder(const std::string& file, const std::string& suffix = "");
+
 /// Starts log.txt in a folder that it makes; messages also go to the terminal. InputError where the
 /// folder cannot be written.
 void open_log(const std::string& folder);

@@ -60,6 +60,8 @@ class Pacer {
     next_ns_ += (missed + 1) * period_ns_;
     return static_cast<float>(1e-3 * static_cast<double>(late_ns));
   }
+  /// After a pause the next tick is due at once.
+  void begin_again() { next_ns_ = 0; }
   std::uint64_t missed() const { return missed_; }
 
  private:
@@ -84,7 +86,8 @@ class HapticLoop {
 
   void run() {
     if (options_.pace == Pace::kReal) refused_ = request_realtime();
-    for (; done_ < options_.ticks && !stop_requested; ++done_) {
+    for (; done_ < options_.ticks && !stopped(); ++done_) {
+      wait_out_pause();
       const float late_us =
           options_.pace == Pace::kReal ? pacer_.wait([&] { simulation_.rehearse(); }) : 0.0f;
       const auto loose = loose_now();
@@ -116,11 +119,24 @@ class HapticLoop {
     if (record_) record_->ended = true;
   }
 
+  /// Ends the run after the tick in hand. Of any thread.
+  void stop() { stop_ = true; }
+
   std::uint64_t missed() const { return pacer_.missed(); }
   std::uint64_t dropped_rows() const { return dropped_rows_; }
   const std::vector<std::string>& refused() const { return refused_; }
 
  private:
+  bool stopped() const { return stop_requested || stop_; }
+
+  void wait_out_pause() {
+    if (!options_.paused || !*options_.paused) return;
+    while (*options_.paused && !stopped()) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    pacer_.begin_again();
+  }
+
   bool records() const { return record_ && !record_->gone; }
 
   /// The voxels of loose pieces that leave in the next tick.
@@ -230,6 +246,7 @@ class HapticLoop {
   bool gap_ = false;            // the row before was dropped
   TickReport dropped_;          // it
   std::vector<std::string> refused_;
+  std::atomic<bool> stop_{false};
   bool terminal_ = isatty(STDERR_FILENO) != 0;
 };
 
@@ -304,7 +321,7 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
   Feed report_feed(scene.haptics.rate_hz);
   ReportThread reports(report_feed, std::move(outcome));
   std::vector<Feed*> feeds{&report_feed};
-  std::optional<PieceFeed> record_pieces, render_pieces;
+  std::optional<PieceFeed> record_pieces, render_pieces, watch_pieces;
   std::optional<RecordFeed> record_feed;
   std::optional<RecorderThread> recorder;
   std::optional<RecordingWriter> writer = open_recording(simulation, options, recording);
@@ -334,6 +351,12 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
                      options.folder, options.pace == Pace::kReal);
   }
 
+  std::optional<Feed> watch_feed;
+  if (options.watch) {
+    watch_feed.emplace(scene.haptics.rate_hz);
+    feeds.push_back(&*watch_feed);
+    if (scene.loose_pieces) watch_pieces.emplace();
+  }
   std::optional<Feed> pieces_feed;
   std::optional<PiecesThread> pieces;
   if (scene.loose_pieces) {
@@ -341,7 +364,7 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
     pieces_feed.emplace(scene.haptics.rate_hz);
     feeds.push_back(&*pieces_feed);
     std::vector<PieceFeed*> consumers;
-    for (auto* consumer : {&record_pieces, &render_pieces}) {
+    for (auto* consumer : {&record_pieces, &render_pieces, &watch_pieces}) {
       if (*consumer) consumers.push_back(&**consumer);
     }
     pieces.emplace(*pieces_feed, std::move(consumers), scene, simulation.workpiece().model(),
@@ -363,6 +386,16 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
   result.load_seconds = process_age_s();
   const std::uint64_t begin = steady_ns();
   std::thread haptic([&] { loop.run(); });
+  std::exception_ptr failure;
+  if (options.watch) {
+    try {
+      options.watch(*watch_feed, watch_pieces ? &*watch_pieces : nullptr);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    watch_feed->gone = true;
+    loop.stop();
+  }
   haptic.join();
   result.wall_seconds = 1e-9 * static_cast<double>(steady_ns() - begin);
   result.interrupted = stop_requested;
@@ -371,7 +404,6 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
   result.refused.insert(result.refused.end(), loop.refused().begin(), loop.refused().end());
 
   // All are waited for, so that one's failure does not cost what the other still writes.
-  std::exception_ptr failure;
   const auto wait = [&](auto& part) {
     try {
       part.finish();

@@ -2,11 +2,14 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/feed.hpp"
 #include "app/loose_schedule.hpp"
+#include "app/piece_feed.hpp"
 #include "app/simulation.hpp"
 #include "app/statistics.hpp"
 #include "engine/outcome/preparation_outcome.hpp"
@@ -24,6 +27,11 @@ struct SessionOptions {
   std::optional<VoxelModel> goal = {};
   /// When answers of loose pieces were taken in the recording that is run again; none: a new run.
   std::optional<std::vector<TakenAnswer>> played_back = {};
+  /// Called on the thread of run_session while the run lasts, with a feed of its own and the
+  /// pieces' (null where none may come loose); when it returns, the run ends.
+  std::function<void(Feed&, PieceFeed*)> watch = {};
+  /// No tick while it is true; null: never.
+  const std::atomic<bool>* paused = nullptr;
   /// Of a run that goes on from a recording: from which, and where; else empty.
   std::string parent = {};
 };

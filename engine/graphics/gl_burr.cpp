@@ -39,7 +39,7 @@ GlBurr::~GlBurr() {
   glDeleteBuffers(1, &corners_);
 }
 
-void GlBurr::draw(const View& view, const Pose& world_from_tool, double turn_rad) {
+void GlBurr::draw(const View& view, const Pose& world_from_tool, double turn_rad, float alpha) {
   if (corner_count_ == 0) return;
   program_.use();
   program_.set("clip_from_world", view.clip_from_world);
@@ -52,6 +52,7 @@ void GlBurr::draw(const View& view, const Pose& world_from_tool, double turn_rad
   program_.set("head_radius", static_cast<float>(std::max(radius_m_, 1e-6)));
   // Whole turns are taken off before the precision of a float would show.
   program_.set("turn", static_cast<float>(std::remainder(turn_rad, 2 * std::numbers::pi)));
+  program_.set("alpha", alpha);
   glBindVertexArray(array_);
   glDrawArrays(GL_TRIANGLES, 0, corner_count_);
 }

@@ -18,8 +18,9 @@ class GlBurr {
   GlBurr(const GlBurr&) = delete;
   GlBurr& operator=(const GlBurr&) = delete;
 
-  /// `turn_rad`: of the spindle, about the tool's +y.
-  void draw(const View& view, const Pose& world_from_tool, double turn_rad);
+  /// `turn_rad`: of the spindle, about the tool's +y. `alpha`: below 1 it is blended over what is
+  /// there.
+  void draw(const View& view, const Pose& world_from_tool, double turn_rad, float alpha = 1.0f);
 
   double radius_m() const { return radius_m_; }  // of the head
   std::size_t bytes() const { return bytes_; }

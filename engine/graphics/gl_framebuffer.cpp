@@ -62,6 +62,16 @@ void GlFramebuffer::begin_overlay() const {
   glBindTexture(GL_TEXTURE_2D, colour_);
 }
 
+void GlFramebuffer::show(int width, int height) const {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, overlay_);
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+  const bool same = width == width_ && height == height_;
+  glBlitFramebuffer(0, 0, width_, height_, 0, 0, width, height, GL_COLOR_BUFFER_BIT,
+                    same ? GL_NEAREST : GL_LINEAR);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glViewport(0, 0, width, height);
+}
+
 Image GlFramebuffer::read() const {
   const auto pixels = static_cast<std::size_t>(width_) * height_;
   std::vector<std::uint8_t> rgba(4 * pixels);

@@ -20,6 +20,8 @@ class GlFramebuffer {
   void begin() const;
   /// Binds the second picture, and the scene's colours as the texture of unit 0.
   void begin_overlay() const;
+  /// Copies the second picture, scaled, into the framebuffer of a window, and binds that.
+  void show(int width, int height) const;
   /// The second picture, which is bound.
   Image read() const;
 

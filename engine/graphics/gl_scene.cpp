@@ -14,6 +14,7 @@ namespace {
 // Of the points to see, before a body is left out. Teeth that stand in a row hide a sixth of each
 // other's crowns from the review camera, and all of them from mesial.
 constexpr double kHiddenShare = 1.0 / 3.0;
+constexpr float kGhost = 0.35f;  // how much of the device's burr shows over what it is in
 
 std::vector<std::unique_ptr<GlBody>> gl_bodies(std::vector<RenderedBody> bodies) {
   if (bodies.empty()) throw std::invalid_argument("a renderer needs a workpiece");
@@ -114,6 +115,14 @@ void GlScene::draw(const FrameState& state) {
   glFrontFace(GL_CCW);
   if (state.burr_shown) burr_.draw(view_, state.world_from_tool, state.burr_turn_rad);
   draw_bodies(state);
+  if (state.device) {
+    glDisable(GL_DEPTH_TEST);
+    glEnable(GL_CULL_FACE);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    burr_.draw(view_, *state.device, state.burr_turn_rad, kGhost);
+    glDisable(GL_BLEND);
+  }
   glDisable(GL_CULL_FACE);
   glDisable(GL_DEPTH_TEST);
   frame_->begin_overlay();

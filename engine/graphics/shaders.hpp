@@ -192,6 +192,7 @@ uniform vec3 right_world, up_world, back_world;
 uniform float head_length;   // m: blades up to there, a smooth shank beyond
 uniform float head_radius;   // m
 uniform float turn;          // rad
+uniform float alpha;
 out vec4 colour;
 
 void main() {
@@ -216,7 +217,7 @@ void main() {
   vec3 key = normalize(-0.55 * right_world + 0.75 * up_world + 0.50 * back_world);
   room += vec3(1.0, 0.97, 0.92) * pow(max(dot(mirrored, key), 0.0), 24.0) * 0.9;
   vec3 lit = room * vec3(0.86, 0.88, 0.92) * groove + 0.10 * max(dot(n, key), 0.0);
-  colour = vec4(pow(min(lit, vec3(1.0)), vec3(1.0 / 2.2)), 1.0);
+  colour = vec4(pow(min(lit, vec3(1.0)), vec3(1.0 / 2.2)), alpha);
 }
 )";
 

@@ -82,6 +82,8 @@ void check_path(const std::string& path) {
 
 /// Under another name, until others may read it: what bears the name of a recording is one, however
 /// early its writer is killed, and an earlier one stays until then.
+constexpr std::size_t kMetadataBytes = 2 << 20;  // of HDF5's, in memory
+
 std::string part_name(const std::string& path) { return path + ".part"; }
 
 Hdf5Handle create_file(const std::string& path) {
@@ -89,6 +91,13 @@ Hdf5Handle create_file(const std::string& path) {
   const auto access = hdf5_checked(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "file");
   hdf5_check(H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST), "file");
   hdf5_check(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG), "file");
+  // Of its indices of chunks HDF5 would keep up to 32 MiB, and take them little by little as a run
+  // gets longer; only their ends are written to.
+  H5AC_cache_config_t cache{};
+  cache.version = H5AC__CURR_CACHE_CONFIG_VERSION;
+  hdf5_check(H5Pget_mdc_config(access, &cache), "file");
+  cache.initial_size = cache.min_size = cache.max_size = kMetadataBytes;
+  hdf5_check(H5Pset_mdc_config(access, &cache), "file");
   Hdf5Handle file(H5Fcreate(part_name(path).c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
   if (!file.valid()) {
     throw InputError(path, "", "a path that cannot be written (" + hdf5_reason() + ")",

@@ -159,6 +159,20 @@ TEST_F(Recording, OneThatGoesOnUnderTheSameSettingsIsTheSame) {
   EXPECT_EQ(command("replay --verify --from 0.5 " + scratch_.path("on/recording.h5")).status, 0);
 }
 
+TEST_F(Recording, GoesOnWhereLeavesHaveLostATissue) {
+  const std::string file = scratch_.path("deep/recording.h5");
+  const auto run = command("run " SULCUS_SOURCE_DIR
+                           "/scenes/enamel_to_dentine.toml --set workpiece.voxel_mm=0.12 --set "
+                           "'workpiece.cells=[112, 112, 208]' --set burr.diameter_mm=2 --set "
+                           "trajectory.speed_mm_per_s=2 -o " +
+                           scratch_.path("deep"));
+  ASSERT_EQ(run.status, 0) << run.err;
+  const auto result = command("replay " + file + " --from 1.5 -o " + scratch_.path("on"));
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto verified = command("replay --verify " + scratch_.path("on/recording.h5"));
+  EXPECT_EQ(verified.status, 0) << verified.err;
+}
+
 TEST_F(Recording, GoesOnUnderOtherSettings) {
   const std::string file = record("out");
   const auto result = command("replay " + file +

@@ -420,7 +420,7 @@ void write_soak_poses(const std::string& file) {
   out << "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n";
   double time_s = 0.0;
   const double half = std::sqrt(0.5);
-  constexpr double kSpeed_mm_per_s = 0.5;  // lasts for more than an hour at fast pace
+  constexpr double kSpeed_mm_per_s = 0.25;  // lasts for more than an hour at fast pace
   const auto add = [&](double x, double y, double z, double way_mm) {
     time_s += way_mm / kSpeed_mm_per_s;
     out << time_s << ',' << x << ',' << y << ',' << z << ',' << half << ',' << half << ",0,0\n";

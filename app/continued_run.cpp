@@ -1,0 +1,60 @@
+#include "app/continued_run.hpp"
+
+#include <filesystem>
+#include <stdexcept>
+
+#include "app/recorded_state.hpp"
+#include "engine/core/error.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "engine/volume/packed_model.hpp"
+#include "haptics/saved_state.hpp"
+
+namespace sulcus {
+
+namespace {
+
+/// What makes the bodies and the tool is in the recording, and the tool's way is played back.
+void check_overrides(const std::vector<std::string>& overrides) {
+  for (const std::string& text : overrides) {
+    const std::string key = text.substr(0, text.find('='));
+    const std::string table = key.substr(0, key.find('.'));
+    const bool of_burr =
+        table == "burr" && key != "burr.speed_rpm" && key != "burr.tangential_ratio";
+    if (of_burr || table == "workpiece" || table == "trajectory" || table == "goal" ||
+        key == "haptics.rate_hz") {
+      throw InputError("", "--set " + key, "what the recording holds already",
+                       "a key of how it is felt, cut or drawn");
+    }
+  }
+}
+
+/// What is left of a body, as a replay of the new recording will read it: without the tissues of
+/// what is gone.
+VoxelModel as_recorded(const Workpiece& body) { return unpack(pack(body.model())); }
+
+}  // namespace
+
+std::unique_ptr<Simulation> simulation_after(RecordedRun& run, std::size_t row,
+                                             const std::vector<std::string>& overrides) {
+  check_overrides(overrides);
+  RecordedState state(run);
+  state.seek_row(row);
+  const Simulation& then = state.simulation();
+  std::vector<VoxelModel> bodies;
+  for (const Neighbour& n : then.state().neighbours) bodies.push_back(as_recorded(n.solid));
+  std::vector<std::byte> bytes;
+  save_state(then.state(), bytes);
+  const Scene scene = parse_scene(run.reader.header().scene_toml, run.path, overrides);
+  auto simulation = std::make_unique<Simulation>(scene, as_recorded(then.workpiece()),
+                                                 make_neighbours(scene, std::move(bodies)),
+                                                 recorded_burr(run.reader, scene));
+  if (!simulation->load_state(bytes)) throw std::logic_error("a state that was just saved");
+  return simulation;
+}
+
+std::string parent_of(const RecordedRun& run, std::size_t row) {
+  return std::filesystem::path(run.path).filename().string() + ", after tick " +
+         std::to_string(run.rows[row].tick) + ", scene_sha256 " + run.reader.header().scene_sha256;
+}
+
+}  // namespace sulcus

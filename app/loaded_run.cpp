@@ -1,0 +1,72 @@
+#include "app/loaded_run.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include "engine/core/realtime.hpp"
+#include "engine/core/units.hpp"
+#include "engine/import/build_workpiece.hpp"
+#include "engine/import/load_burr.hpp"
+#include "engine/outcome/goal.hpp"
+
+namespace sulcus {
+
+namespace {
+
+double seconds_since(std::uint64_t begin_ns) {
+  return 1e-9 * static_cast<double>(steady_ns() - begin_ns);
+}
+
+}  // namespace
+
+LoadedRun load_run(const Scene& scene, const Pose& start, LoadCache& cache) {
+  LoadedRun run;
+  std::uint64_t begin = steady_ns();
+  Burr burr = load_burr(scene, &cache);
+  const bool burr_cached = cache.hits() > 0;
+  run.loading.push_back({"burr", seconds_since(begin), burr.field.memory_bytes(), burr_cached});
+  begin = steady_ns();
+  VoxelModel model = build_workpiece(scene, &cache);
+  const bool workpiece_cached = cache.hits() > (burr_cached ? 1 : 0);
+  double workpiece_s = seconds_since(begin);
+  const auto hits = cache.hits();
+  begin = steady_ns();
+  std::vector<VoxelModel> bodies = build_bodies(scene, &cache);
+  double bodies_s = seconds_since(begin);
+  const bool bodies_cached = cache.hits() == hits + static_cast<int>(bodies.size());
+  check_start(scene, model, bodies, burr, start);
+  run.goal = build_goal(scene, &cache);
+  (void)target_of_goal(scene, model, run.goal ? &*run.goal : nullptr);  // refuses what cannot be
+  if (model.clipped) run.clipped.emplace_back("the solid", &scene.workpiece);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (bodies[i].clipped) run.clipped.emplace_back(scene.bodies[i].name, &scene.bodies[i].solid);
+  }
+  begin = steady_ns();
+  std::vector<Neighbour> neighbours = make_neighbours(scene, std::move(bodies));
+  bodies_s += seconds_since(begin);
+  begin = steady_ns();
+  run.simulation = std::make_unique<Simulation>(scene, std::move(model), std::move(neighbours),
+                                                std::move(burr), StageClock(steady_ns));
+  workpiece_s += seconds_since(begin);
+  run.loading.push_back(
+      {"workpiece", workpiece_s, run.simulation->workpiece().memory_bytes(), workpiece_cached});
+  if (!scene.bodies.empty()) {
+    run.loading.push_back({"bodies", bodies_s, run.simulation->neighbours_bytes(), bodies_cached});
+  }
+  return run;
+}
+
+void log_loading(const Scene& scene, const LoadedRun& run, const LoadCache& cache) {
+  if (!cache.note().empty()) spdlog::info("{}", cache.note());
+  for (const auto& [name, solid] : run.clipped) {
+    spdlog::warn(
+        "{} reaches beyond the grid of {} x {} x {} voxels of {} mm and is cut flat at its faces",
+        name, solid->cells.x(), solid->cells.y(), solid->cells.z(), solid->voxel_m / kMillimetre);
+  }
+  if (const HapticsSettings& h = scene.haptics; h.normal_error_deg) {
+    spdlog::info("normal_error_deg = {}: normals by {}, neighbourhood {}, trace {}",
+                 *h.normal_error_deg, kNormalMethodNames[static_cast<std::size_t>(h.normals)],
+                 h.neighbourhood, h.trace);
+  }
+}
+
+}  // namespace sulcus

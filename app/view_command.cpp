@@ -1,0 +1,41 @@
+#include <filesystem>
+#include <memory>
+
+#include "app/commands.hpp"
+#include "app/view_windows.hpp"
+#include "engine/core/error.hpp"
+
+namespace sulcus {
+
+namespace {
+
+void view(const ViewOptions& options) {
+  const std::string kind = std::filesystem::path(options.file).extension().string();
+  if (kind == ".h5") {
+    if (!options.overrides.empty()) {
+      throw InputError("", "--set", "a recording to be looked at",
+                       "a scene, or replay --from S --set");
+    }
+    view_recording(options);
+  } else if (kind == ".toml") {
+    view_scene(options);
+  } else {
+    throw InputError(options.file, "", "neither a scene nor a recording", "a .toml or .h5 file");
+  }
+}
+
+}  // namespace
+
+void add_view_command(CLI::App& program) {
+  auto options = std::make_shared<ViewOptions>();
+  CLI::App* command = program.add_subcommand(
+      "view", "Open a window: a scene under the mouse, or a recording to be scrubbed");
+  command->add_option("FILE", options->file, "Scene, .toml, or recording, .h5")->required();
+  command->add_option("-o", options->folder, "Folder for the results (out/<name>_view)");
+  command->add_option("--set", options->overrides, "TABLE.KEY=VALUE, changes the scene; repeatable")
+      ->expected(1)
+      ->take_all();
+  command->callback([options] { view(*options); });
+}
+
+}  // namespace sulcus

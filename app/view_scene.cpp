@@ -1,0 +1,191 @@
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/continued_run.hpp"
+#include "app/live_film.hpp"
+#include "app/loaded_run.hpp"
+#include "app/mouse_device.hpp"
+#include "app/render_thread.hpp"
+#include "app/results.hpp"
+#include "app/session.hpp"
+#include "app/view_camera.hpp"
+#include "app/view_windows.hpp"
+#include "engine/core/units.hpp"
+#include "engine/graphics/gl_scene.hpp"
+#include "engine/graphics/panels.hpp"
+#include "engine/graphics/window.hpp"
+#include "engine/scene/scene_file.hpp"
+
+namespace sulcus {
+
+namespace {
+
+constexpr double kLongest_s = 24.0 * 3600.0;  // of a run under the mouse
+
+/// A scene for the hand: what it does not name but needs is added. The tool hangs on a coupling, or
+/// the mouse would push it through the tooth, and what was done is recorded.
+Scene scene_for_the_hand(const ViewOptions& options) {
+  std::vector<std::string> overrides = options.overrides;
+  const Scene as_written = load_scene(options.file, overrides);
+  if (!as_written.coupling) overrides.emplace_back("coupling.evaluations=5");
+  if (!as_written.record) overrides.emplace_back("record.queue_s=10");
+  return load_scene(options.file, overrides);
+}
+
+/// The burr under the mouse: in the plane of the picture, away from the eye with shift, tilted
+/// about its tip with control.
+class HeldBurr {
+ public:
+  explicit HeldBurr(const Pose& start) : pose_(start) {}
+
+  bool drag(const WindowInput& input, const View& view, int height) {
+    if (!input.left || input.drag.isZero()) return false;
+    const Eigen::Vector3d right = view.right_world.cast<double>(),
+                          up = view.up_world.cast<double>(), back = view.back_world.cast<double>();
+    if (input.control) {
+      constexpr double kTilt = 1.0;  // rad for half a height
+      pose_.orientation = Eigen::AngleAxisd(kTilt * input.drag.x(), back) *
+                          Eigen::AngleAxisd(-kTilt * input.drag.y(), right) * pose_.orientation;
+      pose_.orientation.normalize();
+      return true;
+    }
+    const double half_m = 0.5 * height * view.metres_per_pixel;
+    pose_.position += half_m * input.drag.x() * right;
+    pose_.position += half_m * input.drag.y() * (input.shift ? Eigen::Vector3d(-back) : up);
+    return true;
+  }
+  const Pose& pose() const { return pose_; }
+
+ private:
+  Pose pose_;
+};
+
+/// One run of it: from the start, or from a time of the one before.
+struct Part {
+  std::unique_ptr<Simulation> simulation;
+  Pose start;  // of the hand
+  SessionOptions session;
+  std::vector<PartUse> loading;
+};
+
+/// What the user asked for when a part ended.
+struct GoOn {
+  double at_s;
+  float speed_rpm;
+};
+
+/// Runs a part in the window until that is closed or another part is asked for.
+std::optional<GoOn> run_part(Part& part, Window& window, ViewCamera& camera, LiveControls& live) {
+  const Scene& scene = part.simulation->scene();
+  const VoxelModel start = part.simulation->workpiece().model();
+  std::vector<VoxelModel> bodies;
+  for (const Neighbour& n : part.simulation->state().neighbours) bodies.push_back(n.solid.model());
+  HeldBurr burr(part.start);
+  MouseDevice device(burr.pose(), scene.haptics.rate_hz);
+  std::atomic<bool> paused{false};
+  std::optional<GoOn> go_on;
+  part.session.paused = &paused;
+  part.session.watch = [&](Feed& feed, PieceFeed* pieces) {
+    RenderSettings settings = scene.render.value_or(RenderSettings{});
+    settings.width = window.size().x();
+    settings.height = window.size().y();
+    LiveFilm film(feed, pieces, scene, start);
+    GlScene drawing(settings, rendered_bodies(scene, start, std::move(bodies)),
+                    part.simulation->burr().mesh_tool, part.simulation->burr().head_length_m);
+    while (window.is_open() && !go_on && !feed.ended && !stop_requested) {
+      const WindowInput input = window.begin();
+      for (const char key : input.keys) {
+        if (key == ' ') live.paused = !live.paused;
+      }
+      draw_panels(live);
+      paused = live.paused;
+      while (film.take()) {
+      }
+      camera.follow(input);
+      if (input.right) camera.turn(input);
+      if (input.middle) camera.move(input);
+      const Eigen::Vector2i size = window.size();
+      if (burr.drag(input, drawing.view(), size.y())) device.go_to(burr.pose());
+      drawing.set_viewpoint(camera.from());
+      drawing.set_section(live.picture.section());
+      drawing.set_hud({true, live.picture.figures, live.picture.arrows});
+      drawing.set_size(size.x(), size.y());
+      if (!film.empty()) {
+        FrameState state = film.bring(drawing, false);
+        live.time_s = static_cast<float>(state.time_s);
+        state.device = burr.pose();
+        drawing.draw(state);
+      } else {
+        FrameState state;
+        state.world_from_tool = burr.pose();
+        drawing.draw(state);
+      }
+      window.end(drawing.frame());
+      if (live.go_on_asked) {
+        go_on = {static_cast<double>(live.time_s) - static_cast<double>(live.back_s),
+                 live.speed_rpm};
+      }
+    }
+  };
+  const SessionResult result = run_session(*part.simulation, device, part.session);
+  write_results(*part.simulation, result, part.session, part.loading);
+  return go_on;
+}
+
+/// The part that goes on from a time of one that has ended. It keeps its own folder.
+Part part_after(const std::string& recording, const GoOn& from, const std::string& folder) {
+  RecordedRun run = open_recorded_run(recording);
+  const std::size_t row = row_at(run.rows, from.at_s);
+  Part part;
+  const std::string speed = "burr.speed_rpm=" + std::to_string(from.speed_rpm);
+  part.session.parent = parent_of(run, row);
+  part.session.goal = run.reader.goal();
+  part.simulation = simulation_after(run, row, {speed});
+  part.start = pose_of(run.rows[row].device_position_m, run.rows[row].device_orientation);
+  part.session.folder = folder;
+  return part;
+}
+
+}  // namespace
+
+void view_scene(const ViewOptions& options) {
+  const Scene scene = scene_for_the_hand(options);
+  const Trajectory trajectory = make_trajectory(scene.trajectory);
+  LoadCache cache = LoadCache::of_user();
+  const std::string folder =
+      options.folder.empty() ? default_folder(options.file, "_view") : options.folder;
+  Window window("Sulcus: " + scene.title, options.width, options.height);
+  ViewCamera camera(scene.render ? scene.render->camera : Camera::kReview);
+  LiveControls live;
+  live.speed_rpm = static_cast<float>(scene.burr.speed_rad_per_s / kRevolutionPerMinute);
+
+  Part part;
+  part.start = trajectory.pose_at(0.0);
+  LoadedRun loaded = load_run(scene, part.start, cache);
+  part.simulation = std::move(loaded.simulation);
+  part.session.goal = std::move(loaded.goal);
+  part.loading = std::move(loaded.loading);
+  part.session.folder = folder;
+  open_log(folder);
+  log_loading(scene, loaded, cache);
+  for (int number = 2;; ++number) {
+    part.session.pace = Pace::kReal;
+    part.session.render = false;
+    part.session.ticks = static_cast<std::uint64_t>(kLongest_s * scene.haptics.rate_hz);
+    const std::optional<GoOn> go_on = run_part(part, window, camera, live);
+    if (!go_on) return;
+    const std::string recording = part.session.folder + "/recording.h5";
+    live.paused = true;  // until the user takes it up again
+    live.said = "goes on from " + std::to_string(go_on->at_s) + " s";
+    part = part_after(recording, *go_on, folder + "/part_" + std::to_string(number));
+    open_log(part.session.folder);
+  }
+}
+
+}  // namespace sulcus

@@ -1,0 +1,93 @@
+#include "engine/graphics/panels.hpp"
+
+#include <imgui.h>
+
+#include "engine/core/units.hpp"
+
+namespace sulcus {
+
+namespace {
+
+constexpr float kLeft = 18.0f, kTop = 100.0f, kWide = 250.0f;
+constexpr float kScaleBar = 190.0f;  // left to it, in the corner below
+
+void begin_side_panel(const char* name) {
+  ImGui::SetNextWindowPos({kLeft, kTop});
+  ImGui::SetNextWindowSize({kWide, 0.0f});
+  ImGui::SetNextWindowBgAlpha(0.75f);
+  ImGui::Begin(name, nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav);
+  ImGui::PushItemWidth(-90.0f);
+}
+
+void end_panel() {
+  ImGui::PopItemWidth();
+  ImGui::End();
+}
+
+void draw_picture_controls(PictureControls& picture) {
+  ImGui::Checkbox("figures", &picture.figures);
+  ImGui::SameLine();
+  ImGui::Checkbox("arrows", &picture.arrows);
+  ImGui::Checkbox("cut open at", &picture.cut_open);
+  if (picture.cut_open) {
+    ImGui::Combo("axis", &picture.axis, "x\0y\0z\0");
+    ImGui::SliderFloat("mm", &picture.at_mm, -10.0f, 10.0f, "%.2f");
+  }
+}
+
+}  // namespace
+
+std::optional<Section> PictureControls::section() const {
+  if (!cut_open) return {};
+  return Section{axis, static_cast<double>(at_mm) * kMillimetre};
+}
+
+void draw_panels(PlayerControls& controls) {
+  begin_side_panel("picture");
+  draw_picture_controls(controls.picture);
+  ImGui::SliderFloat("speed", &controls.speed, -4.0f, 4.0f, "%.2f");
+  controls.export_asked = ImGui::Button("export the tooth as it is here");
+  if (!controls.said.empty()) ImGui::TextWrapped("%s", controls.said.c_str());
+  ImGui::TextDisabled("drag: turn, shift: move, wheel: near");
+  ImGui::TextDisabled("1-5 cameras, space plays, < > steps");
+  end_panel();
+
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({kLeft + kScaleBar, size.y - 52.0f});
+  ImGui::SetNextWindowSize({size.x - 2.0f * kLeft - kScaleBar, 40.0f});
+  ImGui::SetNextWindowBgAlpha(0.75f);
+  ImGui::Begin("time", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav);
+  if (ImGui::Button(controls.playing ? "pause" : "play ", {60.0f, 0.0f})) {
+    controls.playing = !controls.playing;
+  }
+  ImGui::SameLine();
+  ImGui::PushItemWidth(-1.0f);
+  ImGui::SliderFloat("##time", &controls.time_s, 0.0f, controls.end_s, "%.3f s",
+                     ImGuiSliderFlags_AlwaysClamp);
+  end_panel();
+}
+
+void draw_panels(LiveControls& controls) {
+  begin_side_panel("picture");
+  draw_picture_controls(controls.picture);
+  ImGui::Separator();
+  if (ImGui::Button(controls.paused ? "go on" : "pause", {60.0f, 0.0f})) {
+    controls.paused = !controls.paused;
+  }
+  ImGui::SameLine();
+  ImGui::Text("%.1f s", static_cast<double>(controls.time_s));
+  ImGui::SliderFloat("s back", &controls.back_s, 0.0f, controls.time_s, "%.1f",
+                     ImGuiSliderFlags_AlwaysClamp);
+  ImGui::InputFloat("rpm", &controls.speed_rpm, 0.0f, 0.0f, "%.0f");
+  controls.go_on_asked = ImGui::Button("go on from there");
+  if (!controls.said.empty()) ImGui::TextWrapped("%s", controls.said.c_str());
+  ImGui::TextDisabled("left: burr, shift: deeper, ctrl: tilt");
+  ImGui::TextDisabled("right: turn, wheel: near, 1-5 cameras");
+  end_panel();
+}
+
+}  // namespace sulcus

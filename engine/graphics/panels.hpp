@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "engine/scene/section.hpp"
+
+namespace sulcus {
+
+// What a window's panels say and ask for. They are drawn between Window::begin and Window::end.
+
+/// How the picture is to be; both kinds of window have it.
+struct PictureControls {
+  bool figures = true, arrows = false, cut_open = false;
+  int axis = 1;  // of the section
+  float at_mm = 0.0f;
+
+  std::optional<Section> section() const;
+};
+
+/// Of a recording.
+struct PlayerControls {
+  PictureControls picture;
+  float time_s = 0.0f, end_s = 0.0f, speed = 1.0f;  // speed: seconds a second, below 0: backward
+  bool playing = false;
+  bool export_asked = false;
+  std::string said;  // what came of it
+};
+void draw_panels(PlayerControls& controls);
+
+/// Of a run under the mouse.
+struct LiveControls {
+  PictureControls picture;
+  bool paused = false;
+  float time_s = 0.0f;       // so far
+  float back_s = 1.0f;       // to take back
+  float speed_rpm = 0.0f;    // of the spindle, from where it goes on
+  bool go_on_asked = false;  // from `back_s` ago, at `speed_rpm`
+  std::string said;
+};
+void draw_panels(LiveControls& controls);
+
+}  // namespace sulcus

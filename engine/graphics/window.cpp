@@ -1,0 +1,138 @@
+#include "engine/graphics/window.hpp"
+
+#include <cctype>
+#include <chrono>
+#include <filesystem>
+#include <stdexcept>
+#include <thread>
+
+#include <epoxy/gl.h>
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+namespace sulcus {
+
+namespace {
+
+constexpr double kShortestFrame_s = 1.0 / 60.0;
+
+std::string glfw_reason() {
+  const char* text = nullptr;
+  glfwGetError(&text);
+  return text ? text : "no reason given";
+}
+
+GLFWwindow* open_window(const std::string& title, int width, int height) {
+  // EGL as off the screen, else what the window system has of its own.
+  for (const int api : {GLFW_EGL_CONTEXT_API, GLFW_NATIVE_CONTEXT_API}) {
+    glfwWindowHint(GLFW_CONTEXT_CREATION_API, api);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    if (GLFWwindow* window = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr)) {
+      return window;
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+Window::Window(const std::string& title, int width, int height) {
+  if (!glfwInit())
+    throw std::runtime_error("no display for a window (" + glfw_reason() +
+                             "); sulcus render draws without one");
+  window_ = open_window(title, width, height);
+  if (!window_) {
+    const std::string why = glfw_reason();
+    glfwTerminate();
+    throw std::runtime_error("no window with OpenGL 3.3 (" + why + ")");
+  }
+  glfwMakeContextCurrent(window_);
+  glfwSwapInterval(1);
+  glfwSetWindowUserPointer(window_, &keys_);
+  // Before ImGui's, which calls it.
+  glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int) {
+    if (action == GLFW_RELEASE) return;
+    std::string& keys = *static_cast<std::string*>(glfwGetWindowUserPointer(window));
+    if (key == GLFW_KEY_LEFT) keys += '<';
+    if (key == GLFW_KEY_RIGHT) keys += '>';
+    if (key == GLFW_KEY_SPACE || (key >= GLFW_KEY_0 && key <= GLFW_KEY_Z)) {
+      keys += static_cast<char>(std::tolower(key));
+    }
+  });
+  IMGUI_CHECKVERSION();
+  context_ = ImGui::CreateContext();
+  ImGui::SetCurrentContext(context_);
+  ImGuiIO& io = ImGui::GetIO();
+  io.IniFilename = nullptr;
+  io.LogFilename = nullptr;
+  const char* const font = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+  if (std::filesystem::exists(font)) io.Fonts->AddFontFromFileTTF(font, 15.0f);
+  ImGui::StyleColorsLight();
+  ImGui::GetStyle().WindowRounding = 6.0f;
+  ImGui_ImplGlfw_InitForOpenGL(window_, true);
+  ImGui_ImplOpenGL3_Init("#version 330 core");
+}
+
+Window::~Window() {
+  ImGui::SetCurrentContext(context_);
+  ImGui_ImplOpenGL3_Shutdown();
+  ImGui_ImplGlfw_Shutdown();
+  ImGui::DestroyContext(context_);
+  glfwDestroyWindow(window_);
+  glfwTerminate();
+}
+
+bool Window::is_open() const { return !glfwWindowShouldClose(window_); }
+
+Eigen::Vector2i Window::size() const {
+  Eigen::Vector2i size;
+  glfwGetFramebufferSize(window_, &size.x(), &size.y());
+  return size.cwiseMax(16);
+}
+
+WindowInput Window::begin() {
+  keys_.clear();
+  glfwPollEvents();
+  ImGui::SetCurrentContext(context_);
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  ImGui::NewFrame();
+  const ImGuiIO& io = ImGui::GetIO();
+  WindowInput input;
+  if (!io.WantCaptureKeyboard) input.keys = keys_;
+  input.shift = io.KeyShift;
+  input.control = io.KeyCtrl;
+  if (io.WantCaptureMouse) return input;
+  const double half_height = 0.5 * static_cast<double>(io.DisplaySize.y);
+  // The way to where a button was pressed is none that it was held on.
+  if (!io.MouseClicked[0] && !io.MouseClicked[1] && !io.MouseClicked[2]) {
+    input.drag = {io.MouseDelta.x / half_height, -io.MouseDelta.y / half_height};
+  }
+  input.wheel = static_cast<double>(io.MouseWheel);
+  input.left = io.MouseDown[0];
+  input.right = io.MouseDown[1];
+  input.middle = io.MouseDown[2];
+  return input;
+}
+
+void Window::end(const GlFramebuffer& picture) {
+  ImGui::SetCurrentContext(context_);
+  picture.show(size().x(), size().y());
+  ImGui::Render();
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  glfwSwapBuffers(window_);
+  // Not every display makes us wait.
+  const double spent_s = glfwGetTime() - last_frame_s_;
+  if (spent_s < kShortestFrame_s) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(kShortestFrame_s - spent_s));
+  }
+  last_frame_s_ = glfwGetTime();
+}
+
+}  // namespace sulcus
