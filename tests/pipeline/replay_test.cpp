@@ -140,6 +140,17 @@ TEST_F(Replay, AReviewPageNeedsNothingBesideIt) {
   EXPECT_TRUE(page.ends_with("</body></html>\n"));
 }
 
+TEST_F(Replay, WithoutADisplayAWindowSaysWhatDrawsInstead) {
+  const auto result =
+      test::program_command(SULCUS_PROGRAM, "view " + recording(), scratch_.path("err"),
+                            "-u DISPLAY -u WAYLAND_DISPLAY SULCUS_CACHE=off");
+  EXPECT_EQ(result.status, 1);
+  EXPECT_NE(result.err.find("no display for a window"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("sulcus render"), std::string::npos);
+  EXPECT_EQ(command("view picture.png").status, 2);
+  EXPECT_EQ(command("view " + recording() + " --set burr.speed_rpm=1").status, 2);
+}
+
 TEST_F(Replay, WhatRenderCannotDoIsSaid) {
   const auto expect_refused = [&](const std::string& options, const std::string& says) {
     const auto result = command("render " + recording() + ' ' + options);

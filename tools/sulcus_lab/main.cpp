@@ -7,6 +7,7 @@
 
 #include "app/build_info.hpp"
 #include "engine/core/error.hpp"
+#include "tools/sulcus_lab/frames_command.hpp"
 #include "tools/sulcus_lab/normals_command.hpp"
 #include "tools/sulcus_lab/pareto_command.hpp"
 #include "tools/sulcus_lab/recordings_command.hpp"
@@ -21,6 +22,7 @@ int main(int argc, char** argv) {
   program.name("sulcus-lab");
   program.set_version_flag("--version", sulcus::build_info());
   program.require_subcommand(1);
+  sulcus::lab::add_frames_command(program);
   sulcus::lab::add_normals_command(program);
   sulcus::lab::add_pareto_command(program);
   sulcus::lab::add_recordings_command(program);

@@ -420,7 +420,7 @@ void write_soak_poses(const std::string& file) {
   out << "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n";
   double time_s = 0.0;
   const double half = std::sqrt(0.5);
-  constexpr double kSpeed_mm_per_s = 0.25;  // lasts for more than an hour at fast pace
+  constexpr double kSpeed_mm_per_s = 2.0;
   const auto add = [&](double x, double y, double z, double way_mm) {
     time_s += way_mm / kSpeed_mm_per_s;
     out << time_s << ',' << x << ',' << y << ',' << z << ',' << half << ',' << half << ",0,0\n";
@@ -445,8 +445,8 @@ std::vector<TrialRow> trial_of_soak(const TrialSetting& setting, const std::stri
   constexpr double kMostGrowth = 1.02;
   const std::string folder = setting.folder + "/soak", poses = setting.folder + "/soak.csv";
   write_soak_poses(poses);
-  Run run(setting,
-          {"run", scene, "--no-render", "--set", "trajectory.file=" + poses, "-o", folder});
+  Run run(setting, {"run", scene, "--no-render", "--set", "trajectory.file=" + poses, "--set",
+                    "burr.diameter_mm=3", "-o", folder});
   const std::uint64_t begin = steady_ns();
   const auto minutes_now = [&] { return 1e-9 / 60.0 * static_cast<double>(steady_ns() - begin); };
   double first_MiB = 0.0, half_MiB = 0.0, most_MiB = 0.0;

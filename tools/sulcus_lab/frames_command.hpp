@@ -1,0 +1,13 @@
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace sulcus::lab {
+
+/// sulcus-lab frames: frames.csv, how fluently a run at real pace is drawn, and what drawing it
+/// costs its ticks.
+void add_frames_command(CLI::App& program);
+
+}  // namespace sulcus::lab
