@@ -125,6 +125,10 @@ void draw_rows(RecordedFilm& film, Renderer& renderer, std::span<const std::size
   }
 }
 
+void say_what_is_missing(const RecordingReader& reader) {
+  if (!reader.missing().empty()) std::fprintf(stderr, "sulcus: %s\n", reader.missing().c_str());
+}
+
 void check(const RenderOptions& options) {
   if (!options.at_s.empty() && options.fps > 0.0) {
     throw InputError("", "--fps", "both --at and --fps", "one of them");
@@ -141,13 +145,14 @@ void check(const RenderOptions& options) {
 void render(RenderOptions options) {
   check(options);
   const RecordingReader reader(options.recording);
-  if (!reader.missing().empty()) std::fprintf(stderr, "sulcus: %s\n", reader.missing().c_str());
   if (!options.review.empty()) {
     write_review_page(reader, options.recording, summary_beside(options.recording), options.review);
+    say_what_is_missing(reader);
     std::printf("%s\n", options.review.c_str());
     return;
   }
   RecordedFilm film(reader, options.recording);
+  say_what_is_missing(reader);
   const RenderSettings settings = render_settings(film.scene(), options);
   std::vector<NamedViewpoint> cameras;
   for (const std::string& text : options.cameras) cameras.push_back(viewpoint_of(text));

@@ -69,8 +69,9 @@ void RenderThread::run() {
   is_ready_ = true;
   ready_.set_value();
 
-  // A run that drops frames does not wait for pieces, but for its last picture.
+  // A run that drops frames does not wait for pieces, nor for all light, but for its last picture.
   const auto draw = [&](bool wait) {
+    renderer.set_hurried(!wait);
     const std::uint64_t begin = steady_ns();
     const Image image = renderer.draw(film.bring(renderer, wait));
     char name[32];

@@ -44,8 +44,8 @@ void take_keys(const WindowInput& input, double tick_s, PlayerControls& player) 
 
 void view_recording(const ViewOptions& options) {
   const RecordingReader reader(options.file);
-  if (!reader.missing().empty()) std::fprintf(stderr, "sulcus: %s\n", reader.missing().c_str());
   RecordedFilm film(reader, options.file);
+  if (!reader.missing().empty()) std::fprintf(stderr, "sulcus: %s\n", reader.missing().c_str());
   const std::string folder =
       options.folder.empty() ? default_folder(options.file, "_view") : options.folder;
   RenderSettings settings = film.scene().render.value_or(RenderSettings{});
@@ -73,6 +73,7 @@ void view_recording(const ViewOptions& options) {
     camera.follow(input);
     if (input.left && !input.shift) camera.turn(input);
     if (input.middle || (input.left && input.shift)) camera.move(input);
+    drawing.set_hurried(player.playing);
     drawing.set_viewpoint(camera.from());
     drawing.set_section(player.picture.section());
     drawing.set_hud({true, player.picture.figures, player.picture.arrows});

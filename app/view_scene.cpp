@@ -98,6 +98,7 @@ std::optional<GoOn> run_part(Part& part, Window& window, ViewCamera& camera, Liv
     LiveFilm film(feed, pieces, scene, start);
     GlScene drawing(settings, rendered_bodies(scene, start, std::move(bodies)),
                     part.simulation->burr().mesh_tool, part.simulation->burr().head_length_m);
+    drawing.set_hurried(true);
     while (window.is_open() && !go_on && !feed.ended && !stop_requested) {
       const WindowInput input = window.begin();
       for (const char key : input.keys) {

@@ -16,8 +16,9 @@ namespace {
 // (Cells of 8 voxels would be cheaper, but their lattice shows.)
 constexpr int kNearLevel = 1, kNearBlur = 4;
 constexpr int kWideLevel = 2, kMiddleBlur = 4, kWideBlur = 2 * kMiddleBlur;
-// Voxels from a voxel to the farthest vertex whose normal it can change: the blur and 1.5 cells of
-// spline, and half a cell.
+// Voxels from a voxel to the farthest vertex whose colour or cut it can change.
+constexpr int kShapeReach = 6;
+// And to that whose normal it can change: the blur and 1.5 cells of spline, and half a cell.
 constexpr int kReach = (kWideBlur + 2) * (1 << kWideLevel);
 // The wider of two normals holds up to the first angle between them, the narrower one from the
 // second on. Terraces tilt the narrow normal by up to 4 degrees; the change is drawn out, or they
@@ -123,7 +124,7 @@ DrawnSurface::DrawnSurface(VoxelModel model, std::vector<TissueLook> looks, int 
       removed_(std::move(removed)) {
   if (looks_.empty()) throw std::invalid_argument("a drawn surface needs the look of a tissue");
   bricks_ = (model_.grid.cells + Eigen::Vector3i::Constant(brick_voxels_ - 1)) / brick_voxels_;
-  changed_.assign(brick_count(), 1);
+  changed_.assign(brick_count(), kShape);
 }
 
 void DrawnSurface::remove(std::span<const std::uint32_t> voxels, double time_s) {
@@ -134,7 +135,7 @@ void DrawnSurface::restore(std::span<const std::uint32_t> voxels) { change(voxel
 
 void DrawnSurface::change(std::span<const std::uint32_t> voxels, bool solid, float time_s) {
   // Vertices lie up to two cells beyond their brick.
-  const int reach = kReach + 2 * cell_voxels();
+  const int far = kReach + 2 * cell_voxels(), near = kShapeReach + 4 * cell_voxels();
   std::vector<std::uint32_t> leaves;
   for (const std::uint32_t voxel : voxels) {
     const Cell c = model_.grid.cell_of_linear(voxel);
@@ -147,16 +148,8 @@ void DrawnSurface::change(std::span<const std::uint32_t> voxels, bool solid, flo
       removed_at_s_[leaf][static_cast<std::size_t>(place)] = time_s;
     }
     if (leaves.empty() || leaf != leaves.back()) leaves.push_back(leaf);
-    const Eigen::Vector3i low = (c - Cell::Constant(reach)).cwiseMax(0) / brick_voxels_;
-    const Eigen::Vector3i high =
-        (c + Cell::Constant(reach)).cwiseMin(model_.grid.cells - Cell::Ones()) / brick_voxels_;
-    for (int z = low.z(); z <= high.z(); ++z) {
-      for (int y = low.y(); y <= high.y(); ++y) {
-        for (int x = low.x(); x <= high.x(); ++x) {
-          changed_[x + bricks_.x() * (y + bricks_.y() * z)] = 1;
-        }
-      }
-    }
+    mark(c, far, kNormals);
+    mark(c, near, kShape);
   }
   std::sort(leaves.begin(), leaves.end());
   leaves.erase(std::unique(leaves.begin(), leaves.end()), leaves.end());
@@ -164,12 +157,34 @@ void DrawnSurface::change(std::span<const std::uint32_t> voxels, bool solid, flo
   changed_leaves_.insert(changed_leaves_.end(), leaves.begin(), leaves.end());
 }
 
-std::vector<int> DrawnSurface::take_changed() {
-  std::vector<int> bricks;
-  for (std::size_t b = 0; b < changed_.size(); ++b) {
-    if (changed_[b] != 0) bricks.push_back(static_cast<int>(b));
-    changed_[b] = 0;
+void DrawnSurface::mark(const Cell& c, int reach, Redraw redraw) {
+  const Eigen::Vector3i low = (c - Cell::Constant(reach)).cwiseMax(0) / brick_voxels_;
+  const Eigen::Vector3i high =
+      (c + Cell::Constant(reach)).cwiseMin(model_.grid.cells - Cell::Ones()) / brick_voxels_;
+  for (int z = low.z(); z <= high.z(); ++z) {
+    for (int y = low.y(); y <= high.y(); ++y) {
+      for (int x = low.x(); x <= high.x(); ++x) {
+        std::uint8_t& brick = changed_[x + bricks_.x() * (y + bricks_.y() * z)];
+        brick = std::max<std::uint8_t>(brick, redraw);
+      }
+    }
   }
+}
+
+std::vector<int> DrawnSurface::take_changed(std::size_t later) {
+  std::vector<int> bricks;
+  const std::size_t count = changed_.size(), first = first_later_;
+  for (std::size_t n = 0; n < count; ++n) {
+    const std::size_t b = (first + n) % count;
+    if (changed_[b] == kNone || (changed_[b] == kNormals && later == 0)) continue;
+    if (changed_[b] == kNormals) {
+      --later;
+      first_later_ = (b + 1) % count;
+    }
+    bricks.push_back(static_cast<int>(b));
+    changed_[b] = kNone;
+  }
+  std::sort(bricks.begin(), bricks.end());
   return bricks;
 }
 

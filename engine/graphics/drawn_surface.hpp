@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <unordered_map>
@@ -74,8 +75,10 @@ class DrawnSurface {
   int brick_count() const { return bricks_.prod(); }
   /// Edge of the cells that are meshed, in voxels.
   int cell_voxels() const { return 1 << level_; }
-  /// Bricks to be meshed again, rising: all of them at first. Clears the list.
-  std::vector<int> take_changed();
+  /// Bricks to be meshed again, rising: all of them at first. Takes them off the list. Those whose
+  /// shape is as it was, and only the light on them changes with what is some way off, may wait:
+  /// `later` of these at most are among them, those first that were not for longest.
+  std::vector<int> take_changed(std::size_t later = std::numeric_limits<std::size_t>::max());
   /// Leaves with removals since the last call, rising. Clears the list.
   std::vector<std::uint32_t> take_changed_leaves();
 
@@ -92,7 +95,9 @@ class DrawnSurface {
   std::size_t memory_bytes() const;
 
  private:
+  enum Redraw : std::uint8_t { kNone, kNormals, kShape };
   void change(std::span<const std::uint32_t> voxels, bool solid, float time_s);
+  void mark(const Cell& c, int reach, Redraw redraw);
   float mean_time_s(const Eigen::Vector3f& p_index, const Eigen::Vector3f& normal) const;
   bool may_have_surface(const Eigen::Vector3i& low_voxel, const Eigen::Vector3i& high_voxel) const;
   std::array<std::uint8_t, 4> colour_at(const Eigen::Vector3f& p_index,
@@ -105,7 +110,9 @@ class DrawnSurface {
   int level_;         // log2 of cell_voxels()
   int brick_voxels_;  // along an edge
   Eigen::Vector3i bricks_;
-  std::vector<std::uint8_t> changed_;  // per brick
+
+  std::vector<std::uint8_t> changed_;  // per brick: a Redraw
+  std::size_t first_later_ = 0;        // brick that is the next to have waited
   LeafMap removed_;
   std::vector<std::uint32_t> changed_leaves_;
   double time_span_s_ = 0.0;  // 0: by tissue

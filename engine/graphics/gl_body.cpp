@@ -14,15 +14,29 @@ namespace sulcus {
 namespace {
 
 constexpr std::size_t kBatch = 64;  // bricks meshed before they are handed over
+// Cells of occlusion from a vertex to the farthest that its light is read from (kToothVertex), and
+// those round that.
+constexpr double kShadedFrom = 8.0;
+
+bool meet(const PixelRect& a, const PixelRect& b) {
+  return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
+}
 
 }  // namespace
+
+/// What meshing works with, kept from picture to picture.
+struct GlBody::Workshop {
+  tbb::enumerable_thread_specific<DrawnSurface::Scratch> scratch;
+  std::vector<DrawnMesh> meshes;
+};
 
 GlBody::GlBody(RenderedBody body)
     : surface_(std::move(body.model), std::move(body.looks)),
       world_from_grid_(body.world_from_grid),
       solid_at_start_(solid_slabs(surface_.model())),
       occlusion_(surface_.model(), surface_.density()),
-      bricks_(surface_.brick_count()) {
+      bricks_(surface_.brick_count()),
+      workshop_(std::make_unique<Workshop>()) {
   glGenTextures(1, &occlusion_texture_);
   glBindTexture(GL_TEXTURE_3D, occlusion_texture_);
   glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
@@ -63,20 +77,45 @@ void GlBody::upload_occlusion(const Occlusion::Box& box) {
   glPixelStorei(GL_UNPACK_IMAGE_HEIGHT, 0);
 }
 
-void GlBody::update(std::span<const Pose> pieces) {
-  upload_occlusion(
-      occlusion_.update(surface_.model(), surface_.density(), surface_.take_changed_leaves()));
-  const std::vector<int> changed = surface_.take_changed();
-  tbb::enumerable_thread_specific<DrawnSurface::Scratch> scratch;
-  std::vector<DrawnMesh> meshes(std::min(changed.size(), kBatch));
+Eigen::AlignedBox3f GlBody::shaded_by(const Occlusion::Box& box) const {
+  if (((box.high - box.low).array() <= 0).any()) return {};
+  const VoxelGrid& grid = surface_.model().grid;
+  const Eigen::Vector3d half_m = 0.5 * grid.voxel_m * grid.cells.cast<double>();
+  const auto at = [&](const Eigen::Vector3i& cell, double beyond) -> Eigen::Vector3f {
+    return ((cell.cast<double>().array() + beyond) * occlusion_.cell_m() - half_m.array())
+        .cast<float>();
+  };
+  return {at(box.low, -kShadedFrom), at(box.high, kShadedFrom)};
+}
+
+Eigen::AlignedBox3f GlBody::update(std::span<const Pose> pieces, std::size_t later) {
+  const Occlusion::Box occluded =
+      occlusion_.update(surface_.model(), surface_.density(), surface_.take_changed_leaves());
+  upload_occlusion(occluded);
+  Eigen::AlignedBox3f touched = shaded_by(occluded);
+  const std::vector<int> changed = surface_.take_changed(later);
+  std::vector<DrawnMesh>& meshes = workshop_->meshes;
+  meshes.resize(std::max(meshes.size(), std::min(changed.size(), kBatch)));
   for (std::size_t first = 0; first < changed.size(); first += kBatch) {
     const std::size_t count = std::min(kBatch, changed.size() - first);
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-      surface_.mesh(changed[first + i], scratch.local(), meshes[i]);
+      surface_.mesh(changed[first + i], workshop_->scratch.local(), meshes[i]);
     });
-    for (std::size_t i = 0; i < count; ++i) bricks_[changed[first + i]].upload(meshes[i]);
+    for (std::size_t i = 0; i < count; ++i) {
+      GlMesh& brick = bricks_[changed[first + i]];
+      touched.extend(brick.box());
+      brick.upload(meshes[i]);
+      touched.extend(brick.box());
+    }
   }
   for (const Occlusion::Box& box : occlusion_.place_pieces(pieces)) upload_occlusion(box);
+  Eigen::AlignedBox3f world;
+  if (touched.isEmpty()) return world;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3f p = touched.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner));
+    world.extend(Eigen::Vector3f(world_from_grid_.point(p.cast<double>()).cast<float>()));
+  }
+  return world;
 }
 
 void GlBody::use(GlProgram& program, const View& view, const Pose& world_now_from_start) const {
@@ -103,13 +142,15 @@ void GlBody::use(GlProgram& program, const View& view, const Pose& world_now_fro
   glBindTexture(GL_TEXTURE_3D, occlusion_texture_);
 }
 
-void GlBody::draw(GlProgram& program, const View& view_world, std::span<const Pose> pieces) const {
+void GlBody::draw(GlProgram& program, const View& view_world, std::span<const Pose> pieces,
+                  const PixelRect& pixels, int width, int height) const {
   const View view = view_of_moved(view_world, world_from_grid_);
   use(program, view, {});
   // Nearest first: what they hide is then never shaded.
   std::vector<std::pair<float, const GlMesh*>> order;
   for (const GlMesh& brick : bricks_) {
     if (brick.empty() || !may_be_in_frame(view, brick.box())) continue;
+    if (!meet(pixels_of(view, brick.box(), width, height), pixels)) continue;
     order.emplace_back((brick.box().center() - view.eye_world).squaredNorm(), &brick);
   }
   std::sort(order.begin(), order.end());

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "engine/graphics/gl_mesh.hpp"
 #include "engine/graphics/gl_program.hpp"
 #include "engine/graphics/occlusion.hpp"
+#include "engine/graphics/pixel_rect.hpp"
 #include "engine/graphics/rendered_body.hpp"
 
 namespace sulcus {
@@ -39,10 +41,13 @@ class GlBody {
   void add_piece(std::span<const std::uint32_t> voxels);
 
   /// Meshes and shades anew what has changed. `pieces`: how the pieces have moved, as
-  /// FrameState::pieces, in the space of the body.
-  void update(std::span<const Pose> pieces);
-  /// What was last made of it. `program`: of kToothVertex and kToothFragment.
-  void draw(GlProgram& program, const View& view_world, std::span<const Pose> pieces) const;
+  /// FrameState::pieces, in the space of the body; `later` as DrawnSurface::take_changed. Returns a
+  /// box, world, of all that looks otherwise than before, pieces left out; empty: nothing does.
+  Eigen::AlignedBox3f update(std::span<const Pose> pieces, std::size_t later);
+  /// What was last made of it, as far as it is within `pixels` of a picture of this size.
+  /// `program`: of kToothVertex and kToothFragment.
+  void draw(GlProgram& program, const View& view_world, std::span<const Pose> pieces,
+            const PixelRect& pixels, int width, int height) const;
 
   const DrawnSurface& surface() const { return surface_; }
   const Pose& world_from_grid() const { return world_from_grid_; }
@@ -53,8 +58,10 @@ class GlBody {
   /// With its pieces.
   std::size_t triangle_count() const;
   std::size_t memory_bytes() const;
+  bool has_pieces() const { return !pieces_.empty(); }
 
  private:
+  Eigen::AlignedBox3f shaded_by(const Occlusion::Box& box) const;
   void upload_occlusion(const Occlusion::Box& box);
   void use(GlProgram& program, const View& view, const Pose& world_now_from_start) const;
 
@@ -64,6 +71,8 @@ class GlBody {
   Occlusion occlusion_;
   std::vector<GlMesh> bricks_;
   std::deque<GlMesh> pieces_;
+  struct Workshop;
+  std::unique_ptr<Workshop> workshop_;
   unsigned occlusion_texture_ = 0;
 };
 

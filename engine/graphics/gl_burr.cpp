@@ -15,6 +15,7 @@ namespace sulcus {
 GlBurr::GlBurr(const TriangleMesh& mesh_tool, double head_length_m)
     : program_("burr", kBurrVertex, kBurrFragment), head_length_m_(head_length_m) {
   for (const Eigen::Vector3f& p : mesh_tool.positions) {
+    box_tool_.extend(p);
     if (p.y() > head_length_m_) continue;
     radius_m_ = std::max(radius_m_, static_cast<double>(std::hypot(p.x(), p.z())));
   }
@@ -37,6 +38,17 @@ GlBurr::~GlBurr() {
   if (array_ == 0) return;
   glDeleteVertexArrays(1, &array_);
   glDeleteBuffers(1, &corners_);
+}
+
+Eigen::AlignedBox3f GlBurr::box_world(const Pose& world_from_tool) const {
+  Eigen::AlignedBox3f box;
+  if (box_tool_.isEmpty()) return box;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3f p =
+        box_tool_.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner));
+    box.extend(Eigen::Vector3f(world_from_tool.point(p.cast<double>()).cast<float>()));
+  }
+  return box;
 }
 
 void GlBurr::draw(const View& view, const Pose& world_from_tool, double turn_rad, float alpha) {

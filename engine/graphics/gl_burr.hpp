@@ -22,6 +22,8 @@ class GlBurr {
   /// there.
   void draw(const View& view, const Pose& world_from_tool, double turn_rad, float alpha = 1.0f);
 
+  /// A box, world, that holds it at a pose.
+  Eigen::AlignedBox3f box_world(const Pose& world_from_tool) const;
   double radius_m() const { return radius_m_; }  // of the head
   std::size_t bytes() const { return bytes_; }
 
@@ -32,6 +34,7 @@ class GlBurr {
   unsigned array_ = 0, corners_ = 0;
   int corner_count_ = 0;
   std::size_t bytes_ = 0;
+  Eigen::AlignedBox3f box_tool_;
 };
 
 }  // namespace sulcus

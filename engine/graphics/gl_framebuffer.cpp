@@ -17,53 +17,87 @@ GlFramebuffer::GlFramebuffer(int width, int height) : width_(width), height_(hei
                              std::to_string(height) + " pixels: OpenGL here draws 1 to " +
                              std::to_string(largest));
   }
-  glGenFramebuffers(1, &scene_);
-  glGenFramebuffers(1, &overlay_);
-  glGenTextures(1, &colour_);
-  glGenRenderbuffers(1, &depth_);
-  glGenRenderbuffers(1, &overlay_colour_);
-  glBindTexture(GL_TEXTURE_2D, colour_);
+  glGenTextures(1, &scene_texture_);
+  glBindTexture(GL_TEXTURE_2D, scene_texture_);
   glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-  glBindRenderbuffer(GL_RENDERBUFFER, depth_);
-  glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, width, height);
-  glBindRenderbuffer(GL_RENDERBUFFER, overlay_colour_);
-  glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, width, height);
-  glBindFramebuffer(GL_FRAMEBUFFER, scene_);
-  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, colour_, 0);
-  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_);
-  bool complete = glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
-  glBindFramebuffer(GL_FRAMEBUFFER, overlay_);
-  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, overlay_colour_);
-  complete = complete && glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
-  if (!complete) throw std::runtime_error("OpenGL here cannot draw off the screen");
+  make(bodies_, true);
+  make(scene_, true);
+  make(smooth_, false);
+  make(picture_, false);
 }
 
 GlFramebuffer::~GlFramebuffer() {
-  glDeleteFramebuffers(1, &scene_);
-  glDeleteFramebuffers(1, &overlay_);
-  glDeleteTextures(1, &colour_);
-  glDeleteRenderbuffers(1, &depth_);
-  glDeleteRenderbuffers(1, &overlay_colour_);
+  for (Layer* layer : {&bodies_, &scene_, &smooth_, &picture_}) {
+    glDeleteFramebuffers(1, &layer->framebuffer);
+    glDeleteRenderbuffers(1, &layer->colour);
+    glDeleteRenderbuffers(1, &layer->depth);
+  }
+  glDeleteTextures(1, &scene_texture_);
 }
 
-void GlFramebuffer::begin() const {
-  glBindFramebuffer(GL_FRAMEBUFFER, scene_);
-  glViewport(0, 0, width_, height_);
+void GlFramebuffer::make(Layer& layer, bool depth) {
+  glGenFramebuffers(1, &layer.framebuffer);
+  glBindFramebuffer(GL_FRAMEBUFFER, layer.framebuffer);
+  if (&layer == &scene_) {
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, scene_texture_, 0);
+  } else {
+    glGenRenderbuffers(1, &layer.colour);
+    glBindRenderbuffer(GL_RENDERBUFFER, layer.colour);
+    glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, width_, height_);
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, layer.colour);
+  }
+  if (depth) {
+    glGenRenderbuffers(1, &layer.depth);
+    glBindRenderbuffer(GL_RENDERBUFFER, layer.depth);
+    glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, width_, height_);
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, layer.depth);
+  }
+  if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+    throw std::runtime_error("OpenGL here cannot draw off the screen");
+  }
 }
 
-void GlFramebuffer::begin_overlay() const {
-  glBindFramebuffer(GL_FRAMEBUFFER, overlay_);
+void GlFramebuffer::bind(const Layer& layer, const PixelRect& pixels) const {
+  glBindFramebuffer(GL_FRAMEBUFFER, layer.framebuffer);
   glViewport(0, 0, width_, height_);
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(pixels.x, pixels.y, pixels.width, pixels.height);
+}
+
+void GlFramebuffer::copy(const Layer& from, const PixelRect& pixels, bool depth) const {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, from.framebuffer);
+  const int right = pixels.x + pixels.width, top = pixels.y + pixels.height;
+  const auto what =
+      static_cast<GLbitfield>(GL_COLOR_BUFFER_BIT) | (depth ? GL_DEPTH_BUFFER_BIT : 0u);
+  glBlitFramebuffer(pixels.x, pixels.y, right, top, pixels.x, pixels.y, right, top, what,
+                    GL_NEAREST);
+}
+
+void GlFramebuffer::begin_bodies(const PixelRect& pixels) const { bind(bodies_, pixels); }
+
+void GlFramebuffer::begin_scene(const PixelRect& pixels) const {
+  bind(scene_, pixels);
+  copy(bodies_, pixels, true);
+}
+
+void GlFramebuffer::begin_smooth(const PixelRect& pixels) const {
+  bind(smooth_, pixels);
   glActiveTexture(GL_TEXTURE0);
-  glBindTexture(GL_TEXTURE_2D, colour_);
+  glBindTexture(GL_TEXTURE_2D, scene_texture_);
+}
+
+void GlFramebuffer::begin_picture() const {
+  bind(picture_, all());
+  copy(smooth_, all(), false);
 }
 
 void GlFramebuffer::show(int width, int height) const {
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, overlay_);
+  glDisable(GL_SCISSOR_TEST);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, picture_.framebuffer);
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
   const bool same = width == width_ && height == height_;
   glBlitFramebuffer(0, 0, width_, height_, 0, 0, width, height, GL_COLOR_BUFFER_BIT,
@@ -73,6 +107,7 @@ void GlFramebuffer::show(int width, int height) const {
 }
 
 Image GlFramebuffer::read() const {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, picture_.framebuffer);
   const auto pixels = static_cast<std::size_t>(width_) * height_;
   std::vector<std::uint8_t> rgba(4 * pixels);
   glPixelStorei(GL_PACK_ALIGNMENT, 4);

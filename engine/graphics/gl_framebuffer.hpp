@@ -1,11 +1,17 @@
 #pragma once
 
 #include "engine/graphics/image.hpp"
+#include "engine/graphics/pixel_rect.hpp"
 
 namespace sulcus {
 
-/// What is drawn into instead of a window: colour and depth for the scene, and a second picture
-/// into which the first is copied, smoothed, and the figures are drawn.
+/// What is drawn into instead of a window, in layers, so that of a picture like the one before it
+/// only what is different is drawn again:
+///
+///   bodies --copied--> scene (with the burr) --smoothed--> smooth --copied--> picture (with
+///   figures)
+///
+/// Each is drawn into within a rectangle; outside of it stays what was there.
 class GlFramebuffer {
  public:
   /// Throws std::runtime_error where the context cannot make one of this size.
@@ -16,20 +22,29 @@ class GlFramebuffer {
 
   int width() const { return width_; }
   int height() const { return height_; }
-  /// Binds the scene's buffers.
-  void begin() const;
-  /// Binds the second picture, and the scene's colours as the texture of unit 0.
-  void begin_overlay() const;
-  /// Copies the second picture, scaled, into the framebuffer of a window, and binds that.
+  PixelRect all() const { return {0, 0, width_, height_}; }
+  /// Each binds its layer for drawing within `pixels`; those that follow on another take over from
+  /// that what is there.
+  void begin_bodies(const PixelRect& pixels) const;
+  void begin_scene(const PixelRect& pixels) const;
+  /// The scene's colours are the texture of unit 0.
+  void begin_smooth(const PixelRect& pixels) const;
+  void begin_picture() const;
+  /// Copies the picture, scaled, into the framebuffer of a window, and binds that.
   void show(int width, int height) const;
-  /// The second picture, which is bound.
   Image read() const;
 
  private:
+  struct Layer {
+    unsigned framebuffer = 0, colour = 0, depth = 0;  // colour and depth are renderbuffers
+  };
+  void make(Layer& layer, bool depth);
+  void bind(const Layer& layer, const PixelRect& pixels) const;
+  void copy(const Layer& from, const PixelRect& pixels, bool depth) const;
+
   int width_, height_;
-  unsigned scene_ = 0, overlay_ = 0;         // framebuffers
-  unsigned colour_ = 0;                      // texture
-  unsigned depth_ = 0, overlay_colour_ = 0;  // renderbuffers
+  Layer bodies_, scene_, smooth_, picture_;
+  unsigned scene_texture_ = 0;  // the scene's colour
 };
 
 }  // namespace sulcus

@@ -51,6 +51,7 @@ GlScene::~GlScene() { glDeleteVertexArrays(1, &background_array_); }
 void GlScene::set_size(int width, int height) {
   if (frame_ && frame_->width() == width && frame_->height() == height) return;
   frame_ = std::make_unique<GlFramebuffer>(width, height);
+  drawn_ = false;
   if (hud_) hud_.emplace(height);
 }
 
@@ -59,7 +60,11 @@ void GlScene::add_piece(std::span<const std::uint32_t> voxels) {
 }
 
 /// Those that would be in the way are left out, and of all what lies before a section.
-void GlScene::draw_bodies(const FrameState& state) {
+void GlScene::draw_bodies(const FrameState& state, const PixelRect& pixels) {
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LESS);
+  glEnable(GL_CULL_FACE);
+  glFrontFace(GL_CCW);
   const GlBody& workpiece = *bodies_.front();
   std::vector<const GlBody*> shown{&workpiece};
   if (bodies_.size() > 1) {
@@ -81,58 +86,100 @@ void GlScene::draw_bodies(const FrameState& state) {
     glEnable(GL_CLIP_DISTANCE0);
   }
   for (const GlBody* body : shown) {
-    body->draw(tooth_program_, view_, body == &workpiece ? state.pieces : std::span<const Pose>{});
+    body->draw(tooth_program_, view_, body == &workpiece ? state.pieces : std::span<const Pose>{},
+               pixels, frame_->width(), frame_->height());
   }
-  if (!settings_.section) return;
-  glDisable(GL_CLIP_DISTANCE0);
   glDisable(GL_CULL_FACE);
+  if (!settings_.section) {
+    glDisable(GL_DEPTH_TEST);
+    return;
+  }
+  glDisable(GL_CLIP_DISTANCE0);
   if (!section_) section_.emplace();
   for (const GlBody* body : shown) {
     section_->draw(section_face(body->surface(), body->world_from_grid(), *settings_.section),
                    view_);
   }
+  glDisable(GL_DEPTH_TEST);
+}
+
+PixelRect GlScene::changed_pixels(const FrameState& state) {
+  GlBody& workpiece = *bodies_.front();
+  Eigen::AlignedBox3f changed = workpiece.update(state.pieces, later_);
+  for (std::size_t i = 1; i < bodies_.size(); ++i) changed.extend(bodies_[i]->update({}, later_));
+  const View before = view_;
+  view_ = make_view(from_, workpiece.solid_at_start(), state.world_from_tool.position,
+                    burr_.radius_m(), frame_->width(), frame_->height(), others_world_);
+  const bool same = drawn_ && before.clip_from_world == view_.clip_from_world &&
+                    !settings_.section && !workpiece.has_pieces();
+  drawn_ = !settings_.section;
+  return same ? pixels_of(view_, changed, frame_->width(), frame_->height()) : frame_->all();
+}
+
+PixelRect GlScene::burr_pixels(const FrameState& state) const {
+  const auto pixels = [&](const Pose& pose) {
+    return pixels_of(view_, burr_.box_world(pose), frame_->width(), frame_->height());
+  };
+  PixelRect rect;
+  if (state.burr_shown) rect = pixels(state.world_from_tool);
+  if (state.device) rect = rect.with(pixels(*state.device));
+  return rect;
 }
 
 void GlScene::draw(const FrameState& state) {
-  GlBody& workpiece = *bodies_.front();
-  workpiece.update(state.pieces);
-  for (std::size_t i = 1; i < bodies_.size(); ++i) bodies_[i]->update({});
-  const Eigen::Vector3d& tip_world = state.world_from_tool.position;
-  view_ = make_view(from_, workpiece.solid_at_start(), tip_world, burr_.radius_m(), frame_->width(),
-                    frame_->height(), others_world_);
-  frame_->begin();
+  const PixelRect bodies = changed_pixels(state);
+  if (!bodies.empty()) {
+    frame_->begin_bodies(bodies);
+    draw_background();
+    draw_bodies(state, bodies);
+  }
+  // Where the burr is now, and where it was.
+  const PixelRect burr = burr_pixels(state);
+  const int width = frame_->width(), height = frame_->height();
+  const PixelRect scene = bodies.with(burr).with(burr_before_).grown(0, width, height);
+  burr_before_ = burr;
+  if (!scene.empty()) {
+    frame_->begin_scene(scene);
+    draw_burr(state);
+    // An edge is followed for so many pixels.
+    constexpr int kSmoothReach = 10;
+    frame_->begin_smooth(scene.grown(kSmoothReach, width, height));
+    smooth_program_.use();
+    smooth_program_.set("picture", 0);
+    glBindVertexArray(background_array_);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+  }
+  frame_->begin_picture();
+  if (!hud_parts_.any()) return;
+  if (!hud_) hud_.emplace(height);
+  hud_->draw(state, width, height, view_, hud_parts_);
+}
+
+void GlScene::draw_background() {
   glDisable(GL_BLEND);
-  glDisable(GL_SCISSOR_TEST);
   glDisable(GL_CULL_FACE);
   glDisable(GL_DEPTH_TEST);
   glClear(GL_DEPTH_BUFFER_BIT);
   background_program_.use();
   glBindVertexArray(background_array_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void GlScene::draw_burr(const FrameState& state) {
+  glDisable(GL_BLEND);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LESS);
   glEnable(GL_CULL_FACE);
   glFrontFace(GL_CCW);
   if (state.burr_shown) burr_.draw(view_, state.world_from_tool, state.burr_turn_rad);
-  draw_bodies(state);
+  glDisable(GL_DEPTH_TEST);
   if (state.device) {
-    glDisable(GL_DEPTH_TEST);
-    glEnable(GL_CULL_FACE);
     glEnable(GL_BLEND);
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
     burr_.draw(view_, *state.device, state.burr_turn_rad, kGhost);
     glDisable(GL_BLEND);
   }
   glDisable(GL_CULL_FACE);
-  glDisable(GL_DEPTH_TEST);
-  frame_->begin_overlay();
-  smooth_program_.use();
-  smooth_program_.set("picture", 0);
-  glBindVertexArray(background_array_);
-  glDrawArrays(GL_TRIANGLES, 0, 3);
-  if (!hud_parts_.any()) return;
-  if (!hud_) hud_.emplace(frame_->height());
-  hud_->draw(state, frame_->width(), frame_->height(), view_, hud_parts_);
 }
 
 std::size_t GlScene::triangle_count() const {
@@ -143,7 +190,7 @@ std::size_t GlScene::triangle_count() const {
 
 std::size_t GlScene::memory_bytes() const {
   const std::size_t pixels = static_cast<std::size_t>(frame_->width()) * frame_->height();
-  std::size_t bytes = burr_.bytes() + pixels * 12;
+  std::size_t bytes = burr_.bytes() + pixels * 24;
   for (const auto& body : bodies_) bytes += body->memory_bytes();
   return bytes;
 }

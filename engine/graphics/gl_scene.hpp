@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -71,12 +72,17 @@ class GlScene {
   /// where they are.
   void add_piece(std::span<const std::uint32_t> voxels);
   void set_viewpoint(const Viewpoint& from) { from_ = from; }
+  /// For pictures that follow one another at once: what cutting does to the light on the surface
+  /// some way off is drawn a little later. Else each picture is that of all that was removed.
+  void set_hurried(bool hurried) {
+    later_ = hurried ? kLaterAFrame : std::numeric_limits<std::size_t>::max();
+  }
   void set_hud(const HudParts& parts) { hud_parts_ = parts; }
   void set_section(std::optional<Section> section) { settings_.section = section; }
   /// Pixels. Throws std::runtime_error beyond what OpenGL here can draw; the size then stays.
   void set_size(int width, int height);
-  /// Meshes what has changed and draws a frame; the second picture of `frame()` holds it, and is
-  /// bound.
+  /// Meshes what has changed and draws a frame, which `frame()` then holds. From where the last one
+  /// was taken only what is different is drawn: the picture is that of drawing all of it.
   void draw(const FrameState& state);
 
   const GlFramebuffer& frame() const { return *frame_; }
@@ -90,9 +96,16 @@ class GlScene {
   std::size_t memory_bytes() const;
 
  private:
-  void draw_bodies(const FrameState& state);
+  PixelRect changed_pixels(const FrameState& state);
+  PixelRect burr_pixels(const FrameState& state) const;
+  void draw_background();
+  void draw_bodies(const FrameState& state, const PixelRect& pixels);
+  void draw_burr(const FrameState& state);
+
+  static constexpr std::size_t kLaterAFrame = 2;  // bricks
 
   RenderSettings settings_;
+  std::size_t later_ = std::numeric_limits<std::size_t>::max();
   Viewpoint from_;
   HudParts hud_parts_;
   View view_;
@@ -100,6 +113,8 @@ class GlScene {
   std::vector<Eigen::AlignedBox3d> others_world_;  // a box for each of the others
   GlBurr burr_;
   std::unique_ptr<GlFramebuffer> frame_;
+  bool drawn_ = false;  // its layer of bodies is as of `view_`
+  PixelRect burr_before_;
   std::optional<Hud> hud_;  // once one has been drawn
   GlProgram background_program_, tooth_program_, smooth_program_;
   unsigned background_array_ = 0;

@@ -175,6 +175,57 @@ TEST(Renderer, WhatIsTakenBackLooksAsItDid) {
   EXPECT_EQ(renderer->draw(state), whole);
 }
 
+TEST(Renderer, WhatIsDrawnOfAPictureLikeTheLastIsThePictureOfAllOfIt) {
+  const auto renderer = make_renderer(small(true));
+  if (!renderer) GTEST_SKIP() << "no OpenGL here";
+  const VoxelGrid grid = renderer->surface().model().grid;
+  std::vector<std::uint32_t> gone;
+  for (int step = 0; step < 6; ++step) {
+    FrameState state;
+    state.time_s = step;
+    state.burr_shown = step != 3;
+    // The burr goes along the ball; behind it a groove, and something at the ball's other end.
+    state.world_from_tool.position = {1e-3 * (0.4 * step - 1.0), -1e-3, 2.0e-3};
+    if (step == 4) {
+      state.device = state.world_from_tool;
+      state.device->position.z() -= 1e-3;
+    }
+    std::vector<std::uint32_t> now;
+    for (std::uint32_t v = 0; v < grid.cell_count(); ++v) {
+      const Eigen::Vector3d p = grid.centre_world(grid.cell_of_linear(v));
+      const bool groove = (p - state.world_from_tool.position).norm() < 0.6e-3;
+      if (groove || (step == 5 && p.x() > 2.3e-3)) now.push_back(v);
+    }
+    if (step == 2) now.clear();  // the burr alone has moved
+    renderer->remove(0, now);
+    gone.insert(gone.end(), now.begin(), now.end());
+    const auto fresh = make_renderer(small(true));
+    fresh->remove(0, gone);
+    EXPECT_EQ(renderer->draw(state), fresh->draw(state)) << step;
+    if (step == 4) renderer->set_viewpoint(Camera::kReview);  // as it was
+  }
+}
+
+TEST(Renderer, HurriedPicturesComeToWhatTheyAreWhenNothingMoves) {
+  const auto hurried = make_renderer(small(false)), plain = make_renderer(small(false));
+  if (!hurried) GTEST_SKIP() << "no OpenGL here";
+  hurried->set_hurried(true);
+  FrameState state;
+  state.world_from_tool.position = {0, 0, 0.1};
+  hurried->draw(state);  // all is meshed at first
+  const VoxelGrid grid = plain->surface().model().grid;
+  std::vector<std::uint32_t> corner;
+  for (std::uint32_t v = 0; v < grid.cell_count(); ++v) {
+    const Cell c = grid.cell_of_linear(v);
+    if (c.x() > 44 && c.z() > 44) corner.push_back(v);
+  }
+  for (Renderer* renderer : {hurried.get(), plain.get()}) renderer->remove(0, corner);
+  const Image expected = plain->draw(state);
+  Image image = hurried->draw(state);
+  for (int more = 0; more < 8 && image != expected; ++more) image = hurried->draw(state);
+  EXPECT_EQ(image, expected);
+}
+
 TEST(Renderer, ASectionShowsWhatIsInside) {
   VoxelModel two = ball();
   two.tissues = std::make_shared<TissueMap>(core_tissues(two));

@@ -55,6 +55,7 @@ void draw(const Simulation& simulation, const FramesOptions& options, Drawing ho
   LiveFilm film(feed, pieces, scene, start);
   Renderer renderer(settings, rendered_bodies(scene, start, std::move(others)),
                     simulation.burr().mesh_tool, simulation.burr().head_length_m);
+  renderer.set_hurried(true);
   double azimuth_deg = 0.0;
   std::uint64_t last_ns = 0, shown_before = 0;
   while (!feed.ended) {
