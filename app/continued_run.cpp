@@ -5,6 +5,7 @@
 
 #include "app/recorded_state.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/realtime.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/volume/packed_model.hpp"
 #include "haptics/saved_state.hpp"
@@ -45,9 +46,9 @@ std::unique_ptr<Simulation> simulation_after(RecordedRun& run, std::size_t row,
   std::vector<std::byte> bytes;
   save_state(then.state(), bytes);
   const Scene scene = parse_scene(run.reader.header().scene_toml, run.path, overrides);
-  auto simulation = std::make_unique<Simulation>(scene, as_recorded(then.workpiece()),
-                                                 make_neighbours(scene, std::move(bodies)),
-                                                 recorded_burr(run.reader, scene));
+  auto simulation = std::make_unique<Simulation>(
+      scene, as_recorded(then.workpiece()), make_neighbours(scene, std::move(bodies)),
+      recorded_burr(run.reader, scene), StageClock(steady_ns));
   if (!simulation->load_state(bytes)) throw std::logic_error("a state that was just saved");
   return simulation;
 }

@@ -22,7 +22,11 @@ class MouseDevice final : public Device {
     while (told_.try_dequeue(wanted_)) {
     }
     now_.position += part_ * (wanted_.position - now_.position);
-    now_.orientation = now_.orientation.slerp(part_, wanted_.orientation);
+    // Straight between the two, and no longer than 1 again: slerp calls the maths library.
+    Eigen::Vector4d wanted = wanted_.orientation.coeffs();
+    if (wanted.dot(now_.orientation.coeffs()) < 0.0) wanted = -wanted;
+    now_.orientation.coeffs() += part_ * (wanted - now_.orientation.coeffs());
+    now_.orientation.normalize();
     return now_;
   }
   void apply(const Wrench&) noexcept override {}

@@ -6,15 +6,16 @@
 namespace sulcus {
 
 RecordedFilm::RecordedFilm(const RecordingReader& reader, const std::string& path)
-    : reader_(reader),
-      scene_(recorded_scene(reader, path)),
+    : scene_(recorded_scene(reader, path)),
       burr_(recorded_burr(reader, scene_)),
       start_(recorded_workpiece(reader, scene_)),
       others_(recorded_bodies(reader, scene_)),
       shape_(reader, start_),
       cutting_(reader.cutting()),
       port_(reader.port()),
-      dt_s_(1.0 / scene_.haptics.rate_hz) {
+      dt_s_(1.0 / scene_.haptics.rate_hz),
+      first_history_(scene_, start_),
+      first_pieces_(reader) {
   if (rows().empty()) throw InputError(path, "/ticks", "no rows", "at least one tick");
   begin_again();
 }
@@ -24,8 +25,8 @@ std::vector<RenderedBody> RecordedFilm::bodies() const {
 }
 
 void RecordedFilm::begin_again() {
-  history_.emplace(scene_, start_);
-  pieces_.emplace(reader_);
+  history_.emplace(first_history_);
+  pieces_.emplace(first_pieces_);
   next_ = first_piece_ = 0;
 }
 

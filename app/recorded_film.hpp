@@ -69,7 +69,6 @@ class RecordedFilm {
   void begin_again();
   FrameState tell(std::size_t row, std::span<const Edit> edits);
 
-  const RecordingReader& reader_;
   Scene scene_;
   Burr burr_;
   VoxelModel start_;
@@ -79,6 +78,8 @@ class RecordedFilm {
   std::vector<PortRecord> port_;
   double dt_s_;
   // What has been told up to the row before `next_`; all of it is told again on the way back.
+  const FrameHistory first_history_;
+  const RecordedPieces first_pieces_;
   std::optional<FrameHistory> history_;
   std::optional<RecordedPieces> pieces_;
   std::size_t next_ = 0, first_piece_ = 0, pieces_drawn_ = 0;

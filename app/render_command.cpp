@@ -137,6 +137,12 @@ void check(const RenderOptions& options) {
     throw InputError("", "--video", std::to_string(options.cameras.size()) + " cameras",
                      "one of them");
   }
+  if (!options.review.empty() &&
+      (!options.at_s.empty() || options.fps > 0.0 || !options.cameras.empty() ||
+       !options.size.empty() || !options.section.empty() || !options.video.empty() ||
+       !options.sheet.empty() || !options.folder.empty() || options.colour_by != "tissue")) {
+    throw InputError("", "--review", "other options beside it", "it alone: the page has its own");
+  }
   if (!options.video.empty() && !options.sheet.empty()) {
     throw InputError("", "--video", "both --video and --sheet", "one of them");
   }
@@ -171,6 +177,14 @@ void render(RenderOptions options) {
     return;
   }
   if (!options.sheet.empty()) {
+    constexpr double kMostPixels = 1 << 28;
+    const double pixels =
+        static_cast<double>(rows.size() * cameras.size()) * settings.width * settings.height;
+    if (pixels > kMostPixels) {
+      throw InputError("", "--sheet",
+                       std::to_string(rows.size() * cameras.size()) + " pictures of this --size",
+                       "268 million pixels at most");
+    }
     renderer.set_hud({settings.hud, false, settings.arrows});
     std::vector<Image> images;
     draw_rows(film, renderer, rows, cameras,

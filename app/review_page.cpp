@@ -120,12 +120,13 @@ void add_rows(const nlohmann::json& value, const std::string& name, std::ostream
         << escaped(value.is_string() ? value.get<std::string>() : value.dump()) << "</td></tr>\n";
 }
 
-std::string outcome_table(const FrameState& end, const std::string& summary_json) {
+std::string outcome_table(const FrameState& end, std::span<const TickRecord> rows,
+                          const std::string& summary_json) {
   std::ostringstream table;
   table << "<table>\n";
   char text[64];
-  std::snprintf(text, sizeof text, "%.3f s, %zu ticks", end.time_s,
-                static_cast<std::size_t>(end.tick) + 1);
+  std::snprintf(text, sizeof text, "%.3f s, %zu ticks", end.time_s - rows.front().time_s,
+                rows.size());
   table << "<tr><th>Lasted</th><td>" << text << "</td></tr>\n";
   std::snprintf(text, sizeof text, "%.3f mm\xC2\xB3", end.removed_mm3);
   table << "<tr><th>Removed</th><td>" << text << "</td></tr>\n";
@@ -235,7 +236,7 @@ void write_review_page(const RecordingReader& reader, const std::string& recordi
       cut_open = picture(renderer.draw(end), words);
     }
   }
-  page << "<h2>Outcome</h2>\n" << outcome_table(end, summary_json);
+  page << "<h2>Outcome</h2>\n" << outcome_table(end, rows, summary_json);
   page << "<h2>Before and after</h2>\n<div class=\"two\">\n";
   for (std::size_t side = 0; side < kSides.size(); ++side) page << before[side] << after[side];
   page << "</div>\n";

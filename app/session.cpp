@@ -85,7 +85,10 @@ class HapticLoop {
         pacer_(simulation.scene().haptics.rate_hz) {}
 
   void run() {
-    if (options_.pace == Pace::kReal) refused_ = request_realtime();
+    if (options_.pace == Pace::kReal) {
+      refused_ = request_realtime();
+      (void)lock_memory();  // this thread's stack as well; what is refused was said before
+    }
     for (; done_ < options_.ticks && !stopped(); ++done_) {
       wait_out_pause();
       const float late_us =
@@ -379,7 +382,7 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
       result.refused.push_back(std::move(refused));
     }
   }
-  // Last, so that the recording has its name no sooner than there is something to record.
+  // Last, so that the recording has its name right before the first tick.
   if (writer) {
     recorder.emplace(*record_feed, record_pieces ? &*record_pieces : nullptr, std::move(*writer));
   }

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <memory>
 
@@ -56,6 +57,8 @@ void view_recording(const ViewOptions& options) {
   ViewCamera camera(settings.camera);
   PlayerControls player;
   player.picture.arrows = settings.arrows;
+  const double tick_s = 1.0 / film.scene().haptics.rate_hz;  // a float's time may lie before it
+  player.first_s = player.time_s = static_cast<float>(film.rows().front().time_s);
   player.end_s = static_cast<float>(film.rows().back().time_s);
   std::uint64_t last_ns = steady_ns();
   while (window.is_open() && !stop_requested) {
@@ -64,10 +67,10 @@ void view_recording(const ViewOptions& options) {
     const std::uint64_t now_ns = steady_ns();
     const auto passed_s = static_cast<float>(1e-9 * static_cast<double>(now_ns - last_ns));
     last_ns = now_ns;
-    take_keys(input, 1.0 / film.scene().haptics.rate_hz, player);
+    take_keys(input, tick_s, player);
     if (player.playing) player.time_s += player.speed * passed_s;
     const float wanted_s = player.time_s;
-    player.time_s = std::clamp(wanted_s, 0.0f, player.end_s);
+    player.time_s = std::clamp(wanted_s, player.first_s, player.end_s);
     if (player.time_s != wanted_s) player.playing = false;  // an end of the recording
 
     camera.follow(input);
@@ -79,13 +82,18 @@ void view_recording(const ViewOptions& options) {
     drawing.set_hud({true, player.picture.figures, player.picture.arrows});
     const Eigen::Vector2i size = window.size();
     drawing.set_size(size.x(), size.y());
-    drawing.draw(film.seek_row(film.row_at(static_cast<double>(player.time_s)), drawing));
+    drawing.draw(
+        film.seek_row(film.row_at(static_cast<double>(player.time_s) + 0.5 * tick_s), drawing));
     window.end(drawing.frame());
     if (player.export_asked) {
       player.export_asked = false;
-      player.said = export_tooth(film, folder, static_cast<double>(player.time_s));
-      std::printf("%s\n", player.said.c_str());
-      std::fflush(stdout);
+      try {
+        player.said = export_tooth(film, folder, static_cast<double>(player.time_s));
+        std::printf("%s\n", player.said.c_str());
+        std::fflush(stdout);
+      } catch (const std::exception& error) {  // the window stays
+        player.said = error.what();
+      }
     }
   }
 }

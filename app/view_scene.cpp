@@ -2,6 +2,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,6 +17,8 @@
 #include "app/session.hpp"
 #include "app/view_camera.hpp"
 #include "app/view_windows.hpp"
+#include "engine/core/error.hpp"
+#include "engine/core/realtime.hpp"
 #include "engine/core/units.hpp"
 #include "engine/graphics/gl_scene.hpp"
 #include "engine/graphics/panels.hpp"
@@ -33,6 +36,10 @@ constexpr double kLongest_s = 24.0 * 3600.0;  // of a run under the mouse
 Scene scene_for_the_hand(const ViewOptions& options) {
   std::vector<std::string> overrides = options.overrides;
   const Scene as_written = load_scene(options.file, overrides);
+  if (as_written.trajectory.load_N) {
+    throw InputError(options.file, "trajectory.load_N", "a tool that moves by itself",
+                     "a scene without it: the mouse holds the burr");
+  }
   if (!as_written.coupling) overrides.emplace_back("coupling.evaluations=5");
   if (!as_written.record) overrides.emplace_back("record.queue_s=10");
   return load_scene(options.file, overrides);
@@ -88,8 +95,9 @@ std::optional<GoOn> run_part(Part& part, Window& window, ViewCamera& camera, Liv
   for (const Neighbour& n : part.simulation->state().neighbours) bodies.push_back(n.solid.model());
   HeldBurr burr(part.start);
   MouseDevice device(burr.pose(), scene.haptics.rate_hz);
-  std::atomic<bool> paused{false};
+  std::atomic<bool> paused{true};  // until it can be seen
   std::optional<GoOn> go_on;
+  live.first_s = std::numeric_limits<float>::max();
   part.session.paused = &paused;
   part.session.watch = [&](Feed& feed, PieceFeed* pieces) {
     RenderSettings settings = scene.render.value_or(RenderSettings{});
@@ -122,13 +130,14 @@ std::optional<GoOn> run_part(Part& part, Window& window, ViewCamera& camera, Liv
         live.time_s = static_cast<float>(state.time_s);
         state.device = burr.pose();
         drawing.draw(state);
+        live.first_s = std::min(live.first_s, live.time_s);
       } else {
         FrameState state;
         state.world_from_tool = burr.pose();
         drawing.draw(state);
       }
       window.end(drawing.frame());
-      if (live.go_on_asked) {
+      if (live.go_on_asked && !film.empty()) {
         go_on = {static_cast<double>(live.time_s) - static_cast<double>(live.back_s),
                  live.speed_rpm};
       }
@@ -161,14 +170,15 @@ void view_scene(const ViewOptions& options) {
   LoadCache cache = LoadCache::of_user();
   const std::string folder =
       options.folder.empty() ? default_folder(options.file, "_view") : options.folder;
+  Part part;
+  part.start = trajectory.pose_at(0.0);
+  LoadedRun loaded = load_run(scene, part.start, cache);
+  leave_realtime_core();  // the haptic thread's; the rasteriser's threads stay with this one
   Window window("Sulcus: " + scene.title, options.width, options.height);
   ViewCamera camera(scene.render ? scene.render->camera : Camera::kReview);
   LiveControls live;
   live.speed_rpm = static_cast<float>(scene.burr.speed_rad_per_s / kRevolutionPerMinute);
 
-  Part part;
-  part.start = trajectory.pose_at(0.0);
-  LoadedRun loaded = load_run(scene, part.start, cache);
   part.simulation = std::move(loaded.simulation);
   part.session.goal = std::move(loaded.goal);
   part.loading = std::move(loaded.loading);

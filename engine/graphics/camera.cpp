@@ -162,4 +162,9 @@ Eigen::Matrix4d matrix_of(const Pose& pose) {
   return matrix;
 }
 
+Eigen::AlignedBox3f moved_box(const Eigen::AlignedBox3f& box, const Pose& pose) {
+  if (box.isEmpty()) return box;
+  return box.cast<double>().transformed(Eigen::Isometry3d(matrix_of(pose))).cast<float>();
+}
+
 }  // namespace sulcus

@@ -12,10 +12,12 @@ namespace sulcus {
 
 /// What a camera sees: everything the shaders and the scale bar need of it.
 struct View {
-  Eigen::Matrix4f clip_from_world;                    // OpenGL: x, y, z within -w to w
-  Eigen::Vector3f eye_world;                          // m
-  Eigen::Vector3f right_world, up_world, back_world;  // unit, right-handed; it looks along -back
-  double metres_per_pixel = 0.0;                      // at the depth of the point that it looks at
+  Eigen::Matrix4f clip_from_world = Eigen::Matrix4f::Identity();  // OpenGL: x, y, z within -w to w
+  Eigen::Vector3f eye_world = Eigen::Vector3f::Zero();            // m
+  // Unit, right-handed; it looks along -back.
+  Eigen::Vector3f right_world = Eigen::Vector3f::UnitX(), up_world = Eigen::Vector3f::UnitY(),
+                  back_world = Eigen::Vector3f::UnitZ();
+  double metres_per_pixel = 0.0;  // at the depth of the point that it looks at
   // Of the bodies that which is at (x, y, z) where its product with (x, y, z, 1) is not negative.
   Eigen::Vector4f shown_world = Eigen::Vector4f::UnitW();
 };
@@ -52,5 +54,8 @@ bool may_be_in_frame(const View& view, const Eigen::AlignedBox3f& box_world);
 
 /// A pose as a matrix for points (x, y, z, 1).
 Eigen::Matrix4d matrix_of(const Pose& pose);
+
+/// A box that holds what is in `box` once it has moved; of an empty one an empty one.
+Eigen::AlignedBox3f moved_box(const Eigen::AlignedBox3f& box, const Pose& pose);
 
 }  // namespace sulcus

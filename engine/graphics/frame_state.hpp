@@ -33,7 +33,7 @@ struct FrameState {
   // they were added to the renderer. Pieces beyond the poses are not drawn.
   std::span<const Pose> pieces;
   bool burr_shown = true;
-  // Where the device is, while the tool that hangs on it is held back: drawn through all else.
+  // Where the device is that the tool hangs on: drawn palely through all else.
   std::optional<Pose> device;
   double burr_turn_rad = 0.0;                           // of the spindle, about the tool's +y
   Eigen::Vector3d force_N = Eigen::Vector3d::Zero();    // world

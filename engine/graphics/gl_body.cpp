@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::size_t kBatch = 64;  // bricks meshed before they are handed over
 // Cells of occlusion from a vertex to the farthest that its light is read from (kToothVertex), and
-// those round that.
-constexpr double kShadedFrom = 8.0;
+// those round that, with a triangle's width.
+constexpr double kShadedFrom = 10.0;
 
 bool meet(const PixelRect& a, const PixelRect& b) {
   return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
@@ -109,13 +109,7 @@ Eigen::AlignedBox3f GlBody::update(std::span<const Pose> pieces, std::size_t lat
     }
   }
   for (const Occlusion::Box& box : occlusion_.place_pieces(pieces)) upload_occlusion(box);
-  Eigen::AlignedBox3f world;
-  if (touched.isEmpty()) return world;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3f p = touched.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner));
-    world.extend(Eigen::Vector3f(world_from_grid_.point(p.cast<double>()).cast<float>()));
-  }
-  return world;
+  return moved_box(touched, world_from_grid_);
 }
 
 void GlBody::use(GlProgram& program, const View& view, const Pose& world_now_from_start) const {
@@ -158,6 +152,7 @@ void GlBody::draw(GlProgram& program, const View& view_world, std::span<const Po
   for (std::size_t i = 0; i < std::min(pieces_.size(), pieces.size()); ++i) {
     if (pieces_[i].empty()) continue;
     use(program, view, pieces[i]);
+    program.set("shown", Eigen::Vector4f(Eigen::Vector4f::UnitW()));  // a section has no face of it
     pieces_[i].draw();
   }
 }

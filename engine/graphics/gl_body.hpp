@@ -37,7 +37,7 @@ class GlBody {
   void restore(std::span<const std::uint32_t> voxels) { surface_.restore(voxels); }
   /// As DrawnSurface.
   void colour_by_time(double span_s) { surface_.colour_by_time(span_s); }
-  /// As Renderer::add_piece.
+  /// As GlScene::add_piece.
   void add_piece(std::span<const std::uint32_t> voxels);
 
   /// Meshes and shades anew what has changed. `pieces`: how the pieces have moved, as

@@ -41,14 +41,7 @@ GlBurr::~GlBurr() {
 }
 
 Eigen::AlignedBox3f GlBurr::box_world(const Pose& world_from_tool) const {
-  Eigen::AlignedBox3f box;
-  if (box_tool_.isEmpty()) return box;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3f p =
-        box_tool_.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner));
-    box.extend(Eigen::Vector3f(world_from_tool.point(p.cast<double>()).cast<float>()));
-  }
-  return box;
+  return moved_box(box_tool_, world_from_tool);
 }
 
 void GlBurr::draw(const View& view, const Pose& world_from_tool, double turn_rad, float alpha) {

@@ -17,8 +17,9 @@ struct HudParts {
 };
 
 /// The figures over the picture: title and time, curves of force, torque and tick time with their
-/// values, contacts, removed volume, and a scale bar. Keeps to the frame's left and right edges. On
-/// the thread of the OpenGL context that was current when it was made, and while that lives.
+/// values, contacts, removed volume, and a scale bar. Keeps to the frame's left and right edges,
+/// but for the arrows. On the thread of the OpenGL context that was current when it was made, and
+/// while that lives.
 class Hud {
  public:
   /// Letters are sized for frames of this height, pixels.

@@ -1,5 +1,7 @@
 #include "engine/graphics/panels.hpp"
 
+#include <algorithm>
+
 #include <imgui.h>
 
 #include "engine/core/units.hpp"
@@ -66,7 +68,7 @@ void draw_panels(PlayerControls& controls) {
   }
   ImGui::SameLine();
   ImGui::PushItemWidth(-1.0f);
-  ImGui::SliderFloat("##time", &controls.time_s, 0.0f, controls.end_s, "%.3f s",
+  ImGui::SliderFloat("##time", &controls.time_s, controls.first_s, controls.end_s, "%.3f s",
                      ImGuiSliderFlags_AlwaysClamp);
   end_panel();
 }
@@ -80,9 +82,12 @@ void draw_panels(LiveControls& controls) {
   }
   ImGui::SameLine();
   ImGui::Text("%.1f s", static_cast<double>(controls.time_s));
-  ImGui::SliderFloat("s back", &controls.back_s, 0.0f, controls.time_s, "%.1f",
+  const float most_s = std::max(0.0f, controls.time_s - controls.first_s);
+  ImGui::SliderFloat("s back", &controls.back_s, 0.0f, most_s, "%.1f",
                      ImGuiSliderFlags_AlwaysClamp);
   ImGui::InputFloat("rpm", &controls.speed_rpm, 0.0f, 0.0f, "%.0f");
+  constexpr float kMost_rpm = 500'000.0f;  // as in a scene
+  controls.speed_rpm = std::clamp(controls.speed_rpm, 0.0f, kMost_rpm);
   controls.go_on_asked = ImGui::Button("go on from there");
   if (!controls.said.empty()) ImGui::TextWrapped("%s", controls.said.c_str());
   ImGui::TextDisabled("left: burr, shift: deeper, ctrl: tilt");

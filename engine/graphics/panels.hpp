@@ -21,7 +21,8 @@ struct PictureControls {
 /// Of a recording.
 struct PlayerControls {
   PictureControls picture;
-  float time_s = 0.0f, end_s = 0.0f, speed = 1.0f;  // speed: seconds a second, below 0: backward
+  float first_s = 0.0f, time_s = 0.0f, end_s = 0.0f;
+  float speed = 1.0f;  // seconds a second, below 0: backward
   bool playing = false;
   bool export_asked = false;
   std::string said;  // what came of it
@@ -32,10 +33,10 @@ void draw_panels(PlayerControls& controls);
 struct LiveControls {
   PictureControls picture;
   bool paused = false;
-  float time_s = 0.0f;       // so far
-  float back_s = 1.0f;       // to take back
-  float speed_rpm = 0.0f;    // of the spindle, from where it goes on
-  bool go_on_asked = false;  // from `back_s` ago, at `speed_rpm`
+  float first_s = 0.0f, time_s = 0.0f;  // of this part, its first tick and so far
+  float back_s = 1.0f;                  // to take back
+  float speed_rpm = 0.0f;               // of the spindle, from where it goes on
+  bool go_on_asked = false;             // from `back_s` ago, at `speed_rpm`
   std::string said;
 };
 void draw_panels(LiveControls& controls);

@@ -57,7 +57,8 @@ Window::Window(const std::string& title, int width, int height) {
   glfwSetWindowUserPointer(window_, &keys_);
   // Before ImGui's, which calls it.
   glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int) {
-    if (action == GLFW_RELEASE) return;
+    const bool arrow = key == GLFW_KEY_LEFT || key == GLFW_KEY_RIGHT;
+    if (action == GLFW_RELEASE || (action == GLFW_REPEAT && !arrow)) return;
     std::string& keys = *static_cast<std::string*>(glfwGetWindowUserPointer(window));
     if (key == GLFW_KEY_LEFT) keys += '<';
     if (key == GLFW_KEY_RIGHT) keys += '>';

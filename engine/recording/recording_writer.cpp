@@ -17,6 +17,7 @@ namespace sulcus {
 namespace {
 
 // Beyond these a caller who does not flush is helped: memory stays bounded.
+constexpr std::size_t kMetadataBytes = 2 << 20;  // of HDF5's, in memory
 constexpr std::size_t kMaxWaitingTicks = 4096;
 constexpr std::size_t kMaxWaitingEdits = 1 << 16;
 constexpr std::size_t kMaxWaitingStateBytes = 1 << 24;
@@ -82,8 +83,6 @@ void check_path(const std::string& path) {
 
 /// Under another name, until others may read it: what bears the name of a recording is one, however
 /// early its writer is killed, and an earlier one stays until then.
-constexpr std::size_t kMetadataBytes = 2 << 20;  // of HDF5's, in memory
-
 std::string part_name(const std::string& path) { return path + ".part"; }
 
 Hdf5Handle create_file(const std::string& path) {

@@ -162,6 +162,8 @@ TEST_F(Replay, WhatRenderCannotDoIsSaid) {
   expect_refused("--camera 10,20,", "AZIMUTH,ELEVATION");
   expect_refused("--section q=1", "an axis and mm");
   expect_refused("--size 100", "WxH");
+  expect_refused("--review r.html --at 1", "it alone");
+  expect_refused("--sheet s.png --fps 1000 --size 8192x8192", "268 million");
   expect_refused("--camera occlusal --camera buccal --video v.mp4", "2 cameras");
 }
 

@@ -42,19 +42,17 @@ struct Frames {
 };
 
 /// Draws what a run tells, as fast as it goes, until it ends.
-void draw(const Simulation& simulation, const FramesOptions& options, Drawing how, Feed& feed,
-          PieceFeed* pieces, Frames& frames) {
+void draw(const Simulation& simulation, std::vector<RenderedBody> bodies,
+          const FramesOptions& options, Drawing how, Feed& feed, PieceFeed* pieces,
+          Frames& frames) {
   leave_realtime_core();
   const Scene& scene = simulation.scene();
   RenderSettings settings = scene.render.value_or(RenderSettings{});
   settings.width = options.width;
   settings.height = options.height;
-  const VoxelModel start = simulation.workpiece().model();
-  std::vector<VoxelModel> others;
-  for (const Neighbour& n : simulation.state().neighbours) others.push_back(n.solid.model());
-  LiveFilm film(feed, pieces, scene, start);
-  Renderer renderer(settings, rendered_bodies(scene, start, std::move(others)),
-                    simulation.burr().mesh_tool, simulation.burr().head_length_m);
+  LiveFilm film(feed, pieces, scene, bodies.front().model);
+  Renderer renderer(settings, std::move(bodies), simulation.burr().mesh_tool,
+                    simulation.burr().head_length_m);
   renderer.set_hurried(true);
   double azimuth_deg = 0.0;
   std::uint64_t last_ns = 0, shown_before = 0;
@@ -94,9 +92,14 @@ Frames measure(const Scene& scene, const FramesOptions& options, Drawing how) {
   session.render = false;
   session.ticks = static_cast<std::uint64_t>(options.seconds * scene.haptics.rate_hz);
   if (how != Drawing::kNone) {
-    session.watch = [&](Feed& feed, PieceFeed* pieces) {
-      draw(simulation, options, how, feed, pieces, frames);
-    };
+    // Copied before the haptic thread writes them.
+    std::vector<VoxelModel> others;
+    for (const Neighbour& n : simulation.state().neighbours) others.push_back(n.solid.model());
+    session.watch =
+        [&, bodies = rendered_bodies(scene, simulation.workpiece().model(), std::move(others))](
+            Feed& feed, PieceFeed* pieces) {
+          draw(simulation, bodies, options, how, feed, pieces, frames);
+        };
   }
   const SessionResult result = run_session(simulation, device, session);
   frames.tick_p50_us = result.statistics.tick_us.quantile(0.5);
