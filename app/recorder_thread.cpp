@@ -14,6 +14,10 @@ namespace {
 /// From flush to flush: a kill costs what has come since the last one began.
 constexpr std::chrono::milliseconds kFlushEvery{30};
 
+// Taken at once, at most: what waits longer waits in the queues, and a disk or a processor that was
+// busy costs no more memory than they have.
+constexpr std::size_t kMostRows = 4096, kMostEdits = 1 << 16;
+
 }  // namespace
 
 RecorderThread::RecorderThread(RecordFeed& feed, PieceFeed* pieces, RecordingWriter writer)
@@ -41,11 +45,11 @@ void RecorderThread::run() {
     ended = feed_.ended.load();
     // The news of the last ticks come when their thread has ended too.
     while (ended && pieces_ && pieces_->ticks_done != ~std::uint64_t{0}) {
-      drain();
+      drain_all();
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     const auto next = std::chrono::steady_clock::now() + kFlushEvery;
-    drain();
+    drain_all();
     if (!ended) std::this_thread::sleep_until(next);
   }
   if (writer_) {
@@ -57,18 +61,26 @@ void RecorderThread::run() {
   }
 }
 
-void RecorderThread::drain() {
+void RecorderThread::drain_all() {
+  while (drain()) {
+  }
+}
+
+bool RecorderThread::drain() {
   std::vector<TickRecord> rows;
   std::vector<CuttingRecord> cuts;
   std::vector<PortRecord> port;
   std::vector<Edit> edits;
-  for (TickReport report; feed_.reports.try_dequeue(report);) {
+  for (TickReport report; rows.size() < kMostRows && feed_.reports.try_dequeue(report);) {
     rows.push_back(report.record);
     if (writer_ && writer_->has_cutting()) cuts.push_back(report.cutting);
     if (writer_ && writer_->has_port()) port.push_back(report.port);
   }
-  for (Edit edit; feed_.edits.try_dequeue(edit);) edits.push_back(edit);
-  if (!writer_) return;
+  for (Edit edit; edits.size() < kMostEdits && feed_.edits.try_dequeue(edit);) {
+    edits.push_back(edit);
+  }
+  const bool more = rows.size() == kMostRows || edits.size() == kMostEdits;
+  if (!writer_) return more;
   try {
     writer_->append_edits(edits);
     if (pieces_) drain_pieces();
@@ -83,6 +95,7 @@ void RecorderThread::drain() {
     feed_.gone = true;
     writer_.reset();
   }
+  return more;
 }
 
 /// A hash or a state of a tick whose row has not come yet waits for the next round.

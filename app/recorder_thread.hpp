@@ -26,7 +26,9 @@ class RecorderThread {
 
  private:
   void run();
-  void drain();
+  void drain_all();
+  /// Whether there may be more.
+  bool drain();
   void drain_pieces();
   void drain_states();
 
