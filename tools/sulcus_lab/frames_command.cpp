@@ -7,8 +7,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "app/live_film.hpp"
 #include "app/render_thread.hpp"
 #include "app/session.hpp"
