@@ -49,7 +49,7 @@ void export_recording(const ExportOptions& options) {
   if (reader.tick_count() == 0) {
     throw InputError(options.recording, "/ticks", "no rows", "at least one tick");
   }
-  if (!reader.missing().empty()) std::fprintf(stderr, "sulcus: %s\n", reader.missing().c_str());
+  say_what_is_missing(reader);
   RecordedShape shape(reader, reader.workpiece());
   const std::size_t row = options.at_s < 0.0 ? shape.rows().size() - 1 : shape.row_at(options.at_s);
   shape.seek_row(row);

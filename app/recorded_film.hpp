@@ -19,7 +19,7 @@ namespace sulcus {
 /// GlScene), and what a frame shows besides the tooth is told.
 class RecordedFilm {
  public:
-  /// InputError as RecordingReader; also of one without rows. `reader` outlives it.
+  /// InputError as RecordingReader; also of one without rows.
   RecordedFilm(const RecordingReader& reader, const std::string& path);
 
   const Scene& scene() const { return scene_; }

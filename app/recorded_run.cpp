@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include "engine/core/error.hpp"
@@ -95,6 +96,10 @@ RecordedRun open_recorded_run(const std::string& path) {
   return {
       path,           std::move(reader), std::move(simulation), std::move(rows), std::move(poses),
       std::move(late)};
+}
+
+void say_what_is_missing(const RecordingReader& reader) {
+  if (!reader.missing().empty()) std::fprintf(stderr, "sulcus: %s\n", reader.missing().c_str());
 }
 
 std::size_t row_at(std::span<const TickRecord> rows, double time_s) {

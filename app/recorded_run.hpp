@@ -27,6 +27,9 @@ struct RecordedRun {
 /// InputError as RecordingReader; also where its scene no longer reads.
 RecordedRun open_recorded_run(const std::string& path);
 
+/// Tells the user, on the error stream, where a recording does not hold all of its run.
+void say_what_is_missing(const RecordingReader& reader);
+
 /// The scene that a recording carries.
 Scene recorded_scene(const RecordingReader& reader, const std::string& path);
 /// The workpiece and the other bodies that it carries. InputError where they are not those of its

@@ -125,10 +125,6 @@ void draw_rows(RecordedFilm& film, Renderer& renderer, std::span<const std::size
   }
 }
 
-void say_what_is_missing(const RecordingReader& reader) {
-  if (!reader.missing().empty()) std::fprintf(stderr, "sulcus: %s\n", reader.missing().c_str());
-}
-
 void check(const RenderOptions& options) {
   if (!options.at_s.empty() && options.fps > 0.0) {
     throw InputError("", "--fps", "both --at and --fps", "one of them");

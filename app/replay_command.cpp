@@ -66,9 +66,7 @@ std::size_t rows_in_line(const RecordedRun& run, std::size_t first) {
 void replay(const ReplayOptions& options) {
   const ThreadLimit limit(options.threads);
   RecordedRun run = open_recorded_run(options.recording);
-  if (!run.reader.missing().empty()) {
-    std::fprintf(stderr, "sulcus: %s\n", run.reader.missing().c_str());
-  }
+  say_what_is_missing(run.reader);
   const std::size_t row = options.from_s ? row_at(run.rows, *options.from_s) : 0;
   if (options.verify) {
     verify(run, row);

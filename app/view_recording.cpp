@@ -46,7 +46,7 @@ void take_keys(const WindowInput& input, double tick_s, PlayerControls& player) 
 void view_recording(const ViewOptions& options) {
   const RecordingReader reader(options.file);
   RecordedFilm film(reader, options.file);
-  if (!reader.missing().empty()) std::fprintf(stderr, "sulcus: %s\n", reader.missing().c_str());
+  say_what_is_missing(reader);
   const std::string folder =
       options.folder.empty() ? default_folder(options.file, "_view") : options.folder;
   RenderSettings settings = film.scene().render.value_or(RenderSettings{});

@@ -110,7 +110,6 @@ class DrawnSurface {
   int level_;         // log2 of cell_voxels()
   int brick_voxels_;  // along an edge
   Eigen::Vector3i bricks_;
-
   std::vector<std::uint8_t> changed_;  // per brick: a Redraw
   std::size_t first_later_ = 0;        // brick that is the next to have waited
   LeafMap removed_;
