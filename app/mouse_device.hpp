@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "app/queue.hpp"
-#include "haptics/device.hpp"
+#include "haptics/device/device.hpp"
 
 namespace sulcus {
 

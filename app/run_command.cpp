@@ -8,7 +8,7 @@
 #include "engine/cache/load_cache.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/scene/trajectory.hpp"
-#include "haptics/simulated_device.hpp"
+#include "haptics/device/simulated_device.hpp"
 
 namespace sulcus {
 

@@ -12,7 +12,7 @@
 #include "app/live_film.hpp"
 #include "app/loaded_run.hpp"
 #include "app/mouse_device.hpp"
-#include "app/render_thread.hpp"
+#include "app/rendered_bodies.hpp"
 #include "app/results.hpp"
 #include "app/session.hpp"
 #include "app/view_camera.hpp"

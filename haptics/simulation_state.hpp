@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/core/pose.hpp"
-#include "haptics/device_port.hpp"
+#include "haptics/device/device_port.hpp"
 #include "haptics/kept_normals.hpp"
 #include "haptics/neighbour.hpp"
 #include "haptics/removal.hpp"

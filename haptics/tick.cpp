@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "haptics/device_port.hpp"
+#include "haptics/device/device_port.hpp"
 #include "haptics/move_tool.hpp"
 #include "haptics/normals.hpp"
 #include "haptics/spindle.hpp"

@@ -4,7 +4,7 @@
 
 #include "engine/recording/tick_record.hpp"
 #include "engine/volume/workpiece.hpp"
-#include "haptics/device.hpp"
+#include "haptics/device/device.hpp"
 #include "haptics/simulation_state.hpp"
 #include "haptics/tick_context.hpp"
 #include "haptics/tick_scratch.hpp"

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "haptics/simulated_device.hpp"
+#include "haptics/device/simulated_device.hpp"
 #include "haptics/tick.hpp"
 #include "tests/support/scene_text.hpp"
 #include "tests/support/shapes.hpp"

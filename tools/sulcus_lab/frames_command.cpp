@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "app/live_film.hpp"
-#include "app/render_thread.hpp"
+#include "app/rendered_bodies.hpp"
 #include "app/session.hpp"
 #include "engine/core/realtime.hpp"
 #include "engine/graphics/renderer.hpp"
@@ -16,7 +16,7 @@
 #include "engine/import/load_burr.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/scene/trajectory.hpp"
-#include "haptics/device.hpp"
+#include "haptics/device/device.hpp"
 #include "tools/sulcus_lab/results.hpp"
 #include "tools/sulcus_lab/samples.hpp"
 

@@ -9,8 +9,8 @@
 
 #include "engine/core/units.hpp"
 #include "engine/scene/device_presets.hpp"
-#include "haptics/buzz_detector.hpp"
-#include "haptics/device_port.hpp"
+#include "haptics/device/buzz_detector.hpp"
+#include "haptics/device/device_port.hpp"
 #include "tools/sulcus_lab/stability/cases.hpp"
 #include "tools/sulcus_lab/stability/held_face.hpp"
 #include "tools/sulcus_lab/stability/series.hpp"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/scene/trajectory.hpp"
-#include "haptics/simulated_device.hpp"
+#include "haptics/device/simulated_device.hpp"
 #include "tools/sulcus_lab/stability/case_solids.hpp"
 #include "tools/sulcus_lab/stability/rig.hpp"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/scene/trajectory.hpp"
-#include "haptics/simulated_device.hpp"
+#include "haptics/device/simulated_device.hpp"
 #include "haptics/tool_motion.hpp"
 #include "tools/sulcus_lab/stability/series.hpp"
 

@@ -9,7 +9,7 @@
 
 #include "engine/scene/device_presets.hpp"
 #include "engine/scene/trajectory.hpp"
-#include "haptics/simulated_device.hpp"
+#include "haptics/device/simulated_device.hpp"
 
 namespace sulcus::lab {
 

@@ -1,4 +1,4 @@
-#include "haptics/device_edge.hpp"
+#include "haptics/device/device_edge.hpp"
 
 #include <algorithm>
 #include <cmath>

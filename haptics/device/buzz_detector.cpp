@@ -1,4 +1,4 @@
-#include "haptics/buzz_detector.hpp"
+#include "haptics/device/buzz_detector.hpp"
 
 #include <algorithm>
 

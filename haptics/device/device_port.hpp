@@ -3,10 +3,10 @@
 #include <cstdint>
 
 #include "engine/core/pose.hpp"
-#include "haptics/buzz_detector.hpp"
-#include "haptics/device.hpp"
-#include "haptics/device_edge.hpp"
-#include "haptics/passivity.hpp"
+#include "haptics/device/buzz_detector.hpp"
+#include "haptics/device/device.hpp"
+#include "haptics/device/device_edge.hpp"
+#include "haptics/device/passivity.hpp"
 #include "haptics/tick_context.hpp"
 
 namespace sulcus {

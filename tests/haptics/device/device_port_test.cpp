@@ -1,4 +1,4 @@
-#include "haptics/device_port.hpp"
+#include "haptics/device/device_port.hpp"
 
 #include <algorithm>
 #include <cmath>

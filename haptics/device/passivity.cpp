@@ -1,4 +1,4 @@
-#include "haptics/passivity.hpp"
+#include "haptics/device/passivity.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "haptics/simulated_device.hpp"
+#include "haptics/device/simulated_device.hpp"
 
 #include <cmath>
 #include <cstring>

@@ -1,4 +1,4 @@
-#include "haptics/device.hpp"
+#include "haptics/device/device.hpp"
 
 #include <array>
 
