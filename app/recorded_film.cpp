@@ -1,6 +1,6 @@
 #include "app/recorded_film.hpp"
 
-#include "app/render_thread.hpp"
+#include "app/rendered_bodies.hpp"
 #include "engine/core/error.hpp"
 
 namespace sulcus {

@@ -56,8 +56,4 @@ class RenderThread {
   std::thread thread_;
 };
 
-/// The workpiece and the other bodies of a scene, as the renderer takes them.
-std::vector<RenderedBody> rendered_bodies(const Scene& scene, VoxelModel workpiece,
-                                          std::vector<VoxelModel> bodies);
-
 }  // namespace sulcus

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "engine/core/html.hpp"
 #include "tools/sulcus_lab/chart.hpp"
 #include "tools/sulcus_lab/stability/case_texts.hpp"
 
@@ -58,35 +59,12 @@ td.reported { background: #eef3f8; } td.none { color: #666; }
   tr, figure { break-inside: avoid; } h2, h3 { break-after: avoid; } thead { display: table-header-group; } }
 )";
 
-std::string escaped(std::string_view text) {
-  std::string safe;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        safe += "&amp;";
-        break;
-      case '<':
-        safe += "&lt;";
-        break;
-      case '>':
-        safe += "&gt;";
-        break;
-      case '"':
-        safe += "&quot;";
-        break;
-      default:
-        safe += c;
-    }
-  }
-  return safe;
-}
-
 std::string tag(std::string_view name, std::string_view content, std::string_view attributes = "") {
   return "<" + std::string(name) + (attributes.empty() ? "" : " ") + std::string(attributes) + ">" +
          std::string(content) + "</" + std::string(name) + ">";
 }
 
-std::string paragraph(std::string_view text) { return tag("p", escaped(text)) + "\n"; }
+std::string paragraph(std::string_view text) { return tag("p", html_escaped(text)) + "\n"; }
 
 std::string method_title(std::size_t method) {
   return spaced_name(std::string(kContactMethodNames[method]));
@@ -199,7 +177,7 @@ const CaseText* text_of(const std::string& name) {
 std::string number_and_title(std::size_t number_of_case, const CaseRows& c) {
   const CaseText* text = text_of(c.name);
   return std::to_string(number_of_case) + ". " +
-         escaped(text ? text->title : std::string_view(spaced_name(c.name)));
+         html_escaped(text ? text->title : std::string_view(spaced_name(c.name)));
 }
 
 std::string matrix_cell(const Rows& rows) {
@@ -208,8 +186,8 @@ std::string matrix_cell(const Rows& rows) {
   std::string content = tag("span", look.words, css_class("verdict"));
   if (const StabilityRow* worst = worst_of(rows)) {
     const QuantityWords words = quantity_words(worst->quantity);
-    content += tag("small", escaped(words.words + " " + with_unit(worst->value, words.unit) + ", " +
-                                    limit_words(*worst, words.unit)));
+    content += tag("small", html_escaped(words.words + " " + with_unit(worst->value, words.unit) +
+                                         ", " + limit_words(*worst, words.unit)));
   }
   return tag("td", content, css_class(look.css));
 }
@@ -218,14 +196,14 @@ std::string matrix(const std::vector<CaseRows>& cases) {
   std::string head = "<th scope=\"col\">case</th>";
   std::array<std::array<int, 4>, kMethods> counts{};
   for (std::size_t m = 0; m < kMethods; ++m) {
-    head += tag("th", escaped(method_title(m)), "scope=\"col\"");
+    head += tag("th", html_escaped(method_title(m)), "scope=\"col\"");
   }
   std::string body;
   for (std::size_t c = 0; c < cases.size(); ++c) {
-    std::string line =
-        tag("th",
-            tag("a", number_and_title(c + 1, cases[c]), "href=\"#" + escaped(cases[c].name) + "\""),
-            "scope=\"row\"");
+    std::string line = tag("th",
+                           tag("a", number_and_title(c + 1, cases[c]),
+                               "href=\"#" + html_escaped(cases[c].name) + "\""),
+                           "scope=\"row\"");
     if (cases[c].empty()) {
       line += tag("td", "not run", "class=\"none\" colspan=\"" + std::to_string(kMethods) + "\"");
     } else {
@@ -280,14 +258,15 @@ std::string quantity_line(const std::string& method, const Rows& rows) {
       rows.begin(), rows.end(), [](const StabilityRow* row) { return row->limit && row->pass(); });
   const VerdictLook look = look_of(verdict_of(rows));
   return tag("tr",
-             tag("th", escaped(method), "scope=\"row\"") + tag("td", escaped(words.words)) +
-                 tag("td", escaped(span + (words.unit.empty() ? "" : " " + words.unit)),
+             tag("th", html_escaped(method), "scope=\"row\"") +
+                 tag("td", html_escaped(words.words)) +
+                 tag("td", html_escaped(span + (words.unit.empty() ? "" : " " + words.unit)),
                      css_class("number")) +
-                 tag("td", worst ? escaped(with_unit(worst->value, words.unit) + ", " +
-                                           limit_words(*worst, words.unit))
+                 tag("td", worst ? html_escaped(with_unit(worst->value, words.unit) + ", " +
+                                                limit_words(*worst, words.unit))
                                  : std::string()) +
-                 tag("td", worst              ? escaped(run_words(*worst))
-                           : rows.size() == 1 ? escaped(run_words(*rows.front()))
+                 tag("td", worst              ? html_escaped(run_words(*worst))
+                           : rows.size() == 1 ? html_escaped(run_words(*rows.front()))
                                               : std::string()) +
                  tag("td",
                      worst ? std::to_string(passed) + " of " + std::to_string(with_limit)
@@ -320,19 +299,19 @@ std::string case_table(const CaseRows& c) {
 
 std::string figure(const std::string& file, std::string_view words) {
   if (file.empty()) return "";
-  return tag("figure", "<img src=\"" + escaped(file) + "\" alt=\"" + escaped(words) + "\">" +
-                           tag("figcaption", escaped(words))) +
+  return tag("figure", "<img src=\"" + html_escaped(file) + "\" alt=\"" + html_escaped(words) +
+                           "\">" + tag("figcaption", html_escaped(words))) +
          "\n";
 }
 
 std::string case_section(std::size_t number_of_case, const CaseRows& c,
                          const StabilityPictures& pictures) {
   std::string section =
-      tag("h3", number_and_title(number_of_case, c), "id=\"" + escaped(c.name) + "\"") + "\n";
+      tag("h3", number_and_title(number_of_case, c), "id=\"" + html_escaped(c.name) + "\"") + "\n";
   if (const CaseText* text = text_of(c.name)) {
     section += paragraph(text->failure) +
-               tag("p", "<strong>Script.</strong> " + escaped(text->script)) + "\n" +
-               tag("p", "<strong>Limit.</strong> " + escaped(text->limit)) + "\n";
+               tag("p", "<strong>Script.</strong> " + html_escaped(text->script)) + "\n" +
+               tag("p", "<strong>Limit.</strong> " + html_escaped(text->limit)) + "\n";
   }
   if (c.empty()) return section + paragraph("Not run this time.");
   section += case_table(c);
@@ -351,7 +330,8 @@ std::string chart_section(const char* title, const std::string& file, std::strin
 std::string what_was_tried() {
   std::string methods;
   for (std::size_t m = 0; m < kMethods; ++m) {
-    methods += tag("dt", escaped(method_title(m))) + tag("dd", escaped(kMethodTexts[m])) + "\n";
+    methods +=
+        tag("dt", html_escaped(method_title(m))) + tag("dd", html_escaped(kMethodTexts[m])) + "\n";
   }
   return tag("h2", "What was tried") + "\n" +
          paragraph(
