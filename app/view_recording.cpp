@@ -77,6 +77,8 @@ void view_recording(const ViewOptions& options) {
     if (input.left && !input.shift) camera.turn(input);
     if (input.middle || (input.left && input.shift)) camera.move(input);
     drawing.set_hurried(player.playing);
+    const bool turning = input.left || input.middle || input.wheel != 0.0;
+    drawing.set_detail(turning ? Detail::kCoarse : Detail::kFull);
     drawing.set_viewpoint(camera.from());
     drawing.set_section(player.picture.section());
     drawing.set_hud({true, player.picture.figures, player.picture.arrows});

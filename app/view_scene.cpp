@@ -121,6 +121,8 @@ std::optional<GoOn> run_part(Part& part, Window& window, ViewCamera& camera, Liv
       if (input.middle) camera.move(input);
       const Eigen::Vector2i size = window.size();
       if (burr.drag(input, drawing.view(), size.y())) device.go_to(burr.pose());
+      const bool turning = input.right || input.middle || input.wheel != 0.0;
+      drawing.set_detail(turning ? Detail::kCoarse : Detail::kFull);
       drawing.set_viewpoint(camera.from());
       drawing.set_section(live.picture.section());
       drawing.set_hud({true, live.picture.figures, live.picture.arrows});

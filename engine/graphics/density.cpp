@@ -86,6 +86,22 @@ void Density::sample(const VoxelModel& model, int level, DensityBlock& block) co
   const Eigen::Vector3i low = block.first.cwiseMax(0);
   const Eigen::Vector3i high = (block.first + block.dims).cwiseMin(cells);
   if ((low.array() >= high.array()).any()) return;
+  if (level == 3) {
+    for (int z = low.z(); z < high.z(); ++z) {
+      for (int y = low.y(); y < high.y(); ++y) {
+        float* const row = &block.values[at(block, 0, y - block.first.y(), z - block.first.z())];
+        for (int x = low.x(); x < high.x(); ++x) {
+          int count = 0;
+          for (int part = 0; part < 8; ++part) {
+            count +=
+                quarter_count(2 * x + (part & 1), 2 * y + (part >> 1 & 1), 2 * z + (part >> 2));
+          }
+          row[x - block.first.x()] = static_cast<float>(count) * (1.0f / 512.0f);
+        }
+      }
+    }
+    return;
+  }
   if (level == 2) {
     for (int z = low.z(); z < high.z(); ++z) {
       for (int y = low.y(); y < high.y(); ++y) {
@@ -162,14 +178,11 @@ void blur(DensityBlock& block, int radius, std::vector<float>& scratch) {
   }
 }
 
-DensityAt spline(const DensityBlock& block, const Eigen::Vector3f& p_lattice) {
-  float weight[3][3];
-  float slope[3][3];
-  int first[3];
+SplineWeights::SplineWeights(const Eigen::Vector3f& p_lattice) {
   for (int a = 0; a < 3; ++a) {
     const float nearest = std::floor(p_lattice[a] + 0.5f);
     const float t = p_lattice[a] - nearest;
-    first[a] = static_cast<int>(nearest) - 1 - block.first[a];
+    first[a] = static_cast<int>(nearest) - 1;
     weight[a][0] = 0.5f * (0.5f - t) * (0.5f - t);
     weight[a][1] = 0.75f - t * t;
     weight[a][2] = 0.5f * (0.5f + t) * (0.5f + t);
@@ -177,18 +190,23 @@ DensityAt spline(const DensityBlock& block, const Eigen::Vector3f& p_lattice) {
     slope[a][1] = -2.0f * t;
     slope[a][2] = t + 0.5f;
   }
+}
+
+DensityAt spline(const DensityBlock& block, const Eigen::Vector3f& p_lattice) {
+  const SplineWeights spline(p_lattice);
+  const Eigen::Vector3i from = spline.first - block.first;
+  const auto& [wx, wy, wz] = spline.weight;
+  const auto& [sx, sy, sz] = spline.slope;
   DensityAt result{0.0f, Eigen::Vector3f::Zero()};
   for (int k = 0; k < 3; ++k) {
     for (int j = 0; j < 3; ++j) {
-      const float* const row = &block.values[at(block, first[0], first[1] + j, first[2] + k)];
-      const float along = weight[0][0] * row[0] + weight[0][1] * row[1] + weight[0][2] * row[2];
-      const float change = slope[0][0] * row[0] + slope[0][1] * row[1] + slope[0][2] * row[2];
-      const float wy = weight[1][j];
-      const float wz = weight[2][k];
-      result.value += wy * wz * along;
-      result.gradient.x() += wy * wz * change;
-      result.gradient.y() += slope[1][j] * wz * along;
-      result.gradient.z() += wy * slope[2][k] * along;
+      const float* const row = &block.values[at(block, from.x(), from.y() + j, from.z() + k)];
+      const float along = wx[0] * row[0] + wx[1] * row[1] + wx[2] * row[2];
+      const float change = sx[0] * row[0] + sx[1] * row[1] + sx[2] * row[2];
+      result.value += wy[j] * wz[k] * along;
+      result.gradient.x() += wy[j] * wz[k] * change;
+      result.gradient.y() += sy[j] * wz[k] * along;
+      result.gradient.z() += wy[j] * sz[k] * along;
     }
   }
   return result;

@@ -19,9 +19,10 @@ struct DensityBlock {
   void reshape(const Eigen::Vector3i& first_sample, const Eigen::Vector3i& sample_dims);
 };
 
-/// How much of each cubic cell of 1, 2 or 4 voxels (level 0, 1 or 2) is solid, 0 to 1. Cell
+/// How much of each cubic cell of 1, 2, 4 or 8 voxels (level 0 to 3) is solid, 0 to 1. Cell
 /// (i, j, k) of level n holds the voxels from (i, j, k) 2^n on; cells outside the grid are empty.
-/// Levels 0 and 1 are read off the model's bits; level 2 is kept and updated per leaf.
+/// Levels 0 and 1 are read off the model's bits; level 2 is kept and updated per leaf, and level 3
+/// added up from it.
 class Density {
  public:
   explicit Density(const VoxelModel& model);
@@ -50,8 +51,16 @@ class Density {
 /// `scratch` is overwritten. Radius 1, 2 or 4.
 void blur(DensityBlock& block, int radius, std::vector<float>& scratch);
 
-/// Value and gradient, per lattice step, of a block's quadratic B-spline at `p_lattice`: smooth,
-/// and a slight blur (variance 1/4) itself. The 27 samples around must lie in the block.
+/// A quadratic B-spline at a point of a lattice: smooth, and a slight blur (variance 1/4) itself.
+struct SplineWeights {
+  explicit SplineWeights(const Eigen::Vector3f& p_lattice);
+  Eigen::Vector3i first;  // of the 3 x 3 x 3 samples that it is made of
+  float weight[3][3];     // by axis and sample
+  float slope[3][3];      // their derivatives, per lattice step
+};
+
+/// Value and gradient, per lattice step, of a block's spline at `p_lattice`. The 27 samples around
+/// must lie in the block.
 struct DensityAt {
   float value;
   Eigen::Vector3f gradient;

@@ -10,16 +10,13 @@
 namespace sulcus {
 namespace {
 
-// What the three normals of a vertex are taken from: cells of 2, 4 and 4 voxels, blurred to
-// standard deviations of about 3, 6 and 8 voxels, the last by blurring the second again. The narrow
-// one keeps edges; the wide ones take away the terraces that binary voxels make of gentle slopes.
-// (Cells of 8 voxels would be cheaper, but their lattice shows.)
+// What the narrowest of the three normals of a vertex is taken from: cells of 2 voxels, blurred to
+// a standard deviation of about 3. It keeps edges; the wide ones (WideDensity) take away the
+// terraces that binary voxels make of gentle slopes. (Cells of 8 voxels would be cheaper, but their
+// lattice shows.)
 constexpr int kNearLevel = 1, kNearBlur = 4;
-constexpr int kWideLevel = 2, kMiddleBlur = 4, kWideBlur = 2 * kMiddleBlur;
 // Voxels from a voxel to the farthest vertex whose colour or cut it can change.
 constexpr int kShapeReach = 6;
-// And to that whose normal it can change: the blur and 1.5 cells of spline, and half a cell.
-constexpr int kReach = (kWideBlur + 2) * (1 << kWideLevel);
 // The wider of two normals holds up to the first angle between them, the narrower one from the
 // second on. Terraces tilt the narrow normal by up to 4 degrees; the change is drawn out, or they
 // would show as one normal taking turns with the other.
@@ -53,6 +50,12 @@ int fluent_level(const VoxelModel& model) {
   return triangles <= kTriangles ? 0 : triangles / 4.0 <= kTriangles ? 1 : 2;
 }
 
+/// Rising, each once.
+void sort_out(std::vector<std::uint32_t>& leaves) {
+  std::sort(leaves.begin(), leaves.end());
+  leaves.erase(std::unique(leaves.begin(), leaves.end()), leaves.end());
+}
+
 /// A point of index space in the lattice of cells of 2^level voxels.
 Eigen::Vector3f lattice_from_index(const Eigen::Vector3f& p_index, int level) {
   const float edge = static_cast<float>(1 << level);
@@ -76,11 +79,6 @@ void prepare(const VoxelModel& model, const Density& density, const Eigen::Vecto
   }
   block.reshape(first, last - first + Eigen::Vector3i::Ones());
   density.sample(model, level, block);
-}
-
-/// Outward: down the density.
-Eigen::Vector3f outward(const DensityBlock& block, int level, const Eigen::Vector3f& p_index) {
-  return -spline(block, lattice_from_index(p_index, level)).gradient.stableNormalized();
 }
 
 Eigen::Vector3f blend(const Eigen::Vector3f& near, const Eigen::Vector3f& wide,
@@ -118,13 +116,23 @@ DrawnSurface::DrawnSurface(VoxelModel model, std::vector<TissueLook> looks, int 
     : model_(std::move(model)),
       looks_(std::move(looks)),
       density_(model_),
-      level_(cell_voxels != 0 ? std::countr_zero(static_cast<unsigned>(cell_voxels))
-                              : fluent_level(model_)),
-      brick_voxels_(level_ == 2 ? 64 : 32),
+      wide_(model_, density_),
+      lattices_(lattices(model_, cell_voxels)),
       removed_(std::move(removed)) {
   if (looks_.empty()) throw std::invalid_argument("a drawn surface needs the look of a tissue");
-  bricks_ = (model_.grid.cells + Eigen::Vector3i::Constant(brick_voxels_ - 1)) / brick_voxels_;
-  changed_.assign(brick_count(), kShape);
+}
+
+std::array<DrawnSurface::Lattice, 2> DrawnSurface::lattices(const VoxelModel& model,
+                                                            int cell_voxels) {
+  const int level =
+      cell_voxels != 0 ? std::countr_zero(static_cast<unsigned>(cell_voxels)) : fluent_level(model);
+  return {Lattice(level, model.grid.cells), Lattice(level + 1, model.grid.cells)};
+}
+
+DrawnSurface::Lattice::Lattice(int cell_level, const Eigen::Vector3i& cells)
+    : level(cell_level), brick_voxels(cell_level >= 2 ? 64 : 32) {
+  bricks = (cells + Eigen::Vector3i::Constant(brick_voxels - 1)) / brick_voxels;
+  changed.assign(bricks.prod(), kShape);
 }
 
 void DrawnSurface::remove(std::span<const std::uint32_t> voxels, double time_s) {
@@ -134,8 +142,6 @@ void DrawnSurface::remove(std::span<const std::uint32_t> voxels, double time_s) 
 void DrawnSurface::restore(std::span<const std::uint32_t> voxels) { change(voxels, true, 0.0f); }
 
 void DrawnSurface::change(std::span<const std::uint32_t> voxels, bool solid, float time_s) {
-  // Vertices lie up to two cells beyond their brick.
-  const int far = kReach + 2 * cell_voxels(), near = kShapeReach + 4 * cell_voxels();
   std::vector<std::uint32_t> leaves;
   for (const std::uint32_t voxel : voxels) {
     const Cell c = model_.grid.cell_of_linear(voxel);
@@ -148,41 +154,49 @@ void DrawnSurface::change(std::span<const std::uint32_t> voxels, bool solid, flo
       removed_at_s_[leaf][static_cast<std::size_t>(place)] = time_s;
     }
     if (leaves.empty() || leaf != leaves.back()) leaves.push_back(leaf);
-    mark(c, far, kNormals);
-    mark(c, near, kShape);
+    for (Lattice& l : lattices_) {
+      // Vertices lie up to two cells beyond their brick.
+      const int edge = 1 << l.level;
+      l.mark(c, WideDensity::kReach + 2 * edge, kNormals);
+      l.mark(c, kShapeReach + 4 * edge, kShape);
+    }
   }
-  std::sort(leaves.begin(), leaves.end());
-  leaves.erase(std::unique(leaves.begin(), leaves.end()), leaves.end());
+  sort_out(leaves);
   for (const std::uint32_t leaf : leaves) density_.update(model_, leaf);
   changed_leaves_.insert(changed_leaves_.end(), leaves.begin(), leaves.end());
+  stale_leaves_.insert(stale_leaves_.end(), leaves.begin(), leaves.end());
 }
 
-void DrawnSurface::mark(const Cell& c, int reach, Redraw redraw) {
-  const Eigen::Vector3i low = (c - Cell::Constant(reach)).cwiseMax(0) / brick_voxels_;
+void DrawnSurface::Lattice::mark(const Cell& c, int reach, Redraw redraw) {
+  const Eigen::Vector3i low = (c - Cell::Constant(reach)).cwiseMax(0) / brick_voxels;
   const Eigen::Vector3i high =
-      (c + Cell::Constant(reach)).cwiseMin(model_.grid.cells - Cell::Ones()) / brick_voxels_;
+      ((c + Cell::Constant(reach)) / brick_voxels).cwiseMin(bricks - Cell::Ones());
   for (int z = low.z(); z <= high.z(); ++z) {
     for (int y = low.y(); y <= high.y(); ++y) {
       for (int x = low.x(); x <= high.x(); ++x) {
-        std::uint8_t& brick = changed_[x + bricks_.x() * (y + bricks_.y() * z)];
+        std::uint8_t& brick = changed[x + bricks.x() * (y + bricks.y() * z)];
         brick = std::max<std::uint8_t>(brick, redraw);
       }
     }
   }
 }
 
-std::vector<int> DrawnSurface::take_changed(std::size_t later) {
+std::vector<int> DrawnSurface::take_changed(std::size_t later, Detail detail) {
+  sort_out(stale_leaves_);
+  wide_.update(model_, density_, stale_leaves_);
+  stale_leaves_.clear();
+  Lattice& l = lattices_[static_cast<std::size_t>(detail)];
   std::vector<int> bricks;
-  const std::size_t count = changed_.size(), first = first_later_;
+  const std::size_t count = l.changed.size(), first = l.first_later;
   for (std::size_t n = 0; n < count; ++n) {
     const std::size_t b = (first + n) % count;
-    if (changed_[b] == kNone || (changed_[b] == kNormals && later == 0)) continue;
-    if (changed_[b] == kNormals) {
+    if (l.changed[b] == kNone || (l.changed[b] == kNormals && later == 0)) continue;
+    if (l.changed[b] == kNormals) {
       --later;
-      first_later_ = (b + 1) % count;
+      l.first_later = (b + 1) % count;
     }
     bricks.push_back(static_cast<int>(b));
-    changed_[b] = kNone;
+    l.changed[b] = kNone;
   }
   std::sort(bricks.begin(), bricks.end());
   return bricks;
@@ -190,8 +204,7 @@ std::vector<int> DrawnSurface::take_changed(std::size_t later) {
 
 std::vector<std::uint32_t> DrawnSurface::take_changed_leaves() {
   std::vector<std::uint32_t> leaves = std::exchange(changed_leaves_, {});
-  std::sort(leaves.begin(), leaves.end());
-  leaves.erase(std::unique(leaves.begin(), leaves.end()), leaves.end());
+  sort_out(leaves);
   return leaves;
 }
 
@@ -294,15 +307,16 @@ std::array<std::uint8_t, 4> DrawnSurface::colour_at(const Eigen::Vector3f& p_ind
   return packed;
 }
 
-void DrawnSurface::mesh(int brick, Scratch& scratch, DrawnMesh& out) const {
+void DrawnSurface::mesh(int brick, Scratch& scratch, DrawnMesh& out, Detail detail) const {
   out.vertices.clear();
   out.indices.clear();
-  const Eigen::Vector3i at(brick % bricks_.x(), brick / bricks_.x() % bricks_.y(),
-                           brick / bricks_.x() / bricks_.y());
-  const Eigen::Vector3i low = at * brick_voxels_;
+  const auto& [level, brick_voxels, bricks, changed, first_later] = lattice(detail);
+  const Eigen::Vector3i at(brick % bricks.x(), brick / bricks.x() % bricks.y(),
+                           brick / bricks.x() / bricks.y());
+  const Eigen::Vector3i low = at * brick_voxels;
   const Eigen::Vector3i high =
-      (low + Eigen::Vector3i::Constant(brick_voxels_)).cwiseMin(model_.grid.cells);
-  const int edge = cell_voxels();
+      (low + Eigen::Vector3i::Constant(brick_voxels)).cwiseMin(model_.grid.cells);
+  const int edge = 1 << level;
   const int margin = 3 * edge;
   if (!may_have_surface(low - Eigen::Vector3i::Constant(margin),
                         high + Eigen::Vector3i::Constant(margin))) {
@@ -320,7 +334,7 @@ void DrawnSurface::mesh(int brick, Scratch& scratch, DrawnMesh& out) const {
   block.values.swap(field.values);
   block.reshape(field.begin - Eigen::Vector3i::Constant(2 + kShapeBlur),
                 field.end - field.begin + Eigen::Vector3i::Constant(4 + 2 * kShapeBlur));
-  density_.sample(model_, level_, block);
+  density_.sample(model_, level, block);
   blur(block, kShapeBlur, scratch.blur);
   field.first = block.first;
   field.dims = block.dims;
@@ -330,10 +344,6 @@ void DrawnSurface::mesh(int brick, Scratch& scratch, DrawnMesh& out) const {
 
   prepare(model_, density_, low, high, 2 * edge, kNearLevel, kNearBlur, scratch.near);
   blur(scratch.near, kNearBlur, scratch.blur);
-  prepare(model_, density_, low, high, 2 * edge, kWideLevel, kWideBlur, scratch.wide);
-  blur(scratch.wide, kMiddleBlur, scratch.blur);
-  scratch.middle = scratch.wide;
-  blur(scratch.wide, kMiddleBlur, scratch.blur);
   bool was_cut = false;
   if (!removed_.empty()) {
     // As far as `colour_at` looks from a vertex beyond the brick.
@@ -352,11 +362,13 @@ void DrawnSurface::mesh(int brick, Scratch& scratch, DrawnMesh& out) const {
   out.vertices.reserve(scratch.mesh.vertices.size());
   for (const NetsVertex& vertex : scratch.mesh.vertices) {
     const Eigen::Vector3f p_index =
-        index_from_lattice(vertex.cell.cast<float>() + vertex.offset, level_);
-    const Eigen::Vector3f wide = blend(outward(scratch.middle, kWideLevel, p_index),
-                                       outward(scratch.wide, kWideLevel, p_index), kMiddleToWide);
-    const Eigen::Vector3f normal =
-        blend(outward(scratch.near, kNearLevel, p_index), wide, kNearToMiddle);
+        index_from_lattice(vertex.cell.cast<float>() + vertex.offset, level);
+    // Outward: down the density.
+    const WideDensity::Gradients far = wide_.gradients(p_index);
+    const Eigen::Vector3f wide =
+        blend(-far.middle.stableNormalized(), -far.wide.stableNormalized(), kMiddleToWide);
+    const DensityAt near = spline(scratch.near, lattice_from_index(p_index, kNearLevel));
+    const Eigen::Vector3f normal = blend(-near.gradient.stableNormalized(), wide, kNearToMiddle);
     const Eigen::Vector3d p_world = model_.grid.world_from_index(p_index.cast<double>());
     DrawnVertex drawn{};
     for (int a = 0; a < 3; ++a) {
@@ -381,7 +393,7 @@ void DrawnSurface::mesh(int brick, Scratch& scratch, DrawnMesh& out) const {
 
 std::size_t DrawnSurface::memory_bytes() const {
   return model_.leaves.capacity() * sizeof(LeafBits) + density_.memory_bytes() +
-         changed_.capacity() + removed_.size() * (sizeof(LeafBits) + 3 * sizeof(void*));
+         wide_.memory_bytes() + removed_.size() * (sizeof(LeafBits) + 3 * sizeof(void*));
 }
 
 std::vector<Eigen::AlignedBox3d> solid_slabs(const VoxelModel& model) {

@@ -13,6 +13,7 @@
 
 #include "engine/graphics/density.hpp"
 #include "engine/graphics/surface_nets.hpp"
+#include "engine/graphics/wide_density.hpp"
 #include "engine/volume/voxel_model.hpp"
 
 namespace sulcus {
@@ -46,10 +47,17 @@ using LeafTimes = std::unordered_map<std::uint32_t, std::array<float, 512>>;
 /// Voxels by leaf; leaves without any are left out.
 using LeafMap = std::unordered_map<std::uint32_t, LeafBits>;
 
+/// How finely a surface is meshed.
+enum class Detail : std::uint8_t {
+  kFull,
+  kCoarse,  // cells of twice the edge, a quarter of the triangles: for pictures in a hurry
+};
+
 /// The surface of a voxel model as it is drawn: in bricks that fit together without cracks, and
 /// from which a removed voxel touches only those near it. The shape is the half-level of the
 /// lightly blurred density of cells of 1, 2 or 4 voxels; normals come from wider blurs, so that no
-/// staircase shows. No graphics library in it.
+/// staircase shows. Bricks of one detail do not fit those of the other: a picture takes one. What
+/// is not asked for is not meshed. No graphics library in it.
 class DrawnSurface {
  public:
   /// Takes its own copy of the model. `looks`: one per tissue label, at least one; labels beyond
@@ -72,32 +80,48 @@ class DrawnSurface {
   const std::vector<TissueLook>& looks() const { return looks_; }
   /// The voxels of a leaf that were solid at the start, removed since or not.
   LeafBits solid_at_start(std::uint32_t leaf) const;
-  int brick_count() const { return bricks_.prod(); }
-  /// Edge of the cells that are meshed, in voxels.
-  int cell_voxels() const { return 1 << level_; }
+  int brick_count(Detail detail = Detail::kFull) const { return lattice(detail).bricks.prod(); }
+  /// Edge of the cells that are meshed in full detail, in voxels.
+  int cell_voxels() const { return 1 << lattice(Detail::kFull).level; }
   /// Bricks to be meshed again, rising: all of them at first. Takes them off the list. Those whose
   /// shape is as it was, and only the light on them changes with what is some way off, may wait:
   /// `later` of these at most are among them, those first that were not for longest.
-  std::vector<int> take_changed(std::size_t later = std::numeric_limits<std::size_t>::max());
+  std::vector<int> take_changed(std::size_t later = std::numeric_limits<std::size_t>::max(),
+                                Detail detail = Detail::kFull);
   /// Leaves with removals since the last call, rising. Clears the list.
   std::vector<std::uint32_t> take_changed_leaves();
 
   struct Scratch {
     NetsBlock field;
-    DensityBlock near, middle, wide;
+    DensityBlock near;
     std::vector<float> blur;
     NetsScratch nets;
     NetsMesh mesh;
   };
-  /// Meshes one brick; empty where no surface passes. Any thread, while nothing is removed.
-  void mesh(int brick, Scratch& scratch, DrawnMesh& out) const;
+  /// Meshes one brick, as of the last `take_changed`; empty where no surface passes. Any thread,
+  /// while nothing is removed.
+  void mesh(int brick, Scratch& scratch, DrawnMesh& out, Detail detail = Detail::kFull) const;
 
   std::size_t memory_bytes() const;
 
  private:
   enum Redraw : std::uint8_t { kNone, kNormals, kShape };
+  /// The cells and bricks of a detail.
+  struct Lattice {
+    int level;         // log2 of a cell's edge in voxels
+    int brick_voxels;  // along an edge
+    Eigen::Vector3i bricks;
+    std::vector<std::uint8_t> changed;  // per brick: a Redraw
+    std::size_t first_later = 0;        // brick that is the next to have waited
+
+    Lattice(int level, const Eigen::Vector3i& cells);
+    void mark(const Cell& c, int reach, Redraw redraw);
+  };
+  static std::array<Lattice, 2> lattices(const VoxelModel& model, int cell_voxels);
+  const Lattice& lattice(Detail detail) const {
+    return lattices_[static_cast<std::size_t>(detail)];
+  }
   void change(std::span<const std::uint32_t> voxels, bool solid, float time_s);
-  void mark(const Cell& c, int reach, Redraw redraw);
   float mean_time_s(const Eigen::Vector3f& p_index, const Eigen::Vector3f& normal) const;
   bool may_have_surface(const Eigen::Vector3i& low_voxel, const Eigen::Vector3i& high_voxel) const;
   std::array<std::uint8_t, 4> colour_at(const Eigen::Vector3f& p_index,
@@ -107,15 +131,13 @@ class DrawnSurface {
   VoxelModel model_;
   std::vector<TissueLook> looks_;
   Density density_;
-  int level_;         // log2 of cell_voxels()
-  int brick_voxels_;  // along an edge
-  Eigen::Vector3i bricks_;
-  std::vector<std::uint8_t> changed_;  // per brick: a Redraw
-  std::size_t first_later_ = 0;        // brick that is the next to have waited
+  WideDensity wide_;
+  std::array<Lattice, 2> lattices_;  // by Detail
   LeafMap removed_;
-  std::vector<std::uint32_t> changed_leaves_;
-  double time_span_s_ = 0.0;  // 0: by tissue
-  LeafTimes removed_at_s_;    // with a span
+  std::vector<std::uint32_t> changed_leaves_;  // since take_changed_leaves
+  std::vector<std::uint32_t> stale_leaves_;    // of `wide_`
+  double time_span_s_ = 0.0;                   // 0: by tissue
+  LeafTimes removed_at_s_;                     // with a span
 };
 
 /// Boxes, world, that hold the solid voxels, one for each layer of leaves that has any: closer to

@@ -35,7 +35,6 @@ GlBody::GlBody(RenderedBody body)
       world_from_grid_(body.world_from_grid),
       solid_at_start_(solid_slabs(surface_.model())),
       occlusion_(surface_.model(), surface_.density()),
-      bricks_(surface_.brick_count()),
       workshop_(std::make_unique<Workshop>()) {
   glGenTextures(1, &occlusion_texture_);
   glBindTexture(GL_TEXTURE_3D, occlusion_texture_);
@@ -88,21 +87,24 @@ Eigen::AlignedBox3f GlBody::shaded_by(const Occlusion::Box& box) const {
   return {at(box.low, -kShadedFrom), at(box.high, kShadedFrom)};
 }
 
-Eigen::AlignedBox3f GlBody::update(std::span<const Pose> pieces, std::size_t later) {
+Eigen::AlignedBox3f GlBody::update(std::span<const Pose> pieces, std::size_t later, Detail detail) {
+  detail_ = detail;
+  std::vector<GlMesh>& bricks = bricks_[static_cast<std::size_t>(detail)];
+  if (bricks.empty()) bricks = std::vector<GlMesh>(surface_.brick_count(detail));
   const Occlusion::Box occluded =
       occlusion_.update(surface_.model(), surface_.density(), surface_.take_changed_leaves());
   upload_occlusion(occluded);
   Eigen::AlignedBox3f touched = shaded_by(occluded);
-  const std::vector<int> changed = surface_.take_changed(later);
+  const std::vector<int> changed = surface_.take_changed(later, detail);
   std::vector<DrawnMesh>& meshes = workshop_->meshes;
   meshes.resize(std::max(meshes.size(), std::min(changed.size(), kBatch)));
   for (std::size_t first = 0; first < changed.size(); first += kBatch) {
     const std::size_t count = std::min(kBatch, changed.size() - first);
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-      surface_.mesh(changed[first + i], workshop_->scratch.local(), meshes[i]);
+      surface_.mesh(changed[first + i], workshop_->scratch.local(), meshes[i], detail);
     });
     for (std::size_t i = 0; i < count; ++i) {
-      GlMesh& brick = bricks_[changed[first + i]];
+      GlMesh& brick = bricks[changed[first + i]];
       touched.extend(brick.box());
       brick.upload(meshes[i]);
       touched.extend(brick.box());
@@ -142,7 +144,7 @@ void GlBody::draw(GlProgram& program, const View& view_world, std::span<const Po
   use(program, view, {});
   // Nearest first: what they hide is then never shaded.
   std::vector<std::pair<float, const GlMesh*>> order;
-  for (const GlMesh& brick : bricks_) {
+  for (const GlMesh& brick : bricks()) {
     if (brick.empty() || !may_be_in_frame(view, brick.box())) continue;
     if (!meet(pixels_of(view, brick.box(), width, height), pixels)) continue;
     order.emplace_back((brick.box().center() - view.eye_world).squaredNorm(), &brick);
@@ -170,15 +172,17 @@ Eigen::AlignedBox3d GlBody::box_world() const {
 
 std::size_t GlBody::triangle_count() const {
   std::size_t count = 0;
-  for (const GlMesh& brick : bricks_) count += brick.triangle_count();
+  for (const GlMesh& brick : bricks()) count += brick.triangle_count();
   for (const GlMesh& piece : pieces_) count += piece.triangle_count();
   return count;
 }
 
 std::size_t GlBody::memory_bytes() const {
-  std::size_t bytes = surface_.memory_bytes() + bricks_.capacity() * sizeof(GlMesh) +
-                      occlusion_.memory_bytes() + 2 * occlusion_.values().size();  // the texture
-  for (const GlMesh& brick : bricks_) bytes += brick.bytes();
+  std::size_t bytes = surface_.memory_bytes() + occlusion_.memory_bytes() +
+                      2 * occlusion_.values().size();  // the texture
+  for (const std::vector<GlMesh>& bricks : bricks_) {
+    for (const GlMesh& brick : bricks) bytes += sizeof(GlMesh) + brick.bytes();
+  }
   for (const GlMesh& piece : pieces_) bytes += sizeof(GlMesh) + piece.bytes();
   return bytes;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -41,9 +42,10 @@ class GlBody {
   void add_piece(std::span<const std::uint32_t> voxels);
 
   /// Meshes and shades anew what has changed. `pieces`: how the pieces have moved, as
-  /// FrameState::pieces, in the space of the body; `later` as DrawnSurface::take_changed. Returns a
-  /// box, world, of all that looks otherwise than before, pieces left out; empty: nothing does.
-  Eigen::AlignedBox3f update(std::span<const Pose> pieces, std::size_t later);
+  /// FrameState::pieces, in the space of the body; `later` as DrawnSurface::take_changed. The
+  /// surface is that of `detail` from now on. Returns a box, world, of all that looks otherwise
+  /// than before in this detail, pieces left out; empty: nothing does.
+  Eigen::AlignedBox3f update(std::span<const Pose> pieces, std::size_t later, Detail detail);
   /// What was last made of it, as far as it is within `pixels` of a picture of this size.
   /// `program`: of kToothVertex and kToothFragment.
   void draw(GlProgram& program, const View& view_world, std::span<const Pose> pieces,
@@ -61,6 +63,7 @@ class GlBody {
   bool has_pieces() const { return !pieces_.empty(); }
 
  private:
+  const std::vector<GlMesh>& bricks() const { return bricks_[static_cast<std::size_t>(detail_)]; }
   Eigen::AlignedBox3f shaded_by(const Occlusion::Box& box) const;
   void upload_occlusion(const Occlusion::Box& box);
   void use(GlProgram& program, const View& view, const Pose& world_now_from_start) const;
@@ -69,7 +72,8 @@ class GlBody {
   Pose world_from_grid_;
   std::vector<Eigen::AlignedBox3d> solid_at_start_;
   Occlusion occlusion_;
-  std::vector<GlMesh> bricks_;
+  std::array<std::vector<GlMesh>, 2> bricks_;  // by Detail; none where it was not drawn yet
+  Detail detail_ = Detail::kFull;
   std::deque<GlMesh> pieces_;
   struct Workshop;
   std::unique_ptr<Workshop> workshop_;

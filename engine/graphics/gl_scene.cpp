@@ -105,14 +105,18 @@ void GlScene::draw_bodies(const FrameState& state, const PixelRect& pixels) {
 
 PixelRect GlScene::changed_pixels(const FrameState& state) {
   GlBody& workpiece = *bodies_.front();
-  Eigen::AlignedBox3f changed = workpiece.update(state.pieces, later_);
-  for (std::size_t i = 1; i < bodies_.size(); ++i) changed.extend(bodies_[i]->update({}, later_));
+  Eigen::AlignedBox3f changed = workpiece.update(state.pieces, later_, detail_);
+  for (std::size_t i = 1; i < bodies_.size(); ++i) {
+    changed.extend(bodies_[i]->update({}, later_, detail_));
+  }
   const View before = view_;
   view_ = make_view(from_, workpiece.solid_at_start(), state.world_from_tool.position,
                     burr_.radius_m(), frame_->width(), frame_->height(), others_world_);
-  const bool same = drawn_ && before.clip_from_world == view_.clip_from_world &&
-                    !settings_.section && !workpiece.has_pieces();
+  const bool same = drawn_ && detail_drawn_ == detail_ &&
+                    before.clip_from_world == view_.clip_from_world && !settings_.section &&
+                    !workpiece.has_pieces();
   drawn_ = !settings_.section;
+  detail_drawn_ = detail_;
   return same ? pixels_of(view_, changed, frame_->width(), frame_->height()) : frame_->all();
 }
 

@@ -77,6 +77,9 @@ class GlScene {
   void set_hurried(bool hurried) {
     later_ = hurried ? kLaterAFrame : std::numeric_limits<std::size_t>::max();
   }
+  /// Coarse for pictures in which all moves, while a camera turns: from a quarter of the triangles.
+  /// Of each detail that is drawn a mesh is kept.
+  void set_detail(Detail detail) { detail_ = detail; }
   void set_hud(const HudParts& parts) { hud_parts_ = parts; }
   void set_section(std::optional<Section> section) { settings_.section = section; }
   /// Pixels. Throws std::runtime_error beyond what OpenGL here can draw; the size then stays.
@@ -106,6 +109,7 @@ class GlScene {
 
   RenderSettings settings_;
   std::size_t later_ = std::numeric_limits<std::size_t>::max();
+  Detail detail_ = Detail::kFull, detail_drawn_ = Detail::kFull;
   Viewpoint from_;
   HudParts hud_parts_;
   View view_;

@@ -114,6 +114,7 @@ TEST(DrawnSurface, EditedBricksEqualAFreshMesh) {
   fresh.remove(solid_within(fresh.model(), {56, 30, 60}, 6.0));
   fresh.remove(solid_within(fresh.model(), {35, 12, 32}, 6.0));
   fresh.remove(solid_within(fresh.model(), {33, 32, 65}, 6.0));
+  fresh.take_changed();
   const std::vector<DrawnMesh> wanted = all_meshes(fresh);
   // The same shape without a history: only the marks of cutting may differ.
   const std::vector<DrawnMesh> plain = all_meshes(DrawnSurface(model, kLooks));

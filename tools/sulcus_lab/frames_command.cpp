@@ -58,6 +58,7 @@ void draw(const Simulation& simulation, std::vector<RenderedBody> bodies,
     while (film.take()) {
     }
     if (film.empty()) continue;
+    if (how == Drawing::kTurning) renderer.set_detail(Detail::kCoarse);
     if (how == Drawing::kTurning) renderer.set_viewpoint(Viewpoint(azimuth_deg += 2.0, 35.0));
     const FrameState state = film.bring(renderer, false);
     const auto shown = state.tick;
