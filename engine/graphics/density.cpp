@@ -148,32 +148,39 @@ void Density::sample(const VoxelModel& model, int level, DensityBlock& block) co
   }
 }
 
+namespace {
+
+/// One axis: what wraps round in the block, which is taken as one run, lies within the radius of
+/// its border.
+template <int radius>
+void blur_along(const std::vector<float>& from, std::vector<float>& to, std::ptrdiff_t step,
+                const std::array<float, 5>& taps) {
+  const auto count = static_cast<std::ptrdiff_t>(from.size());
+  const std::ptrdiff_t reach = std::min(radius * step, count);
+  const float* const in = from.data();
+  float* const out = to.data();
+  std::copy(in, in + reach, out);
+  std::copy(in + count - reach, in + count, out + count - reach);
+  for (std::ptrdiff_t i = reach; i < count - reach; ++i) {
+    float sum = taps[0] * in[i];
+    for (int r = 1; r <= radius; ++r) sum += taps[r] * (in[i - r * step] + in[i + r * step]);
+    out[i] = sum;
+  }
+}
+
+}  // namespace
+
 void blur(DensityBlock& block, int radius, std::vector<float>& scratch) {
   static constexpr std::array<float, 5> kRadius1{0.5f, 0.25f};
   static constexpr std::array<float, 5> kRadius2{0.375f, 0.25f, 0.0625f};
   static constexpr std::array<float, 5> kRadius4{70.0f / 256, 56.0f / 256, 28.0f / 256, 8.0f / 256,
                                                  1.0f / 256};
-  const std::array<float, 5>& taps = radius == 1 ? kRadius1 : radius == 2 ? kRadius2 : kRadius4;
   scratch.resize(block.values.size());
-  const std::ptrdiff_t steps[3] = {1, block.dims.x(),
-                                   std::ptrdiff_t{block.dims.x()} * block.dims.y()};
-  const auto count = static_cast<std::ptrdiff_t>(block.values.size());
-  for (const std::ptrdiff_t step : steps) {
-    // The block is taken as one run: what wraps round lies within `radius` of the border.
-    const std::ptrdiff_t reach = radius * step;
-    const float* const in = block.values.data();
-    float* const out = scratch.data();
-    std::copy(in, in + std::min(reach, count), out);
-    std::copy(in + std::max<std::ptrdiff_t>(count - reach, 0), in + count,
-              out + std::max<std::ptrdiff_t>(count - reach, 0));
-    for (std::ptrdiff_t i = reach; i < count - reach; ++i) out[i] = taps[0] * in[i];
-    for (int r = 1; r <= radius; ++r) {
-      const float tap = taps[r];
-      const std::ptrdiff_t d = r * step;
-      for (std::ptrdiff_t i = reach; i < count - reach; ++i) {
-        out[i] += tap * (in[i - d] + in[i + d]);
-      }
-    }
+  for (const std::ptrdiff_t step : {std::ptrdiff_t{1}, std::ptrdiff_t{block.dims.x()},
+                                    std::ptrdiff_t{block.dims.x()} * block.dims.y()}) {
+    if (radius == 1) blur_along<1>(block.values, scratch, step, kRadius1);
+    if (radius == 2) blur_along<2>(block.values, scratch, step, kRadius2);
+    if (radius == 4) blur_along<4>(block.values, scratch, step, kRadius4);
     block.values.swap(scratch);
   }
 }

@@ -1,6 +1,7 @@
 #include "engine/graphics/gl_body.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include <Eigen/Core>
@@ -17,6 +18,10 @@ constexpr std::size_t kBatch = 64;  // bricks meshed before they are handed over
 // Cells of occlusion from a vertex to the farthest that its light is read from (kToothVertex), and
 // those round that, with a triangle's width.
 constexpr double kShadedFrom = 10.0;
+// In a hurry: updates from one in which light some way off is seen to to the next, and bricks whose
+// normals are found anew then.
+constexpr int kLightAfter = 8;
+constexpr std::size_t kLitAtOnce = 8;
 
 bool meet(const PixelRect& a, const PixelRect& b) {
   return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
@@ -87,15 +92,22 @@ Eigen::AlignedBox3f GlBody::shaded_by(const Occlusion::Box& box) const {
   return {at(box.low, -kShadedFrom), at(box.high, kShadedFrom)};
 }
 
-Eigen::AlignedBox3f GlBody::update(std::span<const Pose> pieces, std::size_t later, Detail detail) {
+Eigen::AlignedBox3f GlBody::update(std::span<const Pose> pieces, bool hurried, Detail detail) {
   detail_ = detail;
   std::vector<GlMesh>& bricks = bricks_[static_cast<std::size_t>(detail)];
   if (bricks.empty()) bricks = std::vector<GlMesh>(surface_.brick_count(detail));
-  const Occlusion::Box occluded =
-      occlusion_.update(surface_.model(), surface_.density(), surface_.take_changed_leaves());
-  upload_occlusion(occluded);
-  Eigen::AlignedBox3f touched = shaded_by(occluded);
-  const std::vector<int> changed = surface_.take_changed(later, detail);
+  std::vector<int> changed = surface_.take_changed(0, detail);
+  Eigen::AlignedBox3f touched;
+  if (!hurried || changed.empty() || ++updates_without_light_ == kLightAfter) {
+    updates_without_light_ = 0;
+    const Occlusion::Box occluded =
+        occlusion_.update(surface_.model(), surface_.density(), surface_.take_changed_leaves());
+    upload_occlusion(occluded);
+    touched = shaded_by(occluded);
+    const std::vector<int> lit = surface_.take_changed(
+        hurried ? kLitAtOnce : std::numeric_limits<std::size_t>::max(), detail);
+    changed.insert(changed.end(), lit.begin(), lit.end());
+  }
   std::vector<DrawnMesh>& meshes = workshop_->meshes;
   meshes.resize(std::max(meshes.size(), std::min(changed.size(), kBatch)));
   for (std::size_t first = 0; first < changed.size(); first += kBatch) {
@@ -146,6 +158,7 @@ void GlBody::draw(GlProgram& program, const View& view_world, std::span<const Po
   std::vector<std::pair<float, const GlMesh*>> order;
   for (const GlMesh& brick : bricks()) {
     if (brick.empty() || !may_be_in_frame(view, brick.box())) continue;
+    if (faces_away(brick.cone(), brick.box(), view.eye_world)) continue;
     if (!meet(pixels_of(view, brick.box(), width, height), pixels)) continue;
     order.emplace_back((brick.box().center() - view.eye_world).squaredNorm(), &brick);
   }

@@ -42,10 +42,12 @@ class GlBody {
   void add_piece(std::span<const std::uint32_t> voxels);
 
   /// Meshes and shades anew what has changed. `pieces`: how the pieces have moved, as
-  /// FrameState::pieces, in the space of the body; `later` as DrawnSurface::take_changed. The
-  /// surface is that of `detail` from now on. Returns a box, world, of all that looks otherwise
-  /// than before in this detail, pieces left out; empty: nothing does.
-  Eigen::AlignedBox3f update(std::span<const Pose> pieces, std::size_t later, Detail detail);
+  /// FrameState::pieces, in the space of the body. The surface is that of `detail` from now on.
+  /// `hurried`: what cutting does to the light on the surface some way off, which is faint and
+  /// takes in much of a picture, waits for some updates, or for one without cutting. Returns a box,
+  /// world, of all that looks otherwise than before in this detail, pieces left out; empty: nothing
+  /// does.
+  Eigen::AlignedBox3f update(std::span<const Pose> pieces, bool hurried, Detail detail);
   /// What was last made of it, as far as it is within `pixels` of a picture of this size.
   /// `program`: of kToothVertex and kToothFragment.
   void draw(GlProgram& program, const View& view_world, std::span<const Pose> pieces,
@@ -74,6 +76,7 @@ class GlBody {
   Occlusion occlusion_;
   std::array<std::vector<GlMesh>, 2> bricks_;  // by Detail; none where it was not drawn yet
   Detail detail_ = Detail::kFull;
+  int updates_without_light_ = 0;
   std::deque<GlMesh> pieces_;
   struct Workshop;
   std::unique_ptr<Workshop> workshop_;

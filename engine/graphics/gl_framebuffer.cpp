@@ -68,20 +68,24 @@ void GlFramebuffer::bind(const Layer& layer, const PixelRect& pixels) const {
   glScissor(pixels.x, pixels.y, pixels.width, pixels.height);
 }
 
-void GlFramebuffer::copy(const Layer& from, const PixelRect& pixels, bool depth) const {
+void GlFramebuffer::copy(const Layer& from, const PixelRect& pixels, unsigned what) const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, from.framebuffer);
   const int right = pixels.x + pixels.width, top = pixels.y + pixels.height;
-  const auto what =
-      static_cast<GLbitfield>(GL_COLOR_BUFFER_BIT) | (depth ? GL_DEPTH_BUFFER_BIT : 0u);
   glBlitFramebuffer(pixels.x, pixels.y, right, top, pixels.x, pixels.y, right, top, what,
                     GL_NEAREST);
 }
 
 void GlFramebuffer::begin_bodies(const PixelRect& pixels) const { bind(bodies_, pixels); }
 
-void GlFramebuffer::begin_scene(const PixelRect& pixels) const {
+void GlFramebuffer::begin_scene(const PixelRect& pixels, const PixelRect& depth) const {
   bind(scene_, pixels);
-  copy(bodies_, pixels, true);
+  copy(bodies_, pixels, GL_COLOR_BUFFER_BIT);
+  if (!depth.empty()) copy(bodies_, depth, GL_DEPTH_BUFFER_BIT);
+}
+
+void GlFramebuffer::skip_smooth(const PixelRect& pixels) const {
+  bind(smooth_, pixels);
+  copy(scene_, pixels, GL_COLOR_BUFFER_BIT);
 }
 
 void GlFramebuffer::begin_smooth(const PixelRect& pixels) const {
@@ -92,7 +96,7 @@ void GlFramebuffer::begin_smooth(const PixelRect& pixels) const {
 
 void GlFramebuffer::begin_picture() const {
   bind(picture_, all());
-  copy(smooth_, all(), false);
+  copy(smooth_, all(), GL_COLOR_BUFFER_BIT);
 }
 
 void GlFramebuffer::show(int width, int height) const {

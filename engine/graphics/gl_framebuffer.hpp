@@ -26,9 +26,12 @@ class GlFramebuffer {
   /// Each binds its layer for drawing within `pixels`; those that follow on another take over from
   /// that what is there.
   void begin_bodies(const PixelRect& pixels) const;
-  void begin_scene(const PixelRect& pixels) const;
+  /// `depth`: where depths are taken over as well, for what is drawn in there.
+  void begin_scene(const PixelRect& pixels, const PixelRect& depth) const;
   /// The scene's colours are the texture of unit 0.
   void begin_smooth(const PixelRect& pixels) const;
+  /// In place of smoothing: takes the scene over as it is.
+  void skip_smooth(const PixelRect& pixels) const;
   void begin_picture() const;
   /// Copies the picture, scaled, into the framebuffer of a window, and binds that.
   void show(int width, int height) const;
@@ -40,7 +43,7 @@ class GlFramebuffer {
   };
   void make(Layer& layer, bool depth);
   void bind(const Layer& layer, const PixelRect& pixels) const;
-  void copy(const Layer& from, const PixelRect& pixels, bool depth) const;
+  void copy(const Layer& from, const PixelRect& pixels, unsigned what) const;
 
   int width_, height_;
   Layer bodies_, scene_, smooth_, picture_;

@@ -45,6 +45,7 @@ void GlMesh::upload(const DrawnMesh& mesh) {
   for (const DrawnVertex& v : mesh.vertices) {
     box_.extend(Eigen::Vector3f(v.position_m[0], v.position_m[1], v.position_m[2]));
   }
+  cone_ = normal_cone(mesh);
 }
 
 void GlMesh::draw() const {

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 
 #include "engine/graphics/drawn_surface.hpp"
+#include "engine/graphics/normal_cone.hpp"
 
 namespace sulcus {
 
@@ -22,6 +23,7 @@ class GlMesh {
   bool empty() const { return index_count_ == 0; }
   void draw() const;
 
+  const NormalCone& cone() const { return cone_; }
   /// Its box, in the space of its vertices, m; of the last that was not empty.
   const Eigen::AlignedBox3f& box() const { return box_; }
   std::size_t triangle_count() const { return static_cast<std::size_t>(index_count_) / 3; }
@@ -32,6 +34,7 @@ class GlMesh {
   int index_count_ = 0;
   std::size_t bytes_ = 0;
   Eigen::AlignedBox3f box_;
+  NormalCone cone_;
 };
 
 }  // namespace sulcus

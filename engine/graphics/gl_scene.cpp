@@ -105,9 +105,9 @@ void GlScene::draw_bodies(const FrameState& state, const PixelRect& pixels) {
 
 PixelRect GlScene::changed_pixels(const FrameState& state) {
   GlBody& workpiece = *bodies_.front();
-  Eigen::AlignedBox3f changed = workpiece.update(state.pieces, later_, detail_);
+  Eigen::AlignedBox3f changed = workpiece.update(state.pieces, hurried_, detail_);
   for (std::size_t i = 1; i < bodies_.size(); ++i) {
-    changed.extend(bodies_[i]->update({}, later_, detail_));
+    changed.extend(bodies_[i]->update({}, hurried_, detail_));
   }
   const View before = view_;
   view_ = make_view(from_, workpiece.solid_at_start(), state.world_from_tool.position,
@@ -143,15 +143,19 @@ void GlScene::draw(const FrameState& state) {
   const PixelRect scene = bodies.with(burr).with(burr_before_).grown(0, width, height);
   burr_before_ = burr;
   if (!scene.empty()) {
-    frame_->begin_scene(scene);
+    frame_->begin_scene(scene, burr);
     draw_burr(state);
-    // An edge is followed for so many pixels.
-    constexpr int kSmoothReach = 10;
-    frame_->begin_smooth(scene.grown(kSmoothReach, width, height));
-    smooth_program_.use();
-    smooth_program_.set("picture", 0);
-    glBindVertexArray(background_array_);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    if (detail_ == Detail::kCoarse) {
+      frame_->skip_smooth(scene);
+    } else {
+      // An edge is followed for so many pixels.
+      constexpr int kSmoothReach = 10;
+      frame_->begin_smooth(scene.grown(kSmoothReach, width, height));
+      smooth_program_.use();
+      smooth_program_.set("picture", 0);
+      glBindVertexArray(background_array_);
+      glDrawArrays(GL_TRIANGLES, 0, 3);
+    }
   }
   frame_->begin_picture();
   if (!hud_parts_.any()) return;

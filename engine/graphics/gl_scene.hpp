@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -74,11 +73,9 @@ class GlScene {
   void set_viewpoint(const Viewpoint& from) { from_ = from; }
   /// For pictures that follow one another at once: what cutting does to the light on the surface
   /// some way off is drawn a little later. Else each picture is that of all that was removed.
-  void set_hurried(bool hurried) {
-    later_ = hurried ? kLaterAFrame : std::numeric_limits<std::size_t>::max();
-  }
-  /// Coarse for pictures in which all moves, while a camera turns: from a quarter of the triangles.
-  /// Of each detail that is drawn a mesh is kept.
+  void set_hurried(bool hurried) { hurried_ = hurried; }
+  /// Coarse for pictures in which all moves, while a camera turns: from a quarter of the triangles,
+  /// and with the edges as they are. Of each detail that is drawn a mesh is kept.
   void set_detail(Detail detail) { detail_ = detail; }
   void set_hud(const HudParts& parts) { hud_parts_ = parts; }
   void set_section(std::optional<Section> section) { settings_.section = section; }
@@ -105,10 +102,8 @@ class GlScene {
   void draw_bodies(const FrameState& state, const PixelRect& pixels);
   void draw_burr(const FrameState& state);
 
-  static constexpr std::size_t kLaterAFrame = 2;  // bricks
-
   RenderSettings settings_;
-  std::size_t later_ = std::numeric_limits<std::size_t>::max();
+  bool hurried_ = false;
   Detail detail_ = Detail::kFull, detail_drawn_ = Detail::kFull;
   Viewpoint from_;
   HudParts hud_parts_;

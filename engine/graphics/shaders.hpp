@@ -34,11 +34,12 @@ float luma(vec3 c) { return dot(c, vec3(0.299, 0.587, 0.114)); }
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
   ivec2 last = textureSize(picture, 0) - 1;
+  ivec2 before = max(at - 1, ivec2(0)), after = min(at + 1, last);
   vec3 here = texelFetch(picture, at, 0).rgb;
-  float w = luma(texelFetch(picture, max(at - ivec2(1, 0), ivec2(0)), 0).rgb);
-  float e = luma(texelFetch(picture, min(at + ivec2(1, 0), last), 0).rgb);
-  float s = luma(texelFetch(picture, max(at - ivec2(0, 1), ivec2(0)), 0).rgb);
-  float n = luma(texelFetch(picture, min(at + ivec2(0, 1), last), 0).rgb);
+  float w = luma(texelFetch(picture, ivec2(before.x, at.y), 0).rgb);
+  float e = luma(texelFetch(picture, ivec2(after.x, at.y), 0).rgb);
+  float s = luma(texelFetch(picture, ivec2(at.x, before.y), 0).rgb);
+  float n = luma(texelFetch(picture, ivec2(at.x, after.y), 0).rgb);
   float m = luma(here);
   float low = min(m, min(min(w, e), min(s, n)));
   float high = max(m, max(max(w, e), max(s, n)));
@@ -46,10 +47,11 @@ void main() {
   if (high - low < max(0.04, 0.10 * high)) return;
   vec2 pixel = 1.0 / vec2(textureSize(picture, 0));
   vec2 place = gl_FragCoord.xy * pixel;
-  float nw = luma(texture(picture, place + vec2(-0.5, 0.5) * pixel).rgb);
-  float ne = luma(texture(picture, place + vec2(0.5, 0.5) * pixel).rgb);
-  float sw = luma(texture(picture, place + vec2(-0.5, -0.5) * pixel).rgb);
-  float se = luma(texture(picture, place + vec2(0.5, -0.5) * pixel).rgb);
+  // Between four pixels each.
+  float nw = 0.25 * (n + w + m + luma(texelFetch(picture, ivec2(before.x, after.y), 0).rgb));
+  float ne = 0.25 * (n + e + m + luma(texelFetch(picture, after, 0).rgb));
+  float sw = 0.25 * (s + w + m + luma(texelFetch(picture, before, 0).rgb));
+  float se = 0.25 * (s + e + m + luma(texelFetch(picture, ivec2(after.x, before.y), 0).rgb));
   // Along the edge: across the gradient of brightness.
   vec2 along = vec2((sw + se) - (nw + ne), (ne + se) - (nw + sw));
   float least = min(abs(along.x), abs(along.y)) + (nw + ne + sw + se) / 32.0 + 1.0 / 128.0;

@@ -42,20 +42,21 @@ std::vector<std::uint32_t> solid_within(const VoxelModel& model, const Eigen::Ve
   return voxels;
 }
 
-std::vector<DrawnMesh> all_meshes(const DrawnSurface& surface) {
-  std::vector<DrawnMesh> meshes(surface.brick_count());
+std::vector<DrawnMesh> all_meshes(const DrawnSurface& surface, Detail detail = Detail::kFull) {
+  std::vector<DrawnMesh> meshes(surface.brick_count(detail));
   DrawnSurface::Scratch scratch;
-  for (int b = 0; b < surface.brick_count(); ++b) surface.mesh(b, scratch, meshes[b]);
+  for (int b = 0; b < surface.brick_count(detail); ++b) {
+    surface.mesh(b, scratch, meshes[b], detail);
+  }
   return meshes;
 }
 
-TEST(DrawnSurface, BricksCloseWithoutCracks) {
-  // Vertices that two bricks share must agree in every bit, and edges must match across them.
-  DrawnSurface surface(ball(), kLooks);
+/// Vertices that two bricks share must agree in every bit, and edges must match across them.
+void expect_closed(const std::vector<DrawnMesh>& meshes, std::size_t least_vertices) {
   using Place = std::array<float, 3>;
   std::map<Place, DrawnVertex> vertices;
   std::map<std::pair<Place, Place>, int> balance;
-  for (const DrawnMesh& mesh : all_meshes(surface)) {
+  for (const DrawnMesh& mesh : meshes) {
     for (const DrawnVertex& v : mesh.vertices) {
       const auto [entry, added] = vertices.try_emplace(v.position_m, v);
       EXPECT_EQ(entry->second, v) << added;
@@ -64,6 +65,7 @@ TEST(DrawnSurface, BricksCloseWithoutCracks) {
       for (std::size_t i = 0; i < 3; ++i) {
         const Place& a = mesh.vertices[mesh.indices[t + i]].position_m;
         const Place& b = mesh.vertices[mesh.indices[t + (i + 1) % 3]].position_m;
+        if (a == b) continue;  // two vertices in one place
         if (a < b) {
           ++balance[{a, b}];
         } else {
@@ -72,8 +74,39 @@ TEST(DrawnSurface, BricksCloseWithoutCracks) {
       }
     }
   }
-  ASSERT_GT(vertices.size(), 1000u);
+  ASSERT_GT(vertices.size(), least_vertices);
   for (const auto& [edge, count] : balance) EXPECT_EQ(count, 0);
+}
+
+TEST(DrawnSurface, BricksCloseWithoutCracks) {
+  expect_closed(all_meshes(DrawnSurface(ball(), kLooks)), 1000);
+}
+
+TEST(DrawnSurface, CoarseBricksCloseAndFollowTheCutToo) {
+  for (const int cell_voxels : {1, 2, 4}) {
+    DrawnSurface edited(ball(), kLooks, cell_voxels);
+    std::vector<DrawnMesh> kept = all_meshes(edited, Detail::kCoarse);
+    expect_closed(kept, cell_voxels == 1 ? 1000 : cell_voxels == 2 ? 250 : 60);
+    EXPECT_EQ(edited.take_changed(1000, Detail::kCoarse).size(), kept.size());
+    const auto bite = solid_within(edited.model(), {56, 30, 60}, 12.0);
+    edited.remove(bite);
+    DrawnSurface::Scratch scratch;
+    for (const int b : edited.take_changed(1000, Detail::kCoarse)) {
+      edited.mesh(b, scratch, kept[b], Detail::kCoarse);
+    }
+    expect_closed(kept, 60);
+    DrawnSurface fresh(ball(), kLooks, cell_voxels);
+    fresh.remove(bite);
+    fresh.take_changed();
+    const std::vector<DrawnMesh> wanted = all_meshes(fresh, Detail::kCoarse);
+    std::size_t triangles = 0, full = 0;
+    for (std::size_t b = 0; b < wanted.size(); ++b) {
+      EXPECT_EQ(kept[b].vertices, wanted[b].vertices) << cell_voxels << " brick " << b;
+      triangles += kept[b].indices.size() / 3;
+    }
+    for (const DrawnMesh& mesh : all_meshes(fresh)) full += mesh.indices.size() / 3;
+    EXPECT_LT(triangles, full / 3);
+  }
 }
 
 TEST(DrawnSurface, NormalsOfABallPointOutward) {
