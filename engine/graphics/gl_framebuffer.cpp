@@ -110,6 +110,8 @@ void GlFramebuffer::show(int width, int height) const {
   glViewport(0, 0, width, height);
 }
 
+void GlFramebuffer::finish() const { glFinish(); }
+
 Image GlFramebuffer::read() const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, picture_.framebuffer);
   const auto pixels = static_cast<std::size_t>(width_) * height_;

@@ -36,6 +36,8 @@ class GlFramebuffer {
   /// Copies the picture, scaled, into the framebuffer of a window, and binds that.
   void show(int width, int height) const;
   Image read() const;
+  /// Waits until all that was drawn is there.
+  void finish() const;
 
  private:
   struct Layer {

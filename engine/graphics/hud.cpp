@@ -98,10 +98,11 @@ void draw_curve(const Pen& pen, float x, float y, const Curve& curve) {
     pen.text(left, high - 1, kFaint, format("%g", curve.top), 11.0f);
   }
   if (curve.history.size() < 2) return;
-  // One point a pixel at most: the largest of the ticks that fall on it, so no peak is lost.
+  // A point for every two pixels at most: the largest of the ticks that fall on them, so no peak is
+  // lost.
   const auto count = curve.history.size();
   const auto columns =
-      std::min<std::size_t>(count, static_cast<std::size_t>((right - left) * pen.scale));
+      std::min<std::size_t>(count, static_cast<std::size_t>((right - left) * pen.scale / 2.0f));
   std::vector<ImVec2> points;
   points.reserve(columns);
   for (std::size_t c = 0; c < columns; ++c) {

@@ -11,7 +11,8 @@
 #include "app/rendered_bodies.hpp"
 #include "app/session.hpp"
 #include "engine/core/realtime.hpp"
-#include "engine/graphics/renderer.hpp"
+#include "engine/graphics/egl_context.hpp"
+#include "engine/graphics/gl_scene.hpp"
 #include "engine/import/build_workpiece.hpp"
 #include "engine/import/load_burr.hpp"
 #include "engine/scene/scene_file.hpp"
@@ -39,7 +40,7 @@ struct Frames {
   double tick_p50_us = 0.0, tick_p99_us = 0.0;
 };
 
-/// Draws what a run tells, as fast as it goes, until it ends.
+/// Draws what a run tells, as fast as it goes, until it ends: as a window does, without its screen.
 void draw(const Simulation& simulation, std::vector<RenderedBody> bodies,
           const FramesOptions& options, Drawing how, Feed& feed, PieceFeed* pieces,
           Frames& frames) {
@@ -49,20 +50,24 @@ void draw(const Simulation& simulation, std::vector<RenderedBody> bodies,
   settings.width = options.width;
   settings.height = options.height;
   LiveFilm film(feed, pieces, scene, bodies.front().model);
-  Renderer renderer(settings, std::move(bodies), simulation.burr().mesh_tool,
-                    simulation.burr().head_length_m);
-  renderer.set_hurried(true);
+  const EglContext context;
+  GlScene drawing(settings, std::move(bodies), simulation.burr().mesh_tool,
+                  simulation.burr().head_length_m);
+  drawing.set_hurried(true);
   double azimuth_deg = 0.0;
   std::uint64_t last_ns = 0, shown_before = 0;
   while (!feed.ended) {
     while (film.take()) {
     }
     if (film.empty()) continue;
-    if (how == Drawing::kTurning) renderer.set_detail(Detail::kCoarse);
-    if (how == Drawing::kTurning) renderer.set_viewpoint(Viewpoint(azimuth_deg += 2.0, 35.0));
-    const FrameState state = film.bring(renderer, false);
+    if (how == Drawing::kTurning) {
+      drawing.set_detail(Detail::kCoarse);
+      drawing.set_viewpoint(Viewpoint(azimuth_deg += 2.0, 35.0));
+    }
+    const FrameState state = film.bring(drawing, false);
     const auto shown = state.tick;
-    renderer.draw(state);
+    drawing.draw(state);
+    drawing.frame().finish();
     const std::uint64_t now_ns = steady_ns();
     if (last_ns > 0) frames.frame_ms.push_back(1e-6f * static_cast<float>(now_ns - last_ns));
     last_ns = now_ns;
