@@ -1,0 +1,42 @@
+#include "engine/graphics/egl_context.hpp"
+
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace sulcus {
+namespace {
+
+TEST(EglContext, SaysWhatWasTried) {
+  const std::vector<EglPlatform> none;
+  EXPECT_THROW(EglContext{none}, std::runtime_error);
+  // Whichever of the other two ways exists here must work, or say its name.
+  for (const EglPlatform platform : {EglPlatform::kDevice, EglPlatform::kDefault}) {
+    const EglPlatform only[] = {platform};
+    try {
+      const EglContext context(only);
+      EXPECT_NE(context.description().find("OpenGL"), std::string::npos);
+    } catch (const std::runtime_error& error) {
+      const std::string what = error.what();
+      EXPECT_TRUE(what.find("EGL device") != std::string::npos ||
+                  what.find("default display") != std::string::npos)
+          << what;
+    }
+  }
+}
+
+TEST(SoftwareThreads, TheUsersOwnSettingStays) {
+  setenv("LP_NUM_THREADS", "3", 1);
+  limit_software_threads(1);
+  EXPECT_STREQ(std::getenv("LP_NUM_THREADS"), "3");
+  unsetenv("LP_NUM_THREADS");
+  limit_software_threads(1);
+  EXPECT_STREQ(std::getenv("LP_NUM_THREADS"), "1");
+  unsetenv("LP_NUM_THREADS");
+}
+
+}  // namespace
+}  // namespace sulcus
