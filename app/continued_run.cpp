@@ -1,5 +1,6 @@
 #include "app/continued_run.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 
@@ -19,9 +20,7 @@ void check_overrides(const std::vector<std::string>& overrides) {
   for (const std::string& text : overrides) {
     const std::string key = text.substr(0, text.find('='));
     const std::string table = key.substr(0, key.find('.'));
-    const bool of_burr =
-        table == "burr" && key != "burr.speed_rpm" && key != "burr.tangential_ratio";
-    if (of_burr || table == "workpiece" || table == "trajectory" || table == "goal" ||
+    if (table == "workpiece" || table == "trajectory" || table == "goal" ||
         key == "haptics.rate_hz") {
       throw InputError("", "--set " + key, "what the recording holds already",
                        "a key of how it is felt, cut or drawn");
@@ -35,9 +34,18 @@ VoxelModel as_recorded(const Workpiece& body) { return unpack(pack(body.model())
 
 }  // namespace
 
+bool asks_for_a_burr(const std::string& override_text) {
+  const std::string key = override_text.substr(0, override_text.find('='));
+  return key.starts_with("burr.") && key != "burr.speed_rpm" && key != "burr.tangential_ratio";
+}
+
 std::unique_ptr<Simulation> simulation_after(RecordedRun& run, std::size_t row,
-                                             const std::vector<std::string>& overrides) {
+                                             const std::vector<std::string>& overrides,
+                                             std::optional<Burr> burr) {
   check_overrides(overrides);
+  if (burr.has_value() != std::ranges::any_of(overrides, asks_for_a_burr)) {
+    throw std::logic_error("a burr is another one where it was asked for");
+  }
   RecordedState state(run);
   state.seek_row(row);
   const Simulation& then = state.simulation();
@@ -46,9 +54,15 @@ std::unique_ptr<Simulation> simulation_after(RecordedRun& run, std::size_t row,
   std::vector<std::byte> bytes;
   save_state(then.state(), bytes);
   const Scene scene = parse_scene(run.reader.header().scene_toml, run.path, overrides);
-  auto simulation = std::make_unique<Simulation>(
-      scene, as_recorded(then.workpiece()), make_neighbours(scene, std::move(bodies)),
-      recorded_burr(run.reader, scene), StageClock(steady_ns));
+  if (burr) {
+    check_start(scene, then.workpiece().model(), bodies, *burr,
+                pose_of(run.rows[row].tool_position_m, run.rows[row].tool_orientation));
+  } else {
+    burr = recorded_burr(run.reader, scene);
+  }
+  auto simulation = std::make_unique<Simulation>(scene, as_recorded(then.workpiece()),
+                                                 make_neighbours(scene, std::move(bodies)),
+                                                 std::move(*burr), StageClock(steady_ns));
   if (!simulation->load_state(bytes)) throw std::logic_error("a state that was just saved");
   return simulation;
 }

@@ -7,12 +7,12 @@
 
 #include "app/commands.hpp"
 #include "app/recorded_run.hpp"
+#include "app/scene_trajectory.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
 #include "engine/import/medical_volume.hpp"
 #include "engine/import/mesh_file.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/scene/trajectory.hpp"
 
 namespace sulcus {
 
@@ -55,7 +55,7 @@ void inspect_recording(const std::string& file) {
 void inspect_scene(const std::string& file) {
   const Scene scene = load_scene(file);
   const WorkpieceSettings& w = scene.workpiece;
-  const Trajectory trajectory = make_trajectory(scene.trajectory);
+  const Trajectory trajectory = scene_trajectory(scene);
   std::printf("scene            %s\n", scene.title.c_str());
   std::printf("workpiece        %s\n", w.shape ? "built-in shape" : w.file.c_str());
   std::printf("cells            %d x %d x %d of %g mm\n", w.cells.x(), w.cells.y(), w.cells.z(),

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/changed_burr.hpp"
 #include "app/commands.hpp"
 #include "app/continued_run.hpp"
 #include "app/recorded_state.hpp"
@@ -52,7 +53,7 @@ std::string go_on_after(RecordedRun& run, std::size_t row,
     throw InputError(run.path, "--from", "a time before ticks that were not recorded",
                      "one from " + std::to_string(rows[row + 1].time_s) + " s on, or earlier");
   }
-  run.simulation = simulation_after(run, row, overrides);
+  run.simulation = simulation_after(run, row, overrides, changed_burr(run, overrides));
   return parent_of(run, row);
 }
 

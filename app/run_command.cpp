@@ -4,10 +4,10 @@
 #include "app/commands.hpp"
 #include "app/loaded_run.hpp"
 #include "app/results.hpp"
+#include "app/scene_trajectory.hpp"
 #include "app/thread_limit.hpp"
 #include "engine/cache/load_cache.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/scene/trajectory.hpp"
 #include "haptics/device/simulated_device.hpp"
 
 namespace sulcus {
@@ -29,7 +29,7 @@ void run(const RunOptions& options) {
   const InputLimits limits{
       .memory_bytes = static_cast<std::uint64_t>(options.limit_gib * InputLimits::kGibibyte)};
   const Scene scene = load_scene(options.scene, options.overrides, limits);
-  const Trajectory trajectory = make_trajectory(scene.trajectory, limits);
+  const Trajectory trajectory = scene_trajectory(scene, limits);
   LoadCache cache = options.no_cache ? LoadCache() : LoadCache::of_user();
   LoadedRun loaded = load_run(scene, trajectory.pose_at(0.0), cache);
 

@@ -2,18 +2,22 @@
 #include <atomic>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/changed_burr.hpp"
 #include "app/continued_run.hpp"
 #include "app/live_film.hpp"
 #include "app/loaded_run.hpp"
 #include "app/mouse_device.hpp"
 #include "app/rendered_bodies.hpp"
 #include "app/results.hpp"
+#include "app/saved_scene.hpp"
+#include "app/scene_trajectory.hpp"
 #include "app/session.hpp"
 #include "app/view_camera.hpp"
 #include "app/view_windows.hpp"
@@ -84,8 +88,27 @@ struct Part {
 /// What the user asked for when a part ended.
 struct GoOn {
   double at_s;
-  float speed_rpm;
+  std::vector<std::string> overrides;
 };
+
+std::vector<std::string> overrides_of(const LiveControls& live) {
+  std::vector<std::string> overrides{"burr.speed_rpm=" + std::to_string(live.speed_rpm)};
+  if (live.other_burr) {
+    overrides.push_back(std::string("burr.shape=") +
+                        kBurrShapeNames.at(static_cast<std::size_t>(live.burr_shape)));
+    overrides.push_back("burr.diameter_mm=" + std::to_string(live.burr_mm));
+  }
+  return overrides;
+}
+
+/// Beside the recording of a part.
+std::string save_scene(const Part& part, const PictureControls& picture) {
+  const std::string file = part.session.folder + "/scene.toml";
+  std::ofstream out(file);
+  out << saved_scene(part.simulation->scene(), part.session.folder + "/recording.h5",
+                     picture.section());
+  return out.flush() ? file : "cannot write " + file;
+}
 
 /// Runs a part in the window until that is closed or another part is asked for.
 std::optional<GoOn> run_part(Part& part, Window& window, ViewCamera& camera, LiveControls& live) {
@@ -139,9 +162,16 @@ std::optional<GoOn> run_part(Part& part, Window& window, ViewCamera& camera, Liv
         drawing.draw(state);
       }
       window.end(drawing.frame());
+      if (live.save_asked) {
+        try {
+          live.said = save_scene(part, live.picture);
+        } catch (const std::exception& error) {  // the window stays
+          live.said = error.what();
+        }
+      }
       if (live.go_on_asked && !film.empty()) {
         go_on = {static_cast<double>(live.time_s) - static_cast<double>(live.back_s),
-                 live.speed_rpm};
+                 overrides_of(live)};
       }
     }
   };
@@ -155,10 +185,9 @@ Part part_after(const std::string& recording, const GoOn& from, const std::strin
   RecordedRun run = open_recorded_run(recording);
   const std::size_t row = row_at(run.rows, from.at_s);
   Part part;
-  const std::string speed = "burr.speed_rpm=" + std::to_string(from.speed_rpm);
   part.session.parent = parent_of(run, row);
   part.session.goal = run.reader.goal();
-  part.simulation = simulation_after(run, row, {speed});
+  part.simulation = simulation_after(run, row, from.overrides, changed_burr(run, from.overrides));
   part.start = pose_of(run.rows[row].device_position_m, run.rows[row].device_orientation);
   part.session.folder = folder;
   return part;
@@ -168,7 +197,7 @@ Part part_after(const std::string& recording, const GoOn& from, const std::strin
 
 void view_scene(const ViewOptions& options) {
   const Scene scene = scene_for_the_hand(options);
-  const Trajectory trajectory = make_trajectory(scene.trajectory);
+  const Trajectory trajectory = scene_trajectory(scene);
   LoadCache cache = LoadCache::of_user();
   const std::string folder =
       options.folder.empty() ? default_folder(options.file, "_view") : options.folder;
@@ -180,6 +209,8 @@ void view_scene(const ViewOptions& options) {
   ViewCamera camera(scene.render ? scene.render->camera : Camera::kReview);
   LiveControls live;
   live.speed_rpm = static_cast<float>(scene.burr.speed_rad_per_s / kRevolutionPerMinute);
+  live.burr_mm = static_cast<float>(scene.burr.diameter_m / kMillimetre);
+  if (scene.burr.shape != BurrShape::kFile) live.burr_shape = static_cast<int>(scene.burr.shape);
 
   part.simulation = std::move(loaded.simulation);
   part.session.goal = std::move(loaded.goal);
@@ -191,12 +222,20 @@ void view_scene(const ViewOptions& options) {
     part.session.pace = Pace::kReal;
     part.session.render = false;
     part.session.ticks = static_cast<std::uint64_t>(kLongest_s * scene.haptics.rate_hz);
-    const std::optional<GoOn> go_on = run_part(part, window, camera, live);
+    std::optional<GoOn> go_on = run_part(part, window, camera, live);
     if (!go_on) return;
     const std::string recording = part.session.folder + "/recording.h5";
     live.paused = true;  // until the user takes it up again
     live.said = "goes on from " + std::to_string(go_on->at_s) + " s";
-    part = part_after(recording, *go_on, folder + "/part_" + std::to_string(number));
+    const std::string next = folder + "/part_" + std::to_string(number);
+    try {
+      part = part_after(recording, *go_on, next);
+    } catch (const InputError& error) {  // the other burr cannot be there: on with the one before
+      live.said = error.what();
+      std::erase_if(go_on->overrides, asks_for_a_burr);
+      part = part_after(recording, *go_on, next);
+    }
+    live.other_burr = false;  // it is this part's own now
     open_log(part.session.folder);
   }
 }

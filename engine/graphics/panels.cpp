@@ -88,7 +88,15 @@ void draw_panels(LiveControls& controls) {
   ImGui::InputFloat("rpm", &controls.speed_rpm, 0.0f, 0.0f, "%.0f");
   constexpr float kMost_rpm = 500'000.0f;  // as in a scene
   controls.speed_rpm = std::clamp(controls.speed_rpm, 0.0f, kMost_rpm);
+  ImGui::Checkbox("another burr", &controls.other_burr);
+  if (controls.other_burr) {
+    ImGui::Combo("shape", &controls.burr_shape, kBurrShapeNames.data(),
+                 static_cast<int>(kBurrShapeNames.size()));
+    ImGui::InputFloat("mm", &controls.burr_mm, 0.1f, 0.0f, "%.2f");
+    controls.burr_mm = std::clamp(controls.burr_mm, 0.3f, 10.0f);
+  }
   controls.go_on_asked = ImGui::Button("go on from there");
+  controls.save_asked = ImGui::Button("save as a scene");
   if (!controls.said.empty()) ImGui::TextWrapped("%s", controls.said.c_str());
   ImGui::TextDisabled("left: burr, shift: deeper, ctrl: tilt");
   ImGui::TextDisabled("right: turn, wheel: near, 1-5 cameras");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 
@@ -29,14 +30,23 @@ struct PlayerControls {
 };
 void draw_panels(PlayerControls& controls);
 
+/// As a scene has them.
+inline constexpr std::array<const char*, 5> kBurrShapeNames{"round", "pear", "fissure",
+                                                            "inverted_cone", "flame"};
+
 /// Of a run under the mouse.
 struct LiveControls {
   PictureControls picture;
   bool paused = false;
   float first_s = 0.0f, time_s = 0.0f;  // of this part, its first tick and so far
   float back_s = 1.0f;                  // to take back
-  float speed_rpm = 0.0f;               // of the spindle, from where it goes on
-  bool go_on_asked = false;             // from `back_s` ago, at `speed_rpm`
+  // From where it goes on: the spindle's speed, and the burr, where another is to be taken.
+  float speed_rpm = 0.0f;
+  bool other_burr = false;
+  int burr_shape = 0;  // of kBurrShapeNames
+  float burr_mm = 0.0f;
+  bool go_on_asked = false;  // from `back_s` ago, so
+  bool save_asked = false;   // what was done, as a scene
   std::string said;
 };
 void draw_panels(LiveControls& controls);

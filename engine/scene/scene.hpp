@@ -68,8 +68,9 @@ struct TimedPose {
 };
 
 struct TrajectorySettings {
-  std::vector<Eigen::Vector3d> points_m;  // exactly one of points and file is set
+  std::vector<Eigen::Vector3d> points_m;  // exactly one of points, file and recording is set
   std::string file;
+  std::string recording;          // whose device's poses it is
   Eigen::Vector3d axis{0, 0, 1};  // from tip to shank, unit
   double speed_m_per_s = 0.4e-3;
   double hold_s = 0.0;                       // time at the last point

@@ -262,10 +262,14 @@ TrajectorySettings read_trajectory(TomlTable& root) {
     t.points_m.push_back(vector3(p) * kMillimetre);
   }
   t.file = table->path("file");
-  if (t.points_m.empty() == t.file.empty()) {
-    table->fail("points_mm",
-                t.file.empty() ? "neither points nor a file" : "both points and a file",
-                "one of them");
+  t.recording = table->path("recording");
+  const int sources =
+      (t.points_m.empty() ? 0 : 1) + (t.file.empty() ? 0 : 1) + (t.recording.empty() ? 0 : 1);
+  if (sources != 1) {
+    table->fail(
+        "points_mm",
+        sources == 0 ? "neither points nor a file" : "more than one of points, file and recording",
+        "one of them");
   }
   t.axis = table->direction("axis").value_or(t.axis);
   t.speed_m_per_s = table->number("speed_mm_per_s", {1e-3, 1e4}, 0.4) * kMillimetre;

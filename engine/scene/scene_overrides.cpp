@@ -99,7 +99,10 @@ void apply_override(toml::table& root, const std::string& text) {
   }
   // A file stands instead of what the scene says in place.
   if (path == std::vector<std::string>{"workpiece", "file"}) table->erase("shape");
-  if (path == std::vector<std::string>{"trajectory", "file"}) table->erase("points_mm");
+  if (path == std::vector<std::string>{"trajectory", "file"} ||
+      path == std::vector<std::string>{"trajectory", "recording"}) {
+    for (const char* other : {"points_mm", "file", "recording"}) table->erase(other);
+  }
   // Insert the node itself, not a copy of its value: it carries where it came from.
   table->insert_or_assign(path.back(), std::move(*parsed.get("value")));
 }

@@ -126,7 +126,8 @@ std::vector<TimedPose> read_csv(const std::string& file, const InputLimits& limi
   return poses;
 }
 
-/// With the last pose a second time, `hold_s` later.
+}  // namespace
+
 std::vector<TimedPose> hold(std::vector<TimedPose> poses, double hold_s) {
   if (hold_s > 0.0) {
     poses.push_back(poses.back());
@@ -134,8 +135,6 @@ std::vector<TimedPose> hold(std::vector<TimedPose> poses, double hold_s) {
   }
   return poses;
 }
-
-}  // namespace
 
 Trajectory::Trajectory(std::vector<TimedPose> poses) : poses_(std::move(poses)) {}
 

@@ -183,14 +183,52 @@ TEST_F(Recording, GoesOnUnderOtherSettings) {
   const RecordingReader before(file), on(scratch_.path("on/recording.h5"));
   EXPECT_NE(on.edit_count(), before.edit_count());
   EXPECT_EQ(command("replay --verify " + scratch_.path("on/recording.h5")).status, 0);
-  for (const std::string set :
-       {"workpiece.voxel_mm=0.1", "burr.diameter_mm=1", "trajectory.speed_mm_per_s=1"}) {
+  for (const std::string set : {"workpiece.voxel_mm=0.1", "trajectory.speed_mm_per_s=1"}) {
     const auto refused = command("replay " + file + " --from 0.25 --set " + set);
     EXPECT_EQ(refused.status, 2) << set;
     EXPECT_NE(refused.err.find("what the recording holds already"), std::string::npos);
   }
   EXPECT_EQ(command("replay " + file + " --set haptics.scaling=count").status, 2);
   EXPECT_EQ(command("replay " + file + " --from 99").status, 2);
+}
+
+TEST_F(Recording, GoesOnWithAnotherBurr) {
+  const std::string file = record("out");
+  const std::string on = scratch_.path("on/recording.h5");
+  const auto result = command("replay " + file +
+                              " --from 0.25 --set burr.shape=fissure --set "
+                              "burr.diameter_mm=0.8 -o " +
+                              scratch_.path("on"));
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(RecordingReader(file).edit_count(), RecordingReader(on).edit_count());
+  const auto verified = command("replay --verify " + on);  // it carries the burr
+  EXPECT_EQ(verified.status, 0) << verified.err;
+  const auto refused = command("replay " + file + " --from 0.25 --set burr.shape=fissur");
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find("fissure"), std::string::npos) << refused.err;
+}
+
+TEST_F(Recording, IsATrajectory) {
+  const std::string file = record("out");
+  const std::string scene = scratch_.path("scene.toml");
+  std::ofstream(scene) << RecordingReader(file).header().scene_toml;
+  const auto result = command("run " + scene + " --set trajectory.recording=" + file + " -o " +
+                              scratch_.path("again"));
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto rows = RecordingReader(file).ticks(),
+             again = RecordingReader(scratch_.path("again/recording.h5")).ticks();
+  ASSERT_EQ(again.size(), rows.size());
+  double most_N = 0.0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (int a = 0; a < 3; ++a) {
+      EXPECT_NEAR(again[i].device_position_m[a], rows[i].device_position_m[a], 1e-15) << i;
+      most_N = std::max(most_N, std::abs(rows[i].force_N[a]));
+    }
+  }
+  EXPECT_GT(most_N, 0.01);
+  const auto missing = command("run " + scene + " --set trajectory.recording=none.h5");
+  EXPECT_EQ(missing.status, 2);
+  EXPECT_NE(missing.err.find("none.h5"), std::string::npos) << missing.err;
 }
 
 TEST_F(Recording, OfEveryPaceAndNumberOfThreadsVerifies) {

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "engine/scene/scene.hpp"
+#include "engine/scene/section.hpp"
+
+namespace sulcus {
+
+/// What was done under the mouse as a scene: that with which it ended, with the recording as its
+/// trajectory, so that a run of it does the work again. Its paths are absolute: it reads from any
+/// folder. `section`: of the picture. InputError where another body is read from a file, whose path
+/// would not hold.
+std::string saved_scene(const Scene& scene, const std::string& recording,
+                        const std::optional<Section>& section);
+
+}  // namespace sulcus
