@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
-#include <stdexcept>
 #include <utility>
 
 namespace sulcus {
@@ -92,35 +91,16 @@ Eigen::Vector3f blend(const Eigen::Vector3f& near, const Eigen::Vector3f& wide,
   return length > 1e-6f ? Eigen::Vector3f(sum / length) : Eigen::Vector3f::UnitZ();
 }
 
-Cell rounded(const Eigen::Vector3f& p) {
-  return {static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y())),
-          static_cast<int>(std::lround(p.z()))};
-}
-
-/// Linear RGB from light to dark, early to late; in between every step is darker than the one
-/// before it, so that it reads in grey as well.
-Eigen::Vector3f colour_of_time(float part) {
-  static const std::array<Eigen::Vector3f, 5> kSteps{
-      Eigen::Vector3f(0.96f, 0.90f, 0.30f), Eigen::Vector3f(0.90f, 0.47f, 0.10f),
-      Eigen::Vector3f(0.62f, 0.10f, 0.15f), Eigen::Vector3f(0.25f, 0.02f, 0.25f),
-      Eigen::Vector3f(0.03f, 0.01f, 0.12f)};
-  const float at = std::clamp(part, 0.0f, 1.0f) * static_cast<float>(kSteps.size() - 1);
-  const auto low = std::min(static_cast<std::size_t>(at), kSteps.size() - 2);
-  return kSteps[low] + (at - static_cast<float>(low)) * (kSteps[low + 1] - kSteps[low]);
-}
-
 }  // namespace
 
 DrawnSurface::DrawnSurface(VoxelModel model, std::vector<TissueLook> looks, int cell_voxels,
                            LeafMap removed)
     : model_(std::move(model)),
-      looks_(std::move(looks)),
+      colour_(std::move(looks)),
       density_(model_),
       wide_(model_, density_),
       lattices_(lattices(model_, cell_voxels)),
-      removed_(std::move(removed)) {
-  if (looks_.empty()) throw std::invalid_argument("a drawn surface needs the look of a tissue");
-}
+      removed_(std::move(removed)) {}
 
 std::array<DrawnSurface::Lattice, 2> DrawnSurface::lattices(const VoxelModel& model,
                                                             int cell_voxels) {
@@ -145,14 +125,11 @@ void DrawnSurface::change(std::span<const std::uint32_t> voxels, bool solid, flo
   std::vector<std::uint32_t> leaves;
   for (const std::uint32_t voxel : voxels) {
     const Cell c = model_.grid.cell_of_linear(voxel);
-    if (solid ? !removed(c) : !model_.solid(c)) continue;
+    if (solid ? !contains(removed_, model_.grid, c) : !model_.solid(c)) continue;
     model_.set(c, solid);
     const std::uint32_t leaf = model_.grid.leaf_of(c);
     removed_[leaf].words[leaf_word(c.z())] ^= std::uint64_t{1} << leaf_bit(c.x(), c.y());
-    if (time_span_s_ > 0.0) {
-      const int place = 64 * leaf_word(c.z()) + leaf_bit(c.x(), c.y());
-      removed_at_s_[leaf][static_cast<std::size_t>(place)] = time_s;
-    }
+    colour_.note_removed(model_.grid, c, time_s);
     if (leaves.empty() || leaf != leaves.back()) leaves.push_back(leaf);
     for (Lattice& l : lattices_) {
       // Vertices lie up to two cells beyond their brick.
@@ -239,74 +216,6 @@ bool DrawnSurface::may_have_surface(const Eigen::Vector3i& low_voxel,
   return false;
 }
 
-bool DrawnSurface::removed(const Cell& c) const {
-  if (!model_.grid.contains(c)) return false;
-  const auto found = removed_.find(model_.grid.leaf_of(c));
-  return found != removed_.end() &&
-         (found->second.words[leaf_word(c.z())] >> leaf_bit(c.x(), c.y()) & 1u) != 0;
-}
-
-float DrawnSurface::mean_time_s(const Eigen::Vector3f& p_index,
-                                const Eigen::Vector3f& normal) const {
-  const Cell outside = rounded(p_index + 1.5f * normal);
-  float sum_s = 0.0f;
-  int count = 0;
-  for (int n = 0; n < 27; ++n) {
-    const Cell c = outside + Cell(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1) * 2;
-    if (!removed(c)) continue;
-    const int place = 64 * leaf_word(c.z()) + leaf_bit(c.x(), c.y());
-    sum_s += removed_at_s_.at(model_.grid.leaf_of(c))[static_cast<std::size_t>(place)];
-    ++count;
-  }
-  return count > 0 ? sum_s / static_cast<float>(count) : 0.0f;
-}
-
-std::array<std::uint8_t, 4> DrawnSurface::colour_at(const Eigen::Vector3f& p_index,
-                                                    const Eigen::Vector3f& normal,
-                                                    bool was_cut) const {
-  // Binomial weights over 27 voxels, 2 apart, round a point just inside: a border between tissues
-  // is then as wide as the triangles and shows no teeth.
-  Eigen::Vector3f colour = Eigen::Vector3f::Zero();
-  float weight = 0.0f;
-  auto add = [&](const Cell& c, float w) {
-    const auto& look = looks_[std::min<std::size_t>(model_.tissue(c), looks_.size() - 1)];
-    colour += w * Eigen::Vector3f(look.colour[0], look.colour[1], look.colour[2]);
-    weight += w;
-  };
-  const Cell inside = rounded(p_index - 1.8f * normal);
-  for (int n = 0; n < 27; ++n) {
-    const Cell d(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
-    const Cell c = inside + 2 * d;
-    if (model_.solid(c)) add(c, 1.0f / static_cast<float>(1 << d.cwiseAbs().sum()));
-  }
-  if (weight == 0.0f) add(inside.cwiseMax(0).cwiseMin(model_.grid.cells - Cell::Ones()), 1.0f);
-  float cut = 0.0f;
-  if (was_cut) {
-    const Cell outside = rounded(p_index + 1.5f * normal);
-    int empty = 0;
-    int gone = 0;
-    for (int n = 0; n < 27; ++n) {
-      const Cell c = outside + Cell(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1) * 2;
-      if (model_.solid(c)) continue;
-      ++empty;
-      gone += removed(c) ? 1 : 0;
-    }
-    if (empty > 0) cut = static_cast<float>(gone) / static_cast<float>(empty);
-  }
-  if (time_span_s_ > 0.0 && cut > 0.0f) {
-    const float part = mean_time_s(p_index, normal) / static_cast<float>(time_span_s_);
-    colour = (1.0f - cut) * colour / weight + cut * colour_of_time(part);
-    weight = 1.0f;
-  }
-  std::array<std::uint8_t, 4> packed{};
-  for (int i = 0; i < 3; ++i) {
-    const float encoded = std::sqrt(std::clamp(colour[i] / weight, 0.0f, 1.0f));
-    packed[i] = static_cast<std::uint8_t>(std::lround(255.0f * encoded));
-  }
-  packed[3] = static_cast<std::uint8_t>(std::lround(255.0f * cut));
-  return packed;
-}
-
 void DrawnSurface::mesh(int brick, Scratch& scratch, DrawnMesh& out, Detail detail) const {
   out.vertices.clear();
   out.indices.clear();
@@ -346,7 +255,7 @@ void DrawnSurface::mesh(int brick, Scratch& scratch, DrawnMesh& out, Detail deta
   blur(scratch.near, kNearBlur, scratch.blur);
   bool was_cut = false;
   if (!removed_.empty()) {
-    // As far as `colour_at` looks from a vertex beyond the brick.
+    // As far as its colour looks from a vertex beyond the brick.
     const Eigen::Vector3i far = Eigen::Vector3i::Constant(edge + 8);
     const Eigen::Vector3i from = (low - far).cwiseMax(0) / kLeafEdge;
     const Eigen::Vector3i to = (high + far).cwiseMin(model_.grid.cells - Cell::Ones()) / kLeafEdge;
@@ -375,7 +284,7 @@ void DrawnSurface::mesh(int brick, Scratch& scratch, DrawnMesh& out, Detail deta
       drawn.position_m[a] = static_cast<float>(p_world[a]);
       drawn.normal[a] = static_cast<std::int16_t>(std::lround(32767.0f * normal[a]));
     }
-    drawn.colour_cut = colour_at(p_index, normal, was_cut);
+    drawn.colour_cut = colour_.at(model_, removed_, p_index, normal, was_cut);
     out.vertices.push_back(drawn);
   }
   out.indices.reserve(6 * scratch.mesh.quads.size());

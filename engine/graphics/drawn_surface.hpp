@@ -4,25 +4,18 @@
 #include <cstdint>
 #include <limits>
 #include <span>
-#include <string>
-#include <unordered_map>
 #include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
 #include "engine/graphics/density.hpp"
+#include "engine/graphics/surface_colour.hpp"
 #include "engine/graphics/surface_nets.hpp"
 #include "engine/graphics/wide_density.hpp"
 #include "engine/volume/voxel_model.hpp"
 
 namespace sulcus {
-
-/// How a tissue is drawn.
-struct TissueLook {
-  std::string name;
-  std::array<float, 3> colour;  // linear RGB
-};
 
 /// A vertex as the graphics card gets it.
 struct DrawnVertex {
@@ -40,12 +33,6 @@ struct DrawnMesh {
   std::vector<DrawnVertex> vertices;
   std::vector<std::uint32_t> indices;  // triangles, counter-clockwise seen from outside
 };
-
-/// When voxels of a leaf were removed, s, by LeafBits' places.
-using LeafTimes = std::unordered_map<std::uint32_t, std::array<float, 512>>;
-
-/// Voxels by leaf; leaves without any are left out.
-using LeafMap = std::unordered_map<std::uint32_t, LeafBits>;
 
 /// How finely a surface is meshed.
 enum class Detail : std::uint8_t {
@@ -68,7 +55,7 @@ class DrawnSurface {
 
   /// Draws what was cut by the time at which it was, light to dark over so many seconds, instead of
   /// by tissue. Before the first removal.
-  void colour_by_time(double span_s) { time_span_s_ = span_s; }
+  void colour_by_time(double span_s) { colour_.by_time(span_s); }
   /// Voxels (VoxelGrid::linear) that are no longer solid; those that were not are ignored.
   /// `time_s`: when, for colour_by_time.
   void remove(std::span<const std::uint32_t> voxels, double time_s = 0.0);
@@ -77,7 +64,7 @@ class DrawnSurface {
 
   const VoxelModel& model() const { return model_; }
   const Density& density() const { return density_; }
-  const std::vector<TissueLook>& looks() const { return looks_; }
+  const std::vector<TissueLook>& looks() const { return colour_.looks(); }
   /// The voxels of a leaf that were solid at the start, removed since or not.
   LeafBits solid_at_start(std::uint32_t leaf) const;
   int brick_count(Detail detail = Detail::kFull) const { return lattice(detail).bricks.prod(); }
@@ -122,22 +109,16 @@ class DrawnSurface {
     return lattices_[static_cast<std::size_t>(detail)];
   }
   void change(std::span<const std::uint32_t> voxels, bool solid, float time_s);
-  float mean_time_s(const Eigen::Vector3f& p_index, const Eigen::Vector3f& normal) const;
   bool may_have_surface(const Eigen::Vector3i& low_voxel, const Eigen::Vector3i& high_voxel) const;
-  std::array<std::uint8_t, 4> colour_at(const Eigen::Vector3f& p_index,
-                                        const Eigen::Vector3f& normal, bool was_cut) const;
-  bool removed(const Cell& c) const;
 
   VoxelModel model_;
-  std::vector<TissueLook> looks_;
+  SurfaceColour colour_;
   Density density_;
   WideDensity wide_;
   std::array<Lattice, 2> lattices_;  // by Detail
   LeafMap removed_;
   std::vector<std::uint32_t> changed_leaves_;  // since take_changed_leaves
   std::vector<std::uint32_t> stale_leaves_;    // of `wide_`
-  double time_span_s_ = 0.0;                   // 0: by tissue
-  LeafTimes removed_at_s_;                     // with a span
 };
 
 /// Boxes, world, that hold the solid voxels, one for each layer of leaves that has any: closer to
