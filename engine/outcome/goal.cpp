@@ -74,6 +74,14 @@ VoxelSet target_voxels(const Goal& goal, const VoxelModel& start) {
   return target;
 }
 
+VoxelSet outside_target(const VoxelModel& now, const VoxelSet& removed, const VoxelSet& target) {
+  VoxelSet outside = without(removed, target);
+  for (std::uint32_t leaf = 0; leaf < now.leaves.size(); ++leaf) {
+    outside.insert(leaf, without(now.leaves[leaf], target.voxels(leaf)));
+  }
+  return outside;
+}
+
 std::optional<VoxelSet> target_of_goal(const Scene& scene, const VoxelModel& start,
                                        const VoxelModel* from_file) {
   if (!scene.goal) return {};

@@ -27,6 +27,9 @@ class Goal {
 /// The target: the solid voxels whose centres lie in the goal.
 VoxelSet target_voxels(const Goal& goal, const VoxelModel& start);
 
+/// The tooth as it was at the start, without the target. `now`: the tooth after `removed` has gone.
+VoxelSet outside_target(const VoxelModel& now, const VoxelSet& removed, const VoxelSet& target);
+
 /// The target of a scene: what of the tooth lies in its goal; `from_file` is the goal's file on the
 /// tooth's grid, where it names one. None without a goal. InputError of [goal] where it holds no
 /// voxel of the tooth.

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/outcome/goal.hpp"
 #include "engine/outcome/voxel_distance.hpp"
 
 namespace sulcus {
@@ -19,15 +20,6 @@ Reach reach_of(std::vector<std::uint32_t> squared, double voxel_m) {
   const auto p95 = squared.begin() + static_cast<std::ptrdiff_t>(std::ceil(0.95 * last));
   std::nth_element(squared.begin(), p95, squared.end());
   return {metres(*p95), metres(*std::max_element(p95, squared.end()))};
-}
-
-/// The tooth as it was at the start, without the target.
-VoxelSet outside_target(const VoxelModel& end, const VoxelSet& removed, const VoxelSet& target) {
-  VoxelSet outside = without(removed, target);
-  for (std::uint32_t leaf = 0; leaf < end.leaves.size(); ++leaf) {
-    outside.insert(leaf, without(end.leaves[leaf], target.voxels(leaf)));
-  }
-  return outside;
 }
 
 }  // namespace

@@ -13,8 +13,8 @@ namespace sulcus {
 // to the few leaves in which the nearest voxel can be: the memory goes with the leaves that hold
 // voxels, not with the grid.
 
-/// Of the voxels of one set, each to the nearest of another, in no particular order; empty where
-/// either set is. Runs on oneTBB.
+/// Of the voxels of one set, each to the nearest of another, leaf by leaf in the order of its
+/// leaves() and by their places in a leaf; empty where either set is. Runs on oneTBB.
 std::vector<std::uint32_t> squared_distances(const VoxelSet& from, const VoxelSet& to);
 
 /// The least over all pairs; none where either set is empty.
