@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <utility>
 
 namespace sulcus {
@@ -142,6 +143,30 @@ void DrawnSurface::change(std::span<const std::uint32_t> voxels, bool solid, flo
   for (const std::uint32_t leaf : leaves) density_.update(model_, leaf);
   changed_leaves_.insert(changed_leaves_.end(), leaves.begin(), leaves.end());
   stale_leaves_.insert(stale_leaves_.end(), leaves.begin(), leaves.end());
+}
+
+void DrawnSurface::colour_by_values(const ColourScale& scale, VoxelValues values) {
+  const bool all = !colour_.values() || colour_.scale() != scale;
+  if (all) {
+    for (Lattice& l : lattices_) std::ranges::fill(l.changed, kShape);
+  } else {
+    const auto mark_others = [this](const VoxelValues& these, const VoxelValues& those) {
+      for (const auto& [leaf, block] : these.blocks()) {
+        const auto other = those.blocks().find(leaf);
+        if (other != those.blocks().end() &&
+            std::memcmp(&block, &other->second, sizeof(block)) == 0) {
+          continue;
+        }
+        const Cell middle = model_.grid.leaf_origin(leaf) + Cell::Constant(kLeafEdge / 2);
+        for (Lattice& l : lattices_) {
+          l.mark(middle, kLeafEdge / 2 + kShapeReach + 4 * (1 << l.level), kShape);
+        }
+      }
+    };
+    mark_others(values, *colour_.values());
+    mark_others(*colour_.values(), values);
+  }
+  colour_.by_values(scale, std::move(values));
 }
 
 void DrawnSurface::Lattice::mark(const Cell& c, int reach, Redraw redraw) {

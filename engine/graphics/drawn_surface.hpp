@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -56,6 +57,11 @@ class DrawnSurface {
   /// Draws what was cut by the time at which it was, light to dark over so many seconds, instead of
   /// by tissue. Before the first removal.
   void colour_by_time(double span_s) { colour_.by_time(span_s); }
+  /// Draws a quantity of the voxels at the surface by a scale; what has none is grey. At any time;
+  /// what looks otherwise than before is meshed again.
+  void colour_by_values(const ColourScale& scale, VoxelValues values);
+  /// Of what is not drawn by tissue.
+  const std::optional<ColourScale>& colour_scale() const { return colour_.scale(); }
   /// Voxels (VoxelGrid::linear) that are no longer solid; those that were not are ignored.
   /// `time_s`: when, for colour_by_time.
   void remove(std::span<const std::uint32_t> voxels, double time_s = 0.0);

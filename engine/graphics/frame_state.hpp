@@ -23,6 +23,12 @@ struct OutcomeLine {
   std::string name, value;
 };
 
+/// A voxel in contact.
+struct ContactMark {
+  Eigen::Vector3d centre_world;
+  double force_N = 0.0;  // along its normal
+};
+
 /// What a frame shows besides the tooth.
 struct FrameState {
   std::string title;
@@ -39,6 +45,9 @@ struct FrameState {
   Eigen::Vector3d force_N = Eigen::Vector3d::Zero();    // world
   Eigen::Vector3d torque_Nm = Eigen::Vector3d::Zero();  // world
   std::uint32_t contacts = 0;
+  // To be shown, as squares over the picture, where there are any.
+  std::span<const ContactMark> contact_marks;
+  double contact_mark_m = 0.0;  // edge of a voxel
   double tick_us = 0.0;
   double removed_mm3 = 0.0;
   std::vector<OutcomeLine> outcome;

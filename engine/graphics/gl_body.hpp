@@ -6,6 +6,7 @@
 #include <deque>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -38,6 +39,9 @@ class GlBody {
   void restore(std::span<const std::uint32_t> voxels) { surface_.restore(voxels); }
   /// As DrawnSurface.
   void colour_by_time(double span_s) { surface_.colour_by_time(span_s); }
+  void colour_by_values(const ColourScale& scale, VoxelValues values) {
+    surface_.colour_by_values(scale, std::move(values));
+  }
   /// As GlScene::add_piece.
   void add_piece(std::span<const std::uint32_t> voxels);
 

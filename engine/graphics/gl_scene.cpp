@@ -35,7 +35,7 @@ GlScene::GlScene(const RenderSettings& settings, std::vector<RenderedBody> bodie
                  const TriangleMesh& burr_mesh_tool, double burr_head_length_m)
     : settings_(settings),
       from_(settings.camera),
-      hud_parts_{settings.hud, settings.hud, settings.arrows},
+      hud_parts_{settings.hud, settings.hud, settings.arrows, settings.hud},
       bodies_(gl_bodies(std::move(bodies))),
       burr_(burr_mesh_tool, burr_head_length_m),
       background_program_("background", kBackgroundVertex, kBackgroundFragment),
@@ -158,9 +158,10 @@ void GlScene::draw(const FrameState& state) {
     }
   }
   frame_->begin_picture();
-  if (!hud_parts_.any()) return;
+  if (!hud_parts_.any() && state.contact_marks.empty()) return;
   if (!hud_) hud_.emplace(height);
-  hud_->draw(state, width, height, view_, hud_parts_);
+  const std::optional<ColourScale>& colours = surface().colour_scale();
+  hud_->draw(state, width, height, view_, hud_parts_, colours ? &*colours : nullptr);
 }
 
 void GlScene::draw_background() {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -63,6 +64,10 @@ class GlScene {
   /// As DrawnSurface, for all bodies.
   void colour_by_time(double span_s) {
     for (const auto& body : bodies_) body->colour_by_time(span_s);
+  }
+  /// As DrawnSurface, of a body as for `remove`.
+  void colour_by_values(std::size_t body, const ColourScale& scale, VoxelValues values) {
+    bodies_.at(body)->colour_by_values(scale, std::move(values));
   }
   /// A piece that was cut loose from the workpiece, by its voxels (VoxelGrid::linear), each once: a
   /// body of its own from now on, drawn where FrameState::pieces says. It is meshed here, once, by

@@ -11,14 +11,12 @@
 #include <imgui.h>
 
 #include "engine/core/units.hpp"
+#include "engine/graphics/hud_pen.hpp"
+#include "engine/graphics/hud_scales.hpp"
 
 namespace sulcus {
 namespace {
 
-constexpr ImU32 kInk = IM_COL32(34, 40, 49, 255);
-constexpr ImU32 kFaint = IM_COL32(34, 40, 49, 150);
-constexpr ImU32 kCard = IM_COL32(255, 255, 255, 150);
-constexpr ImU32 kGrid = IM_COL32(34, 40, 49, 38);
 constexpr ImU32 kForce = IM_COL32(32, 98, 178, 255);
 constexpr ImU32 kTorque = IM_COL32(196, 94, 18, 255);
 constexpr ImU32 kTick = IM_COL32(28, 128, 84, 255);
@@ -31,33 +29,6 @@ std::string format(const char* pattern, Values... values) {
   std::snprintf(text, sizeof text, pattern, values...);
   return text;
 }
-
-/// The smallest of 1, 2, 5 times a power of ten that is not below `value`.
-double round_up(double value) {
-  const double power = std::pow(10.0, std::floor(std::log10(value)));
-  for (const double step : {1.0, 2.0, 5.0}) {
-    if (step * power >= value * (1.0 - 1e-9)) return step * power;
-  }
-  return 10.0 * power;
-}
-
-/// What a drawing function needs: everything in pixels of a frame 720 high, scaled here.
-struct Pen {
-  ImDrawList* list;
-  ImFont* font;
-  ImFont* title_font;
-  float scale;
-
-  ImVec2 at(float x, float y) const { return {x * scale, y * scale}; }
-  void text(float x, float y, ImU32 colour, const std::string& words, float size = 15.0f) const {
-    list->AddText(size > 18.0f ? title_font : font, size * scale, at(x, y), colour, words.c_str());
-  }
-  void text_right(float x, float y, ImU32 colour, const std::string& words,
-                  float size = 15.0f) const {
-    const float wide = font->CalcTextSizeA(size * scale, 1e6f, 0.0f, words.c_str()).x / scale;
-    text(x - wide, y, colour, words, size);
-  }
-};
 
 struct Curve {
   const char* name;
@@ -126,7 +97,7 @@ double axis_top(std::span<const float> history, double least) {
   for (const float v : history) {
     if (std::isfinite(v)) top = std::max(top, static_cast<double>(v));
   }
-  return round_up(top);
+  return round_number_above(top);
 }
 
 /// Contacts, what was removed, and what came of it; the lower end of the card.
@@ -169,7 +140,7 @@ void draw_stages(const Pen& pen, float x, float y, const std::vector<StageTime>&
 
 void draw_scale_bar(const Pen& pen, float bottom, double metres_per_pixel) {
   const double per_unit_mm = metres_per_pixel * pen.scale / kMillimetre;
-  const double length_mm = round_up(70.0 * per_unit_mm);
+  const double length_mm = round_number_above(70.0 * per_unit_mm);
   const float wide = static_cast<float>(length_mm / per_unit_mm);
   const float x = 24, y = bottom - 26;
   pen.list->AddRectFilled(pen.at(x, y), pen.at(x + wide, y + 4), kInk);
@@ -274,7 +245,7 @@ Hud::~Hud() {
 }
 
 void Hud::draw(const FrameState& state, int width, int height, const View& view,
-               const HudParts& parts) {
+               const HudParts& parts, const ColourScale* colours) {
   ImGui::SetCurrentContext(context_);
   ImGuiIO& io = ImGui::GetIO();
   io.DisplaySize = ImVec2(static_cast<float>(width), static_cast<float>(height));
@@ -284,6 +255,13 @@ void Hud::draw(const FrameState& state, int width, int height, const View& view,
   const Pen pen{ImGui::GetBackgroundDrawList(), text_, title_, scale_};
   const float wide = static_cast<float>(width) / scale_;
   const float tall = static_cast<float>(height) / scale_;
+  int scales = 0;
+  if (colours != nullptr && parts.scales) draw_colour_scale(pen, scales++, tall, *colours);
+  if (!state.contact_marks.empty()) {
+    const ColourScale forces = contact_scale(state);
+    draw_contact_marks(pen, state, view, wide, tall, forces);
+    if (parts.scales) draw_colour_scale(pen, scales, tall, forces);
+  }
   if (parts.arrows) draw_arrows(pen, state, view, wide, tall);
   if (parts.title) {
     pen.text(24, 18, kInk, state.title, 21.0f);

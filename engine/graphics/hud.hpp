@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/graphics/camera.hpp"
+#include "engine/graphics/colour_scale.hpp"
 #include "engine/graphics/frame_state.hpp"
 
 struct ImGuiContext;
@@ -13,13 +14,14 @@ struct HudParts {
   bool title = true;    // with the time and the scale bar
   bool figures = true;  // curves, contacts, what was removed, stages
   bool arrows = false;  // of force and torque, at the burr
-  bool any() const { return title || figures || arrows; }
+  bool scales = true;   // of colours, where they stand for a quantity
+  bool any() const { return title || figures || arrows || scales; }
 };
 
 /// The figures over the picture: title and time, curves of force, torque and tick time with their
-/// values, contacts, removed volume, and a scale bar. Keeps to the frame's left and right edges,
-/// but for the arrows. On the thread of the OpenGL context that was current when it was made, and
-/// while that lives.
+/// values, contacts, removed volume, a scale bar and scales of colours. Keeps to the frame's left
+/// and right edges, but for the arrows and the voxels in contact. On the thread of the OpenGL
+/// context that was current when it was made, and while that lives.
 class Hud {
  public:
   /// Letters are sized for frames of this height, pixels.
@@ -28,9 +30,10 @@ class Hud {
   Hud(const Hud&) = delete;
   Hud& operator=(const Hud&) = delete;
 
-  /// Draws into the bound framebuffer. `view`: for the scale bar and the arrows.
-  void draw(const FrameState& state, int width, int height, const View& view,
-            const HudParts& parts);
+  /// Draws into the bound framebuffer. `view`: for the scale bar and the arrows. `colours`: of the
+  /// surface; null where it has those of tissues.
+  void draw(const FrameState& state, int width, int height, const View& view, const HudParts& parts,
+            const ColourScale* colours);
 
  private:
   ImGuiContext* context_ = nullptr;

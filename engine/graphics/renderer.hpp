@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/core/triangle_mesh.hpp"
@@ -34,6 +35,9 @@ class Renderer {
     scene_.restore(body, voxels);
   }
   void colour_by_time(double span_s) { scene_.colour_by_time(span_s); }
+  void colour_by_values(std::size_t body, const ColourScale& scale, VoxelValues values) {
+    scene_.colour_by_values(body, scale, std::move(values));
+  }
   void add_piece(std::span<const std::uint32_t> voxels) {
     context_.make_current();
     scene_.add_piece(voxels);

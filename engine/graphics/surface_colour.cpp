@@ -17,21 +17,8 @@ Cell rounded(const Eigen::Vector3f& p) {
 /// The n-th of 27 steps to what is round a voxel.
 Cell step_round(int n) { return Cell(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1); }
 
-std::size_t place_of(const Cell& c) {
-  return static_cast<std::size_t>(64 * leaf_word(c.z()) + leaf_bit(c.x(), c.y()));
-}
-
-/// Linear RGB from light to dark, early to late; in between every step is darker than the one
-/// before it, so that it reads in grey as well.
-Eigen::Vector3f colour_of_time(float part) {
-  static const std::array<Eigen::Vector3f, 5> kSteps{
-      Eigen::Vector3f(0.96f, 0.90f, 0.30f), Eigen::Vector3f(0.90f, 0.47f, 0.10f),
-      Eigen::Vector3f(0.62f, 0.10f, 0.15f), Eigen::Vector3f(0.25f, 0.02f, 0.25f),
-      Eigen::Vector3f(0.03f, 0.01f, 0.12f)};
-  const float at = std::clamp(part, 0.0f, 1.0f) * static_cast<float>(kSteps.size() - 1);
-  const auto low = std::min(static_cast<std::size_t>(at), kSteps.size() - 2);
-  return kSteps[low] + (at - static_cast<float>(low)) * (kSteps[low + 1] - kSteps[low]);
-}
+// What has no value, where a quantity is drawn: neither a tissue's colour nor one of a scale's.
+const Eigen::Vector3f kNoValue(0.30f, 0.30f, 0.30f);
 
 }  // namespace
 
@@ -46,8 +33,21 @@ SurfaceColour::SurfaceColour(std::vector<TissueLook> looks) : looks_(std::move(l
   if (looks_.empty()) throw std::invalid_argument("a drawn surface needs the look of a tissue");
 }
 
+void SurfaceColour::by_time(double span_s) {
+  by_time_ = span_s > 0.0;
+  scale_.reset();
+  values_.reset();
+  if (by_time_) scale_ = ColourScale{.name = "Removed at, s", .high = span_s};
+}
+
+void SurfaceColour::by_values(const ColourScale& scale, VoxelValues values) {
+  by_time_ = false;
+  scale_ = scale;
+  values_ = std::move(values);
+}
+
 void SurfaceColour::note_removed(const VoxelGrid& grid, const Cell& c, float time_s) {
-  if (time_span_s_ > 0.0) removed_at_s_[grid.leaf_of(c)][place_of(c)] = time_s;
+  if (by_time_) removed_at_s_[grid.leaf_of(c)][VoxelValues::place(c)] = time_s;
 }
 
 float SurfaceColour::mean_time_s(const VoxelGrid& grid, const LeafMap& removed,
@@ -57,10 +57,28 @@ float SurfaceColour::mean_time_s(const VoxelGrid& grid, const LeafMap& removed,
   for (int n = 0; n < 27; ++n) {
     const Cell c = outside + 2 * step_round(n);
     if (!contains(removed, grid, c)) continue;
-    sum_s += removed_at_s_.at(grid.leaf_of(c))[place_of(c)];
+    sum_s += removed_at_s_.at(grid.leaf_of(c))[VoxelValues::place(c)];
     ++count;
   }
   return count > 0 ? sum_s / static_cast<float>(count) : 0.0f;
+}
+
+Eigen::Vector3f SurfaceColour::value_at(const Eigen::Vector3f& p_index,
+                                        const Eigen::Vector3f& normal) const {
+  // The values are those of surface voxels; smoothing has moved the vertex by up to a cell.
+  const Cell inside = rounded(p_index - 0.6f * normal);
+  for (const int apart : {1, 2}) {
+    float sum = 0.0f;
+    int count = 0;
+    for (int n = 0; n < 27; ++n) {
+      const float value = values_->at(inside + apart * step_round(n));
+      if (std::isnan(value)) continue;
+      sum += value;
+      ++count;
+    }
+    if (count > 0) return scale_->colour(sum / static_cast<float>(count));
+  }
+  return kNoValue;
 }
 
 Eigen::Vector3f SurfaceColour::tissue_at(const VoxelModel& model, const Eigen::Vector3f& p_index,
@@ -87,10 +105,12 @@ Eigen::Vector3f SurfaceColour::tissue_at(const VoxelModel& model, const Eigen::V
 std::array<std::uint8_t, 4> SurfaceColour::at(const VoxelModel& model, const LeafMap& removed,
                                               const Eigen::Vector3f& p_index,
                                               const Eigen::Vector3f& normal, bool was_cut) const {
-  Eigen::Vector3f colour = tissue_at(model, p_index, normal);
+  Eigen::Vector3f colour = values_ ? value_at(p_index, normal) : tissue_at(model, p_index, normal);
   const Cell outside = rounded(p_index + 1.5f * normal);
   float cut = 0.0f;
-  if (was_cut) {
+  if (values_) {
+    cut = 1.0f;  // matt all over: a reflection would pass for another value
+  } else if (was_cut) {
     int empty = 0;
     int gone = 0;
     for (int n = 0; n < 27; ++n) {
@@ -101,9 +121,9 @@ std::array<std::uint8_t, 4> SurfaceColour::at(const VoxelModel& model, const Lea
     }
     if (empty > 0) cut = static_cast<float>(gone) / static_cast<float>(empty);
   }
-  if (time_span_s_ > 0.0 && cut > 0.0f) {
-    const float part = mean_time_s(model.grid, removed, outside) / static_cast<float>(time_span_s_);
-    colour = (1.0f - cut) * colour + cut * colour_of_time(part);
+  if (by_time_ && cut > 0.0f) {
+    const float time_s = mean_time_s(model.grid, removed, outside);
+    colour = (1.0f - cut) * colour + cut * scale_->colour(time_s);
   }
   std::array<std::uint8_t, 4> packed{};
   for (int i = 0; i < 3; ++i) {
