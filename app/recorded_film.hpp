@@ -27,6 +27,8 @@ class RecordedFilm {
   /// What a drawing is made of, as it is before the first row.
   std::vector<RenderedBody> bodies() const;
   const std::vector<TickRecord>& rows() const { return shape_.rows(); }
+  /// The workpiece before the first row.
+  const VoxelModel& start() const { return start_; }
   std::size_t row_at(double time_s) const { return shape_.row_at(time_s); }
   std::span<const Edit> edits_before(std::size_t row) const { return shape_.edits_before(row); }
   /// Of the workpiece, at the row that was last gone to.

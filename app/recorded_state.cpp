@@ -82,6 +82,16 @@ TickRecord RecordedState::step(std::optional<std::span<const std::uint32_t>> loo
   return again;
 }
 
+TickRecord RecordedState::step_as_recorded() {
+  const TickRecord again = step();
+  if (!same_edits_) {
+    throw InputError(run_.path, "tick " + std::to_string(run_.rows[next_ - 1].tick),
+                     "other voxels removed than were recorded",
+                     "the build that recorded it, " + run_.reader.header().build);
+  }
+  return again;
+}
+
 void RecordedState::seek_row(std::size_t row) {
   const std::vector<TickRecord>& rows = run_.rows;
   const auto gap_before =
@@ -112,14 +122,7 @@ void RecordedState::seek_row(std::size_t row) {
     }
     go_to_start();
   }
-  while (next_ <= row) {
-    step();
-    if (!same_edits_) {
-      throw InputError(run_.path, "tick " + std::to_string(rows[next_ - 1].tick),
-                       "other voxels removed than were recorded",
-                       "the build that recorded it, " + run_.reader.header().build);
-    }
-  }
+  while (next_ <= row) step_as_recorded();
 }
 
 }  // namespace sulcus

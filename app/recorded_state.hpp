@@ -24,6 +24,8 @@ class RecordedState {
   /// Runs the next row's tick and returns what came out, to be compared. `loose`: the voxels that
   /// leave in it; without, those that were recorded.
   TickRecord step(std::optional<std::span<const std::uint32_t>> loose = {});
+  /// The same, of what was recorded; InputError where other voxels go than did.
+  TickRecord step_as_recorded();
   /// Rows that have been run: the next is this one.
   std::size_t next_row() const { return next_; }
   /// Whether the next row can be run: it follows on the one before it.

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "app/commands.hpp"
+#include "app/film_colours.hpp"
 #include "app/recorded_film.hpp"
 #include "app/review_page.hpp"
 #include "app/video_writer.hpp"
@@ -27,7 +28,7 @@ struct RenderOptions {
   std::vector<std::string> cameras;
   std::vector<double> at_s;
   double fps = 0.0;
-  bool arrows = false, no_hud = false;
+  bool arrows = false, contacts = false, no_hud = false;
 };
 
 /// Reads numbers from all of a text, `separator` between them; empty where it is not that.
@@ -114,10 +115,12 @@ std::string summary_beside(const std::string& recording) {
 
 /// Draws rows from each camera, and hands on what is drawn: `take(image, camera)`.
 template <class Take>
-void draw_rows(RecordedFilm& film, Renderer& renderer, std::span<const std::size_t> rows,
-               std::span<const NamedViewpoint> cameras, const Take& take) {
+void draw_rows(RecordedFilm& film, FilmColours& colours, Renderer& renderer,
+               std::span<const std::size_t> rows, std::span<const NamedViewpoint> cameras,
+               const Take& take) {
   for (const std::size_t row : rows) {
-    const FrameState state = film.seek_row(row, renderer);
+    FrameState state = film.seek_row(row, renderer);
+    colours.show(row, film, renderer, state);
     for (const NamedViewpoint& camera : cameras) {
       renderer.set_viewpoint(camera.from);
       take(renderer.draw(state), camera);
@@ -136,7 +139,8 @@ void check(const RenderOptions& options) {
   if (!options.review.empty() &&
       (!options.at_s.empty() || options.fps > 0.0 || !options.cameras.empty() ||
        !options.size.empty() || !options.section.empty() || !options.video.empty() ||
-       !options.sheet.empty() || !options.folder.empty() || options.colour_by != "tissue")) {
+       !options.sheet.empty() || !options.folder.empty() || options.colour_by != "tissue" ||
+       options.contacts)) {
     throw InputError("", "--review", "other options beside it", "it alone: the page has its own");
   }
   if (!options.video.empty() && !options.sheet.empty()) {
@@ -160,13 +164,14 @@ void render(RenderOptions options) {
   for (const std::string& text : options.cameras) cameras.push_back(viewpoint_of(text));
   if (cameras.empty()) cameras.push_back({"", settings.camera});
   Renderer renderer(settings, film.bodies(), film.burr().mesh_tool, film.burr().head_length_m);
-  if (options.colour_by == "time") renderer.colour_by_time(film.rows().back().time_s);
+  const auto by = std::ranges::find(kColourByNames, options.colour_by) - kColourByNames.begin();
+  FilmColours colours(reader, options.recording, film, ColourBy(by), options.contacts, renderer);
   if (!options.video.empty() && options.fps <= 0.0) options.fps = 30.0;
   const std::vector<std::size_t> rows = rows_to_draw(film, options);
 
   if (!options.video.empty()) {
     VideoWriter video(options.video, settings.width, settings.height, options.fps);
-    draw_rows(film, renderer, rows, cameras,
+    draw_rows(film, colours, renderer, rows, cameras,
               [&](const Image& image, const NamedViewpoint&) { video.add(image); });
     video.close();
     std::printf("%s\n", options.video.c_str());
@@ -181,9 +186,9 @@ void render(RenderOptions options) {
                        std::to_string(rows.size() * cameras.size()) + " pictures of this --size",
                        "268 million pixels at most");
     }
-    renderer.set_hud({settings.hud, false, settings.arrows});
+    renderer.set_hud({settings.hud, false, settings.arrows, settings.hud});
     std::vector<Image> images;
-    draw_rows(film, renderer, rows, cameras,
+    draw_rows(film, colours, renderer, rows, cameras,
               [&](Image image, const NamedViewpoint&) { images.push_back(std::move(image)); });
     // A row to each time where there are several cameras.
     const auto columns =
@@ -197,14 +202,15 @@ void render(RenderOptions options) {
   }
   std::filesystem::create_directories(options.folder);
   std::size_t drawn = 0;
-  draw_rows(film, renderer, rows, cameras, [&](const Image& image, const NamedViewpoint& camera) {
-    char number[32];
-    std::snprintf(number, sizeof(number), "%06zu.png", drawn++ / cameras.size());
-    const std::string file =
-        options.folder + '/' + (cameras.size() > 1 ? camera.name + '_' : "") + number;
-    write_png(image, file);
-    if (options.fps <= 0.0) std::printf("%s\n", file.c_str());
-  });
+  draw_rows(film, colours, renderer, rows, cameras,
+            [&](const Image& image, const NamedViewpoint& camera) {
+              char number[32];
+              std::snprintf(number, sizeof(number), "%06zu.png", drawn++ / cameras.size());
+              const std::string file =
+                  options.folder + '/' + (cameras.size() > 1 ? camera.name + '_' : "") + number;
+              write_png(image, file);
+              if (options.fps <= 0.0) std::printf("%s\n", file.c_str());
+            });
   if (options.fps > 0.0) std::printf("%s: %zu pictures\n", options.folder.c_str(), drawn);
 }
 
@@ -228,9 +234,18 @@ void add_render_command(CLI::App& program) {
       ->expected(1)
       ->take_all();
   command->add_option("--section", options->section, "Cut open across an axis, such as y=0 (mm)");
-  command->add_option("--colour-by", options->colour_by, "tissue, or time: when it was cut")
-      ->check(CLI::IsMember({"tissue", "time"}));
+  command
+      ->add_option(
+          "--colour-by", options->colour_by,
+          "tissue; time: when it was cut; goal: how far it is from the wall of the\n"
+          "scene's [goal]; contacts: in how many ticks it was touched (the run is computed\n"
+          "again); normal_error: how far the normals that are felt are off those of the\n"
+          "exact method (up to a minute for each time)")
+      ->check(
+          CLI::IsMember(std::vector<std::string>(kColourByNames.begin(), kColourByNames.end())));
   command->add_flag("--arrows", options->arrows, "Show force and torque at the burr");
+  command->add_flag("--contacts", options->contacts,
+                    "Show the voxels in contact, by their force (some ticks are computed again)");
   command->add_flag("--no-hud", options->no_hud, "No figures");
   command->add_option("--video", options->video, "Write an MP4 (30 pictures a second)");
   command->add_option("--sheet", options->sheet,

@@ -39,6 +39,12 @@ class Simulation {
   /// Touches what the next tick will. Changes no state.
   void rehearse() noexcept { sulcus::rehearse(context_, workpiece_, state_, scratch_); }
   std::span<const Edit> edits() const { return scratch_.edits; }
+  /// What the last evaluation of the last tick found on a body, 0 the workpiece; what an earlier
+  /// tick left behind where the last record has no contacts.
+  const Contacts& contacts(std::size_t number) const {
+    return number == 0 ? scratch_.contact.contacts
+                       : scratch_.neighbours.at(number - 1).contact.contacts;
+  }
   const CuttingRecord& cutting() const { return scratch_.cutting; }
   const PortRecord& port() const { return scratch_.port; }
   std::uint64_t stage_ns(Stage stage) const noexcept { return scratch_.stage_ns(stage); }
