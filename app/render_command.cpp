@@ -28,7 +28,7 @@ struct RenderOptions {
   std::vector<std::string> cameras;
   std::vector<double> at_s;
   double fps = 0.0;
-  bool arrows = false, contacts = false, no_hud = false;
+  bool arrows = false, contacts = false, no_hud = false, no_handpiece = false;
 };
 
 /// Reads numbers from all of a text, `separator` between them; empty where it is not that.
@@ -164,6 +164,7 @@ void render(RenderOptions options) {
   for (const std::string& text : options.cameras) cameras.push_back(viewpoint_of(text));
   if (cameras.empty()) cameras.push_back({"", settings.camera});
   Renderer renderer(settings, film.bodies(), film.burr().mesh_tool, film.burr().head_length_m);
+  renderer.set_handpiece(!options.no_handpiece);
   const auto by = std::ranges::find(kColourByNames, options.colour_by) - kColourByNames.begin();
   FilmColours colours(reader, options.recording, film, ColourBy(by), options.contacts, renderer);
   if (!options.video.empty() && options.fps <= 0.0) options.fps = 30.0;
@@ -247,6 +248,7 @@ void add_render_command(CLI::App& program) {
   command->add_flag("--contacts", options->contacts,
                     "Show the voxels in contact, by their force (some ticks are computed again)");
   command->add_flag("--no-hud", options->no_hud, "No figures");
+  command->add_flag("--no-handpiece", options->no_handpiece, "The burr alone, without a handpiece");
   command->add_option("--video", options->video, "Write an MP4 (30 pictures a second)");
   command->add_option("--sheet", options->sheet,
                       "Write all into one picture: times down, cameras across");

@@ -81,6 +81,7 @@ void view_recording(const ViewOptions& options) {
     drawing.set_detail(turning ? Detail::kCoarse : Detail::kFull);
     drawing.set_viewpoint(camera.from());
     drawing.set_section(player.picture.section());
+    drawing.set_handpiece(false);  // as in the window of a scene
     drawing.set_hud({true, player.picture.figures, player.picture.arrows});
     const Eigen::Vector2i size = window.size();
     drawing.set_size(size.x(), size.y());

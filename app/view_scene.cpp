@@ -148,6 +148,7 @@ std::optional<GoOn> run_part(Part& part, Window& window, ViewCamera& camera, Liv
       drawing.set_detail(turning ? Detail::kCoarse : Detail::kFull);
       drawing.set_viewpoint(camera.from());
       drawing.set_section(live.picture.section());
+      drawing.set_handpiece(false);  // it would be in the way of the hand
       drawing.set_hud({true, live.picture.figures, live.picture.arrows});
       drawing.set_size(size.x(), size.y());
       if (!film.empty()) {

@@ -9,6 +9,7 @@
 
 #include "engine/graphics/burr_shading.hpp"
 #include "engine/graphics/shaders.hpp"
+#include "engine/tool/handpiece_mesh.hpp"
 
 namespace sulcus {
 
@@ -19,8 +20,13 @@ GlBurr::GlBurr(const TriangleMesh& mesh_tool, double head_length_m)
     if (p.y() > head_length_m_) continue;
     radius_m_ = std::max(radius_m_, static_cast<double>(std::hypot(p.x(), p.z())));
   }
-  const std::vector<BurrCorner> corners = shaded_corners(mesh_tool);
+  std::vector<BurrCorner> corners = shaded_corners(mesh_tool);
   corner_count_ = static_cast<int>(corners.size());
+  const TriangleMesh handpiece = handpiece_mesh(mesh_tool, head_length_m);
+  for (const Eigen::Vector3f& p : handpiece.positions) handpiece_box_tool_.extend(p);
+  const std::vector<BurrCorner> more = shaded_corners(handpiece);
+  handpiece_corner_count_ = static_cast<int>(more.size());
+  corners.insert(corners.end(), more.begin(), more.end());
   bytes_ = corners.size() * sizeof(BurrCorner);
   if (corners.empty()) return;
   glGenVertexArrays(1, &array_);
@@ -40,11 +46,14 @@ GlBurr::~GlBurr() {
   glDeleteBuffers(1, &corners_);
 }
 
-Eigen::AlignedBox3f GlBurr::box_world(const Pose& world_from_tool) const {
-  return moved_box(box_tool_, world_from_tool);
+Eigen::AlignedBox3f GlBurr::box_world(const Pose& world_from_tool, bool with_handpiece) const {
+  Eigen::AlignedBox3f box = moved_box(box_tool_, world_from_tool);
+  if (with_handpiece) box.extend(moved_box(handpiece_box_tool_, world_from_tool));
+  return box;
 }
 
-void GlBurr::draw(const View& view, const Pose& world_from_tool, double turn_rad, float alpha) {
+void GlBurr::draw(const View& view, const Pose& world_from_tool, double turn_rad,
+                  bool with_handpiece, float alpha) {
   if (corner_count_ == 0) return;
   program_.use();
   program_.set("clip_from_world", view.clip_from_world);
@@ -59,7 +68,7 @@ void GlBurr::draw(const View& view, const Pose& world_from_tool, double turn_rad
   program_.set("turn", static_cast<float>(std::remainder(turn_rad, 2 * std::numbers::pi)));
   program_.set("alpha", alpha);
   glBindVertexArray(array_);
-  glDrawArrays(GL_TRIANGLES, 0, corner_count_);
+  glDrawArrays(GL_TRIANGLES, 0, corner_count_ + (with_handpiece ? handpiece_corner_count_ : 0));
 }
 
 }  // namespace sulcus

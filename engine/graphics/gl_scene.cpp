@@ -14,7 +14,9 @@ namespace {
 // Of the points to see, before a body is left out. Teeth that stand in a row hide a sixth of each
 // other's crowns from the review camera, and all of them from mesial.
 constexpr double kHiddenShare = 1.0 / 3.0;
-constexpr float kGhost = 0.35f;  // how much of the device's burr shows over what it is in
+// Cosine of the angle to the burr's axis below which the handpiece would hide what is cut.
+constexpr double kDownOnIt = 0.82;  // 35 degrees
+constexpr float kGhost = 0.35f;     // how much of the device's burr shows over what it is in
 
 std::vector<std::unique_ptr<GlBody>> gl_bodies(std::vector<RenderedBody> bodies) {
   if (bodies.empty()) throw std::invalid_argument("a renderer needs a workpiece");
@@ -120,13 +122,19 @@ PixelRect GlScene::changed_pixels(const FrameState& state) {
   return same ? pixels_of(view_, changed, frame_->width(), frame_->height()) : frame_->all();
 }
 
+bool GlScene::shows_handpiece(const FrameState& state) const {
+  const Eigen::Vector3d axis_world = state.world_from_tool.direction(Eigen::Vector3d::UnitY());
+  return handpiece_ && !from_.follows_burr && axis_world.dot(from_.back_world) < kDownOnIt;
+}
+
 PixelRect GlScene::burr_pixels(const FrameState& state) const {
-  const auto pixels = [&](const Pose& pose) {
-    return pixels_of(view_, burr_.box_world(pose), frame_->width(), frame_->height());
+  const auto pixels = [&](const Pose& pose, bool with_handpiece) {
+    return pixels_of(view_, burr_.box_world(pose, with_handpiece), frame_->width(),
+                     frame_->height());
   };
   PixelRect rect;
-  if (state.burr_shown) rect = pixels(state.world_from_tool);
-  if (state.device) rect = rect.with(pixels(*state.device));
+  if (state.burr_shown) rect = pixels(state.world_from_tool, shows_handpiece(state));
+  if (state.device) rect = rect.with(pixels(*state.device, false));
   return rect;
 }
 
@@ -180,12 +188,14 @@ void GlScene::draw_burr(const FrameState& state) {
   glDepthFunc(GL_LESS);
   glEnable(GL_CULL_FACE);
   glFrontFace(GL_CCW);
-  if (state.burr_shown) burr_.draw(view_, state.world_from_tool, state.burr_turn_rad);
+  if (state.burr_shown) {
+    burr_.draw(view_, state.world_from_tool, state.burr_turn_rad, shows_handpiece(state));
+  }
   glDisable(GL_DEPTH_TEST);
   if (state.device) {
     glEnable(GL_BLEND);
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-    burr_.draw(view_, *state.device, state.burr_turn_rad, kGhost);
+    burr_.draw(view_, *state.device, state.burr_turn_rad, false, kGhost);
     glDisable(GL_BLEND);
   }
   glDisable(GL_CULL_FACE);

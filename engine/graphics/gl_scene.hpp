@@ -84,6 +84,9 @@ class GlScene {
   void set_detail(Detail detail) { detail_ = detail; }
   void set_hud(const HudParts& parts) { hud_parts_ = parts; }
   void set_section(std::optional<Section> section) { settings_.section = section; }
+  /// Whether the handpiece is drawn with the burr (it is), where it is not in the way: left out of
+  /// close-ups of the burr, and where one looks down on it along the burr.
+  void set_handpiece(bool shown) { handpiece_ = shown; }
   /// Pixels. Throws std::runtime_error beyond what OpenGL here can draw; the size then stays.
   void set_size(int width, int height);
   /// Meshes what has changed and draws a frame, which `frame()` then holds. From where the last one
@@ -102,6 +105,7 @@ class GlScene {
 
  private:
   PixelRect changed_pixels(const FrameState& state);
+  bool shows_handpiece(const FrameState& state) const;
   PixelRect burr_pixels(const FrameState& state) const;
   void draw_background();
   void draw_bodies(const FrameState& state, const PixelRect& pixels);
@@ -111,6 +115,7 @@ class GlScene {
   bool hurried_ = false;
   Detail detail_ = Detail::kFull, detail_drawn_ = Detail::kFull;
   Viewpoint from_;
+  bool handpiece_ = true;
   HudParts hud_parts_;
   View view_;
   std::vector<std::unique_ptr<GlBody>> bodies_;    // the first: the workpiece

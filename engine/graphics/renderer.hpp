@@ -45,6 +45,7 @@ class Renderer {
   void set_viewpoint(const Viewpoint& from) { scene_.set_viewpoint(from); }
   void set_hurried(bool hurried) { scene_.set_hurried(hurried); }
   void set_detail(Detail detail) { scene_.set_detail(detail); }
+  void set_handpiece(bool shown) { scene_.set_handpiece(shown); }
   void set_hud(const HudParts& parts) { scene_.set_hud(parts); }
   void set_section(std::optional<Section> section) { scene_.set_section(section); }
   void set_size(int width, int height) {

@@ -157,5 +157,35 @@ TEST(ColouredPicture, ContactsAreMarkedWhereTheyAreByTheirForce) {
   EXPECT_NE(weak, at(before, 240, 180));
 }
 
+TEST(ColouredPicture, AHandpieceIsDrawnWhereItIsNotInTheWay) {
+  TriangleMesh burr;
+  burr.positions = {{0, 0, 0}, {5e-4f, 2e-3f, 0}, {-3e-4f, 2e-3f, 4e-4f}, {-3e-4f, 2e-3f, -4e-4f}};
+  burr.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  const auto with = make_renderer(false, burr), without = make_renderer(false, burr);
+  if (!with) GTEST_SKIP() << "no OpenGL here";
+  without->set_handpiece(false);
+  FrameState state;
+  state.world_from_tool.position = {0, 0, 2.4e-3};
+  state.world_from_tool.orientation =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ());
+  const auto difference = [&](const Viewpoint& from) {
+    with->set_viewpoint(from);
+    without->set_viewpoint(from);
+    return differing(with->draw(state), without->draw(state));
+  };
+  Viewpoint wide(-90.0, 10.0);
+  wide.zoom = 0.3;
+  EXPECT_GT(difference(wide), 2000u);
+  EXPECT_EQ(difference(Camera::kBurr), 0u) << "a close-up";
+  EXPECT_EQ(difference(Camera::kOcclusal), 0u) << "down on it";
+  // It stands while the burr turns under it.
+  const Image before = with->draw(state);
+  with->set_viewpoint(wide);
+  const Image still = with->draw(state);
+  EXPECT_NE(before, still);
+  state.burr_turn_rad = 0.3;
+  EXPECT_LT(differing(still, with->draw(state)), 200u);
+}
+
 }  // namespace
 }  // namespace sulcus
