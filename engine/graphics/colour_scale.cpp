@@ -49,6 +49,7 @@ std::vector<ColourScale::Mark> ColourScale::marks() const {
     values.push_back(high);
   }
   std::vector<Mark> marks;
+  marks.reserve(values.size());
   for (const double value : values) marks.push_back({part(value), number(value / unit)});
   if (!beyond_low.empty()) marks.front().words += ' ' + beyond_low;
   if (!beyond_high.empty()) marks.back().words += ' ' + beyond_high;
