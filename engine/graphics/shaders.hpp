@@ -159,10 +159,11 @@ uniform sampler2D tissues;
 out vec4 colour;
 void main() {
   vec4 solid = texture(tissues, place);
-  if (solid.a < 0.5) discard;
+  // Somewhat beyond where the surface is, or a gap would show between them here and there.
+  if (solid.a < 0.33) discard;
   vec3 lit = 0.92 * solid.rgb / solid.a;
   // A thin dark line where the tooth ends.
-  lit *= mix(0.55, 1.0, smoothstep(0.5, 0.75, solid.a));
+  lit *= mix(0.55, 1.0, smoothstep(0.4, 0.75, solid.a));
   colour = vec4(pow(min(lit, vec3(1.0)), vec3(1.0 / 2.2)), 1.0);
 }
 )";
