@@ -1,6 +1,5 @@
 #include "engine/scene/device_tables.hpp"
 
-#include <array>
 #include <cmath>
 
 #include "engine/core/units.hpp"
@@ -10,25 +9,20 @@ namespace sulcus {
 
 namespace {
 
-constexpr Range kForce_N{0, 1e3};
-constexpr Range kTorque_mNm{0, 1e5};
-constexpr Range kTime{0, 1e6};
-
-HandSettings read_hand(TomlTable& table) {
-  const auto preset = table.choice("hand", kHandPresetNames);
-  HandSettings h = hand_preset(preset ? kHandPresetNames[*preset] : "light");
-  h.mass_kg = table.number("hand_mass_g", {0, 1e4}, h.mass_kg * 1e3) * 1e-3;
-  h.damping_N_s_per_m = table.number("hand_damping_N_s_per_m", {0, 1e3}, h.damping_N_s_per_m);
-  h.stiffness_N_per_m = table.number("hand_stiffness_N_per_m", {0, 1e5}, h.stiffness_N_per_m);
-  h.turning_damping_Nm_s_per_rad = table.number("hand_turning_damping_mNm_s_per_rad", kTorque_mNm,
-                                                h.turning_damping_Nm_s_per_rad * 1e3) *
-                                   1e-3;
-  h.turning_stiffness_Nm_per_rad = table.number("hand_turning_stiffness_mNm_per_rad", kTorque_mNm,
-                                                h.turning_stiffness_Nm_per_rad * 1e3) *
-                                   1e-3;
-  h.push_N = table.number("push_N", kForce_N, h.push_N);
-  h.push_ramp_s = table.number("push_ramp_s", {0, 1e3}, h.push_ramp_s);
-  if (const auto direction = table.direction("push_direction")) h.push_direction = *direction;
+HandSettings read_hand(SceneTable& table) {
+  HandSettings h = hand_preset(kHandPresetNames[table.choice("hand")]);
+  h.mass_kg = table.number("hand_mass_g", h.mass_kg * 1e3) * 1e-3;
+  h.damping_N_s_per_m = table.number("hand_damping_N_s_per_m", h.damping_N_s_per_m);
+  h.stiffness_N_per_m = table.number("hand_stiffness_N_per_m", h.stiffness_N_per_m);
+  h.turning_damping_Nm_s_per_rad =
+      table.number("hand_turning_damping_mNm_s_per_rad", h.turning_damping_Nm_s_per_rad * 1e3) *
+      1e-3;
+  h.turning_stiffness_Nm_per_rad =
+      table.number("hand_turning_stiffness_mNm_per_rad", h.turning_stiffness_Nm_per_rad * 1e3) *
+      1e-3;
+  h.push_N = table.number("push_N");
+  h.push_ramp_s = table.number("push_ramp_s");
+  h.push_direction = table.direction("push_direction");
   return h;
 }
 
@@ -37,15 +31,15 @@ std::uint64_t tick_at(double time_s, double rate_hz) {
   return static_cast<std::uint64_t>(std::llround(time_s * rate_hz));
 }
 
-void read_faults(TomlTable& table, double rate_hz, DeviceSettings& d) {
-  for (const auto& row : table.rows("late_s", 2, "time_s, by_s", kTime)) {
+void read_faults(SceneTable& table, double rate_hz, DeviceSettings& d) {
+  for (const auto& row : table.rows("late_s")) {
     d.late.push_back({tick_at(row[0], rate_hz), row[1]});
   }
-  for (const auto& row : table.rows("silent_s", 2, "from_s, to_s", kTime)) {
+  for (const auto& row : table.rows("silent_s")) {
     if (row[1] < row[0]) table.fail("silent_s", "an end before its beginning", "[from_s, to_s]");
     d.silences.push_back({tick_at(row[0], rate_hz), tick_at(row[1], rate_hz)});
   }
-  for (const auto& row : table.rows("jump_s_mm", 4, "time_s, x_mm, y_mm, z_mm", {-1e6, 1e6})) {
+  for (const auto& row : table.rows("jump_s_mm")) {
     if (row[0] < 0.0) table.fail("jump_s_mm", "a time before the start", "0 s or later");
     d.jumps.push_back(
         {tick_at(row[0], rate_hz), kMillimetre * Eigen::Vector3d(row[1], row[2], row[3])});
@@ -54,27 +48,24 @@ void read_faults(TomlTable& table, double rate_hz, DeviceSettings& d) {
 
 }  // namespace
 
-DeviceSettings read_device(TomlTable& table, double rate_hz) {
-  constexpr std::array<std::string_view, 1> kModels{"simulated"};
-  if (!table.choice("model", kModels)) table.fail("model", "none", "\"simulated\"");
-  const auto preset = table.choice("preset", kDevicePresetNames);
-  DeviceSettings d = device_preset(preset ? kDevicePresetNames[*preset] : "omni");
+DeviceSettings read_device(SceneTable& table, double rate_hz) {
+  if (!table.choice_if("model")) table.fail("model", "none", "\"simulated\"");
+  DeviceSettings d = device_preset(kDevicePresetNames[table.choice("preset")]);
   d.hand = read_hand(table);
-  d.force_limit_N = table.number("force_limit_N", {1e-3, 1e3}, d.force_limit_N);
-  d.torque_limit_Nm = table.number("torque_limit_mNm", kTorque_mNm, d.torque_limit_Nm * 1e3) * 1e-3;
-  d.mass_kg = table.number("mass_g", {1, 1e4}, d.mass_kg * 1e3) * 1e-3;
-  d.damping_N_s_per_m = table.number("damping_N_s_per_m", {0, 1e3}, d.damping_N_s_per_m);
-  d.friction_N = table.number("friction_N", kForce_N, d.friction_N);
-  d.resolution_m =
-      table.number("resolution_mm", {0, 10}, d.resolution_m / kMillimetre) * kMillimetre;
-  d.delay_ticks = table.integer("delay_ticks", {0, 1}, d.delay_ticks);
-  d.passivity_controller = table.boolean("passivity_controller", d.passivity_controller);
+  d.force_limit_N = table.number("force_limit_N", d.force_limit_N);
+  d.torque_limit_Nm = table.number("torque_limit_mNm", d.torque_limit_Nm * 1e3) * 1e-3;
+  d.mass_kg = table.number("mass_g", d.mass_kg * 1e3) * 1e-3;
+  d.damping_N_s_per_m = table.number("damping_N_s_per_m", d.damping_N_s_per_m);
+  d.friction_N = table.number("friction_N", d.friction_N);
+  d.resolution_m = table.number("resolution_mm", d.resolution_m / kMillimetre) * kMillimetre;
+  d.delay_ticks = table.whole("delay_ticks");
+  d.passivity_controller = table.boolean("passivity_controller");
   read_faults(table, rate_hz, d);
   table.finish();
   return d;
 }
 
-CouplingSettings read_coupling(TomlTable& table, const std::optional<DeviceSettings>& device) {
+CouplingSettings read_coupling(SceneTable& table, const std::optional<DeviceSettings>& device) {
   CouplingSettings c;
   if (device) {
     c.stiffness_N_per_m = device->stiffness_N_per_m;
@@ -82,14 +73,13 @@ CouplingSettings read_coupling(TomlTable& table, const std::optional<DeviceSetti
     if (device->torque_limit_Nm > 0.0) c.torque_limit_Nm = device->torque_limit_Nm;
   }
   c.stiffness_N_per_m =
-      table.number("stiffness_N_per_mm", {1e-3, 1e3}, c.stiffness_N_per_m / kNewtonPerMillimetre) *
+      table.number("stiffness_N_per_mm", c.stiffness_N_per_m / kNewtonPerMillimetre) *
       kNewtonPerMillimetre;
-  c.turning_stiffness_Nm_per_rad =
-      table.number("turning_stiffness_Nm_per_rad", {1e-4, 1e3}, c.turning_stiffness_Nm_per_rad);
-  c.force_limit_N = table.number("force_limit_N", {1e-3, 1e3}, c.force_limit_N);
-  c.torque_limit_Nm = table.number("torque_limit_mNm", {1e-3, 1e5}, c.torque_limit_Nm * 1e3) * 1e-3;
-  c.evaluations = table.integer("evaluations", {1, 100}, c.evaluations);
-  c.contacts_per_tick = table.integer("contacts_per_tick", {1, 1 << 24}, c.contacts_per_tick);
+  c.turning_stiffness_Nm_per_rad = table.number("turning_stiffness_Nm_per_rad");
+  c.force_limit_N = table.number("force_limit_N", c.force_limit_N);
+  c.torque_limit_Nm = table.number("torque_limit_mNm", c.torque_limit_Nm * 1e3) * 1e-3;
+  c.evaluations = table.whole("evaluations");
+  c.contacts_per_tick = table.whole("contacts_per_tick");
   table.finish();
   return c;
 }

@@ -1,7 +1,6 @@
 #include "engine/scene/scene_file.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -10,13 +9,12 @@
 #include "engine/core/error.hpp"
 #include "engine/core/input_limits.hpp"
 #include "engine/core/units.hpp"
-#include "engine/normals/height_map.hpp"
 #include "engine/normals/normal_choice.hpp"
 #include "engine/scene/device_tables.hpp"
 #include "engine/scene/scene_overrides.hpp"
+#include "engine/scene/scene_table.hpp"
 #include "engine/scene/tissue_table.hpp"
 #include "engine/scene/toml_depth.hpp"
-#include "engine/scene/toml_table.hpp"
 #include "engine/volume/edit.hpp"
 #include "engine/volume/grid.hpp"
 
@@ -24,44 +22,32 @@ namespace sulcus {
 
 namespace {
 
-constexpr Range kAnyLength_mm{-1e3, 1e3};
-constexpr Range kSize_mm{0.01, 1e3};
-
 Eigen::Vector3d vector3(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
-
-Eigen::Vector3d vector3_or(TomlTable& table, std::string_view key, Range range, double unit,
-                           const Eigen::Vector3d& otherwise) {
-  const std::vector<double> v = table.numbers(key, 3, range);
-  return v.empty() ? otherwise : Eigen::Vector3d(vector3(v) * unit);
-}
 
 // --- [workpiece] --------------------------------------------------------------------------------
 
-constexpr std::array<std::string_view, 6> kShapeNames{"molar", "sphere", "box",
-                                                      "plate", "torus",  "groove"};
-
 /// The table of each shape; read for every shape, so that a scene may keep several.
-void read_shape_tables(TomlTable& table, WorkpieceSettings& w) {
+void read_shape_tables(SceneTable& table, WorkpieceSettings& w) {
   if (auto t = table.table("molar")) {
-    w.molar_caries_radius_m = t->number("caries_radius_mm", {0, 2.5}, 0.0) * kMillimetre;
+    w.molar_caries_radius_m = t->number("caries_radius_mm") * kMillimetre;
     t->finish();
   }
   if (auto t = table.table("sphere")) {
-    w.sphere_radius_m = t->number("radius_mm", kSize_mm, 3.0) * kMillimetre;
+    w.sphere_radius_m = t->number("radius_mm") * kMillimetre;
     t->finish();
   }
   if (auto t = table.table("box")) {
-    w.box_size_m = vector3_or(*t, "size_mm", kSize_mm, kMillimetre, w.box_size_m);
+    w.box_size_m = t->vector3("size_mm") * kMillimetre;
     t->finish();
   }
   if (auto t = table.table("plate")) {
-    w.plate_thickness_m = t->number("thickness_mm", {1e-3, 1e3}, 1.0) * kMillimetre;
-    w.plate_tilt = t->number("tilt_deg", {-90, 90}, 0.0) * kDegree;
+    w.plate_thickness_m = t->number("thickness_mm") * kMillimetre;
+    w.plate_tilt = t->number("tilt_deg") * kDegree;
     t->finish();
   }
   if (auto t = table.table("torus")) {
-    w.torus_major_m = t->number("major_mm", kSize_mm, 3.0) * kMillimetre;
-    w.torus_minor_m = t->number("minor_mm", kSize_mm, 1.0) * kMillimetre;
+    w.torus_major_m = t->number("major_mm") * kMillimetre;
+    w.torus_minor_m = t->number("minor_mm") * kMillimetre;
     if (w.torus_minor_m >= w.torus_major_m) {
       t->fail("minor_mm", "a tube as thick as its ring",
               "less than major_mm (3 and 1 unless said)");
@@ -69,30 +55,29 @@ void read_shape_tables(TomlTable& table, WorkpieceSettings& w) {
     t->finish();
   }
   if (auto t = table.table("groove")) {
-    w.groove_angle = t->number("angle_deg", {1, 179}, 90.0) * kDegree;
-    w.groove_depth_m = t->number("depth_mm", kSize_mm, 1.0) * kMillimetre;
+    w.groove_angle = t->number("angle_deg") * kDegree;
+    w.groove_depth_m = t->number("depth_mm") * kMillimetre;
     t->finish();
   }
 }
 
 /// What becomes voxels, of the workpiece or of another body.
-WorkpieceSettings read_solid(TomlTable& table) {
+WorkpieceSettings read_solid(SceneTable& table) {
   WorkpieceSettings w;
-  if (const auto shape = table.choice("shape", kShapeNames)) w.shape = ShapeKind(*shape);
+  if (const auto shape = table.choice_if("shape")) w.shape = ShapeKind(*shape);
   w.file = table.path("file");
   if (w.shape.has_value() == !w.file.empty()) {
     table.fail("shape", w.shape ? "both a shape and a file" : "neither a shape nor a file",
                "one of them");
   }
   read_shape_tables(table, w);
-  w.solid_above = table.number("solid_above", {-1e9, 1e9});
-  if (table.has("spacing_mm")) {
-    w.spacing_m = vector3(table.numbers("spacing_mm", 3, {1e-4, 100})) * kMillimetre;
+  w.solid_above = table.number_if("solid_above");
+  if (const std::vector<double> spacing = table.numbers_if("spacing_mm"); !spacing.empty()) {
+    w.spacing_m = vector3(spacing) * kMillimetre;
   }
-  w.voxel_m = table.number("voxel_mm", {1e-3, 10}, 0.0348) * kMillimetre;
-  const Range cells{kLeafEdge, kMaxCellsPerAxis};
-  const std::vector<double> n = table.numbers("cells", 3, cells);
-  for (int a = 0; a < 3 && !n.empty(); ++a) {
+  w.voxel_m = table.number("voxel_mm") * kMillimetre;
+  const Eigen::Vector3d n = table.vector3("cells");
+  for (int a = 0; a < 3; ++a) {
     w.cells[a] = static_cast<int>(n[a]);
     if (n[a] != w.cells[a] || w.cells[a] % kLeafEdge != 0) {
       std::ostringstream found;
@@ -100,12 +85,12 @@ WorkpieceSettings read_solid(TomlTable& table) {
       table.fail("cells", found.str(), "multiples of 8, at most 1024 each");
     }
   }
-  w.position_m = vector3_or(table, "position_mm", kAnyLength_mm, kMillimetre, w.position_m);
-  w.rotation = vector3_or(table, "rotation_deg", {-360, 360}, kDegree, w.rotation);
+  w.position_m = table.vector3("position_mm") * kMillimetre;
+  w.rotation = table.vector3("rotation_deg") * kDegree;
   return w;
 }
 
-WorkpieceSettings read_workpiece(TomlTable& root) {
+WorkpieceSettings read_workpiece(SceneTable& root) {
   auto table = root.table("workpiece");
   if (!table) root.fail("workpiece", "no such table", "[workpiece] with a shape or a file");
   const WorkpieceSettings w = read_solid(*table);
@@ -119,7 +104,7 @@ WorkpieceSettings read_workpiece(TomlTable& root) {
 constexpr double kStifferBehindCoupling = 10.0;
 
 /// `other`: what one that is not known starts from.
-TissueSettings read_tissue(TomlTable& table, const std::vector<TissueSettings>& known,
+TissueSettings read_tissue(SceneTable& table, const std::vector<TissueSettings>& known,
                            const TissueSettings& other) {
   TissueSettings t = other;
   t.name = table.text("name", "");
@@ -127,14 +112,14 @@ TissueSettings read_tissue(TomlTable& table, const std::vector<TissueSettings>& 
   for (const TissueSettings& k : known) {
     if (k.name == t.name) t = k;  // a known name brings its constants
   }
-  t.above = table.number("above", {-1e9, 1e9});
+  t.above = table.number_if("above");
   t.stiffness_N_per_m =
-      table.number("stiffness_N_per_mm", {1e-6, 1e6}, t.stiffness_N_per_m / kNewtonPerMillimetre) *
+      table.number("stiffness_N_per_mm", t.stiffness_N_per_m / kNewtonPerMillimetre) *
       kNewtonPerMillimetre;
-  t.specific_energy_J_per_m3 = table.number("specific_energy_J_per_mm3", {1e-9, 1e6},
-                                            t.specific_energy_J_per_m3 / kJoulePerMm3) *
-                               kJoulePerMm3;
-  const std::vector<double> colour = table.numbers("colour", 3, {0, 1});
+  t.specific_energy_J_per_m3 =
+      table.number("specific_energy_J_per_mm3", t.specific_energy_J_per_m3 / kJoulePerMm3) *
+      kJoulePerMm3;
+  const std::vector<double> colour = table.numbers_if("colour");
   for (std::size_t c = 0; c < colour.size(); ++c) t.colour[c] = static_cast<float>(colour[c]);
   table.finish();
   return t;
@@ -144,13 +129,13 @@ TissueSettings read_tissue(TomlTable& table, const std::vector<TissueSettings>& 
 std::vector<TissueSettings> known_tissues() {
   const toml::table parsed =
       toml::parse(tissue_table_toml(), std::string_view("assets/tissues.toml"));
-  TomlTable root(parsed, "assets/tissues.toml", "");
+  SceneTable root(TomlTable(parsed, "assets/tissues.toml", ""), "");
   std::vector<TissueSettings> all;
-  for (TomlTable& table : root.tables("tissue")) all.push_back(read_tissue(table, {}, {}));
+  for (SceneTable& table : root.tables("tissue")) all.push_back(read_tissue(table, {}, {}));
   return all;
 }
 
-std::vector<TissueSettings> read_tissues(TomlTable& root) {
+std::vector<TissueSettings> read_tissues(SceneTable& root) {
   std::vector<TissueSettings> known = known_tissues();
   TissueSettings other;
   if (root.has("coupling")) {
@@ -168,7 +153,7 @@ std::vector<TissueSettings> read_tissues(TomlTable& root) {
       tissues.push_back(*found);
     }
   } else {
-    for (TomlTable& table : root.tables("tissue")) {
+    for (SceneTable& table : root.tables("tissue")) {
       tissues.push_back(read_tissue(table, known, other));
     }
   }
@@ -186,19 +171,20 @@ std::vector<TissueSettings> read_tissues(TomlTable& root) {
 
 // --- [[body]] -----------------------------------------------------------------------------------
 
-std::vector<BodySettings> read_bodies(TomlTable& root, const std::vector<TissueSettings>& tissues) {
-  std::vector<TomlTable> tables = root.tables("body");
+std::vector<BodySettings> read_bodies(SceneTable& root,
+                                      const std::vector<TissueSettings>& tissues) {
+  std::vector<SceneTable> tables = root.tables("body");
   if (tables.size() > kMaxBodies) {
     root.fail("body", std::to_string(tables.size()), "at most " + std::to_string(kMaxBodies));
   }
   std::vector<BodySettings> bodies;
-  for (TomlTable& table : tables) {
+  for (SceneTable& table : tables) {
     BodySettings& b = bodies.emplace_back();
     b.name = table.text("name", "body " + std::to_string(bodies.size()));
     b.solid = read_solid(table);
     b.world_from_grid = {b.solid.position_m, rotation_xyz(b.solid.rotation)};
     b.solid.position_m = b.solid.rotation = Eigen::Vector3d::Zero();
-    b.cuttable = table.boolean("cuttable", b.cuttable);
+    b.cuttable = table.boolean("cuttable");
     if (b.cuttable && !root.has("cutting")) {
       table.fail("cuttable", "a cuttable body without [cutting]", "both of them");
     }
@@ -219,46 +205,44 @@ std::vector<BodySettings> read_bodies(TomlTable& root, const std::vector<TissueS
 
 // --- [burr], [trajectory], [haptics] ------------------------------------------------------------
 
-BurrSettings read_burr(TomlTable& root) {
+BurrSettings read_burr(SceneTable& root) {
   BurrSettings b;
   auto table = root.table("burr");
   if (!table) return b;
-  constexpr std::array<std::string_view, 5> kShapes{"round", "pear", "fissure", "inverted_cone",
-                                                    "flame"};
   b.file = table->path("file");
-  const auto shape = table->choice("shape", kShapes);
+  const auto shape = table->choice_if("shape");
   if (shape && !b.file.empty()) table->fail("shape", "both a shape and a file", "one of them");
   if (!b.file.empty()) b.shape = BurrShape::kFile;
   if (shape) b.shape = BurrShape(*shape);
-  b.diameter_m = table->number("diameter_mm", {0.3, 5.0}, 1.4) * kMillimetre;
-  if (const auto length = table->number("length_mm", {0.2, 15.0})) {
+  b.diameter_m = table->number("diameter_mm") * kMillimetre;
+  if (const auto length = table->number_if("length_mm")) {
     b.length_m = *length * kMillimetre;
   }
-  b.speed_rad_per_s = table->number("speed_rpm", {0, 500000}, 7000) * kRevolutionPerMinute;
-  b.tangential_ratio = table->number("tangential_ratio", {0, 2}, 0.3);
+  b.speed_rad_per_s = table->number("speed_rpm") * kRevolutionPerMinute;
+  b.tangential_ratio = table->number("tangential_ratio");
   if (table->is_text("field")) {
-    constexpr std::array<std::string_view, 1> kAuto{"auto"};
-    (void)table->choice("field", kAuto);
+    table->expect_word("field", "auto");
     b.field_samples.reset();
-  } else if (const std::vector<double> n = table->numbers("field", 3, {2, 1024}); !n.empty()) {
-    b.field_samples = vector3(n).cast<int>();
-    if (b.field_samples->cast<double>() != vector3(n)) {
+  } else {
+    const Eigen::Vector3d n = table->vector3("field");
+    b.field_samples = n.cast<int>();
+    if (b.field_samples->cast<double>() != n) {
       table->fail("field", "fractions", "3 whole numbers, or \"auto\"");
     }
   }
-  if (const auto spacing = table->number("field_spacing_mm", {1e-4, 10})) {
+  if (const auto spacing = table->number_if("field_spacing_mm")) {
     b.field_spacing_m = *spacing * kMillimetre;
   }
-  b.reference_m = table->number("reference_mm", {0, 500}, 40) * kMillimetre;
+  b.reference_m = table->number("reference_mm") * kMillimetre;
   table->finish();
   return b;
 }
 
-TrajectorySettings read_trajectory(TomlTable& root) {
+TrajectorySettings read_trajectory(SceneTable& root) {
   TrajectorySettings t;
   auto table = root.table("trajectory");
   if (!table) root.fail("trajectory", "no such table", "[trajectory] with points_mm or a file");
-  for (const auto& p : table->rows("points_mm", 3, "x, y, z", kAnyLength_mm)) {
+  for (const auto& p : table->rows("points_mm")) {
     t.points_m.push_back(vector3(p) * kMillimetre);
   }
   t.file = table->path("file");
@@ -271,11 +255,11 @@ TrajectorySettings read_trajectory(TomlTable& root) {
         sources == 0 ? "neither points nor a file" : "more than one of points, file and recording",
         "one of them");
   }
-  t.axis = table->direction("axis").value_or(t.axis);
-  t.speed_m_per_s = table->number("speed_mm_per_s", {1e-3, 1e4}, 0.4) * kMillimetre;
-  t.hold_s = table->number("hold_s", {0, 1e6}, 0.0);
-  t.load_N = table->number("load_N", {1e-3, 100});
-  if (const auto direction = table->direction("load_direction")) {
+  t.axis = table->direction("axis");
+  t.speed_m_per_s = table->number("speed_mm_per_s") * kMillimetre;
+  t.hold_s = table->number("hold_s");
+  t.load_N = table->number_if("load_N");
+  if (const auto direction = table->direction_if("load_direction")) {
     if (!t.load_N) table->fail("load_direction", "a direction without load_N", "both of them");
     t.load_direction = *direction;
   }
@@ -284,8 +268,8 @@ TrajectorySettings read_trajectory(TomlTable& root) {
 }
 
 /// The cheapest normals that meet haptics.normal_error_deg, where a scene names it.
-void read_normal_error(TomlTable& table, HapticsSettings& h) {
-  h.normal_error_deg = table.number("normal_error_deg", {0, 90});
+void read_normal_error(SceneTable& table, HapticsSettings& h) {
+  h.normal_error_deg = table.number_if("normal_error_deg");
   if (!h.normal_error_deg) return;
   for (const std::string_view key : {"normals", "neighbourhood", "trace"}) {
     if (table.has(key)) {
@@ -307,47 +291,45 @@ void read_normal_error(TomlTable& table, HapticsSettings& h) {
   h.trace = choice->trace;
 }
 
-HapticsSettings read_haptics(TomlTable& root) {
+HapticsSettings read_haptics(SceneTable& root) {
   HapticsSettings h;
   auto table = root.table("haptics");
   if (!table) return h;
-  h.rate_hz = table->number("rate_hz", {10, 20000}, 1000);
-  if (const auto method = table->choice("normals", kNormalMethodNames))
-    h.normals = NormalMethod(*method);
-  h.neighbourhood = table->integer("neighbourhood", {1, kMaxNeighbourhood}, h.neighbourhood);
-  h.trace = table->integer("trace", {1, kMaxTrace}, h.normals == NormalMethod::kLdmPaper ? 5 : 12);
+  h.rate_hz = table->number("rate_hz");
+  h.normals = NormalMethod(table->choice("normals"));
+  h.neighbourhood = table->whole("neighbourhood");
+  h.trace = table->whole("trace", h.normals == NormalMethod::kLdmPaper ? 5 : 12);
   read_normal_error(*table, h);
-  if (const auto scaling = table->choice("scaling", kScalingNames)) h.scaling = Scaling(*scaling);
-  h.keep_normals = table->boolean("keep_normals", h.keep_normals);
-  h.refine_per_tick = table->integer("refine_per_tick", {0, 1 << 20}, h.refine_per_tick);
-  h.max_contacts = table->integer("max_contacts", {1, 1 << 20}, h.max_contacts);
+  h.scaling = Scaling(table->choice("scaling"));
+  h.keep_normals = table->boolean("keep_normals");
+  h.refine_per_tick = table->whole("refine_per_tick");
+  h.max_contacts = table->whole("max_contacts");
   table->finish();
   return h;
 }
 
 // --- [goal] -------------------------------------------------------------------------------------
 
-GoalSettings read_goal(TomlTable& table) {
+GoalSettings read_goal(SceneTable& table) {
   GoalSettings g;
-  constexpr std::array<std::string_view, 2> kShapes{"box", "cylinder"};
-  const auto shape = table.choice("shape", kShapes);
+  const auto shape = table.choice_if("shape");
   g.file = table.path("file");
   if (shape.has_value() == !g.file.empty()) {
     table.fail("shape", shape ? "both a shape and a file" : "neither a shape nor a file",
                "box, cylinder, or a file");
   }
-  g.position_m = vector3_or(table, "position_mm", kAnyLength_mm, kMillimetre, g.position_m);
-  g.rotation = vector3_or(table, "rotation_deg", {-360, 360}, kDegree, g.rotation);
+  g.position_m = table.vector3("position_mm") * kMillimetre;
+  g.rotation = table.vector3("rotation_deg") * kDegree;
   if (!shape) {
     g.shape = GoalShape::kFile;
-    g.solid_above = table.number("solid_above", {-1e9, 1e9});
+    g.solid_above = table.number_if("solid_above");
     table.finish();
     return g;
   }
   g.shape = GoalShape(*shape);
-  const std::vector<double> size_mm = table.numbers("size_mm", 3, kSize_mm);
-  const auto diameter_mm = table.number("diameter_mm", kSize_mm);
-  const auto depth_mm = table.number("depth_mm", kSize_mm);
+  const std::vector<double> size_mm = table.numbers_if("size_mm");
+  const auto diameter_mm = table.number_if("diameter_mm");
+  const auto depth_mm = table.number_if("depth_mm");
   const bool is_box = g.shape == GoalShape::kBox;
   if (is_box == size_mm.empty() || is_box == diameter_mm.has_value() ||
       is_box == depth_mm.has_value()) {
@@ -357,7 +339,7 @@ GoalSettings read_goal(TomlTable& table) {
   if (is_box) g.size_m = vector3(size_mm) * kMillimetre;
   g.diameter_m = diameter_mm.value_or(0.0) * kMillimetre;
   g.depth_m = depth_mm.value_or(0.0) * kMillimetre;
-  g.taper = table.number("taper_deg", {-45, 45}, 0.0) * kDegree;
+  g.taper = table.number("taper_deg") * kDegree;
   const double height_m = is_box ? g.size_m.z() : g.depth_m;
   const double width_m = is_box ? std::min(g.size_m.x(), g.size_m.y()) : g.diameter_m;
   if (std::tan(std::abs(g.taper)) * height_m >= width_m) {
@@ -369,7 +351,7 @@ GoalSettings read_goal(TomlTable& table) {
 
 // --- [device], [coupling] -----------------------------------------------------------------------
 
-void read_device_tables(TomlTable& root, Scene& scene) {
+void read_device_tables(SceneTable& root, Scene& scene) {
   if (auto table = root.table("device")) {
     scene.device = read_device(*table, scene.haptics.rate_hz);
   }
@@ -384,17 +366,17 @@ void read_device_tables(TomlTable& root, Scene& scene) {
 
 // --- The optional tables ------------------------------------------------------------------------
 
-void read_optional_tables(TomlTable& root, Scene& scene) {
+void read_optional_tables(SceneTable& root, Scene& scene) {
   if (auto table = root.table("cutting")) {
     CuttingSettings& c = scene.cutting.emplace();
-    c.max_cut_voxels = table->integer("max_cut_voxels", {1, 1 << 26}, c.max_cut_voxels);
+    c.max_cut_voxels = table->whole("max_cut_voxels");
     table->finish();
   }
   if (auto table = root.table("spindle")) {
     if (!scene.cutting) root.fail("spindle", "[spindle] without [cutting]", "both, or neither");
     SpindleSettings& s = scene.spindle.emplace();
-    s.stall_torque_Nm = table->number("stall_torque_mNm", {1e-3, 1e4}, 1.0) * 1e-3;
-    s.inertia_kg_m2 = table->number("inertia_g_mm2", {1e-3, 1e6}, 5.0) * 1e-9;
+    s.stall_torque_Nm = table->number("stall_torque_mNm") * 1e-3;
+    s.inertia_kg_m2 = table->number("inertia_g_mm2") * 1e-9;
     table->finish();
   }
   if (auto table = root.table("loose_pieces")) {
@@ -402,9 +384,9 @@ void read_optional_tables(TomlTable& root, Scene& scene) {
       root.fail("loose_pieces", "[loose_pieces] without [cutting]", "both, or neither");
     }
     LoosePiecesSettings& p = scene.loose_pieces.emplace();
-    p.smallest_m3 = table->number("smallest_mm3", {0, 1e3}, 0.01) * 1e-9;
-    p.friction = table->number("friction", {0, 10}, p.friction);
-    if (const auto floor = table->number("floor_mm", kAnyLength_mm)) {
+    p.smallest_m3 = table->number("smallest_mm3") * 1e-9;
+    p.friction = table->number("friction");
+    if (const auto floor = table->number_if("floor_mm")) {
       p.floor_m = *floor * kMillimetre;
     }
     table->finish();
@@ -415,15 +397,13 @@ void read_optional_tables(TomlTable& root, Scene& scene) {
   }
   if (auto table = root.table("render")) {
     RenderSettings& r = scene.render.emplace();
-    const std::vector<double> size = table->numbers("size", 2, {16, 8192});
-    if (!size.empty()) {
-      r.width = static_cast<int>(size[0]);
-      r.height = static_cast<int>(size[1]);
-    }
-    r.fps = table->number("fps", {0.01, 1000}, r.fps);
-    if (const auto camera = table->choice("camera", kCameraNames)) r.camera = Camera(*camera);
-    r.hud = table->boolean("hud", r.hud);
-    r.arrows = table->boolean("arrows", r.arrows);
+    const std::vector<double> size = table->numbers("size");
+    r.width = static_cast<int>(size[0]);
+    r.height = static_cast<int>(size[1]);
+    r.fps = table->number("fps");
+    r.camera = Camera(table->choice("camera"));
+    r.hud = table->boolean("hud");
+    r.arrows = table->boolean("arrows");
     if (const std::string text = table->text("section", ""); !text.empty()) {
       r.section = parse_section(text);
       if (!r.section) table->fail("section", "'" + text + "'", kSectionForm);
@@ -432,7 +412,7 @@ void read_optional_tables(TomlTable& root, Scene& scene) {
   }
   if (auto table = root.table("record")) {
     scene.record.emplace();
-    scene.record->queue_s = table->number("queue_s", {0.1, 600.0}, scene.record->queue_s);
+    scene.record->queue_s = table->number("queue_s");
     table->finish();
   }
 }
@@ -485,7 +465,7 @@ Scene parse_scene(const std::string& text, const std::string& file,
     changed << parsed << '\n';
     scene.text = changed.str();
   }
-  TomlTable root(parsed, file, "");
+  SceneTable root(TomlTable(parsed, file, ""), "");
   scene.title = root.text("title", std::filesystem::path(file).stem().string());
   scene.workpiece = read_workpiece(root);
   scene.tissues = read_tissues(root);

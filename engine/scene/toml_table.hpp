@@ -10,12 +10,9 @@
 #include <Eigen/Core>
 #include <toml++/toml.h>
 
-namespace sulcus {
+#include "engine/scene/range.hpp"
 
-/// A range that a number must lie in, ends included.
-struct Range {
-  double least, most;
-};
+namespace sulcus {
 
 /// One table of a TOML file being read: every key asked for is remembered, and `finish` refuses the
 /// others. All errors are InputError with file, line and column, key, found and expected.

@@ -1,0 +1,323 @@
+#include "engine/scene/scene_keys.hpp"
+
+#include <array>
+#include <utility>
+
+#include "engine/normals/height_map.hpp"
+#include "engine/scene/device_presets.hpp"
+#include "engine/scene/scene.hpp"
+#include "engine/volume/grid.hpp"
+
+namespace sulcus {
+
+namespace {
+
+constexpr Range kAnyLength_mm{-1e3, 1e3};
+constexpr Range kSize_mm{0.01, 1e3};
+constexpr Range kAngle_deg{-360, 360};
+constexpr Range kGrey{-1e9, 1e9};
+constexpr Range kForce_N{0, 1e3};
+constexpr Range kTorque_mNm{0, 1e5};
+
+using Text = std::string_view;
+
+constexpr SceneKey number(Text key, Range range, Text otherwise, Text what) {
+  return {key, KeyKind::kNumber, range, 1, {}, otherwise, what, {}};
+}
+constexpr SceneKey whole(Text key, Range range, Text otherwise, Text what) {
+  return {key, KeyKind::kWhole, range, 1, {}, otherwise, what, {}};
+}
+constexpr SceneKey numbers(Text key, std::size_t count, Range range, Text otherwise, Text what) {
+  return {key, KeyKind::kNumbers, range, count, {}, otherwise, what, {}};
+}
+constexpr SceneKey rows(Text key, std::size_t count, Text fields, Range range, Text what) {
+  return {key, KeyKind::kRows, range, count, {}, {}, what, fields};
+}
+constexpr SceneKey direction(Text key, Text otherwise, Text what) {
+  return {key, KeyKind::kDirection, {-1e6, 1e6}, 3, {}, otherwise, what, {}};
+}
+constexpr SceneKey boolean(Text key, Text otherwise, Text what) {
+  return {key, KeyKind::kBoolean, {}, 1, {}, otherwise, what, {}};
+}
+constexpr SceneKey text(Text key, Text otherwise, Text what) {
+  return {key, KeyKind::kText, {}, 1, {}, otherwise, what, {}};
+}
+constexpr SceneKey choice(Text key, std::span<const Text> words, Text otherwise, Text what) {
+  return {key, KeyKind::kChoice, {}, 1, words, otherwise, what, {}};
+}
+constexpr SceneKey path(Text key, Text what) {
+  return {key, KeyKind::kPath, {}, 1, {}, {}, what, {}};
+}
+
+constexpr std::array<Text, 6> kShapes{"molar", "sphere", "box", "plate", "torus", "groove"};
+constexpr std::array<Text, 5> kBurrShapes{"round", "pear", "fissure", "inverted_cone", "flame"};
+constexpr std::array<Text, 2> kGoalShapes{"box", "cylinder"};
+constexpr std::array<Text, 1> kModels{"simulated"};
+
+constexpr std::array kTop{
+    text("title", "(the file's name)", "what it is called in pictures and summaries"),
+};
+
+constexpr std::array kWorkpiece{
+    choice("shape", kShapes, "", "a built-in shape; either this or file"),
+    path("file",
+         "a volume (.nrrd .mha .mhd .nii .tif, a DICOM folder) or a mesh (.stl .obj .ply, mm); "
+         "relative to the scene file"),
+    number("solid_above", kGrey, "(a binary mask: above 0)", "grey value from which it is solid"),
+    numbers("spacing_mm", 3, {1e-4, 100}, "(the file's)", "of a volume's voxels"),
+    number("voxel_mm", {1e-3, 10}, "0.0348", "edge of a voxel [Kim and Park 2019]"),
+    numbers("cells", 3, {kLeafEdge, kMaxCellsPerAxis}, "[512, 512, 512]",
+            "voxels along x, y, z, multiples of 8 [Kim and Park 2019]"),
+    numbers("position_mm", 3, kAnyLength_mm, "[0, 0, 0]",
+            "of the solid in the grid; of a [[body]], of its grid in the world"),
+    numbers("rotation_deg", 3, kAngle_deg, "[0, 0, 0]", "about x, then y, then z"),
+};
+constexpr std::array kMolar{
+    number("caries_radius_mm", {0, 2.5}, "0", "of a lesion under the central pit; 0: none"),
+};
+constexpr std::array kSphere{number("radius_mm", kSize_mm, "3", "of the ball")};
+constexpr std::array kBox{numbers("size_mm", 3, kSize_mm, "[6, 6, 6]", "edges")};
+constexpr std::array kPlate{
+    number("thickness_mm", {1e-3, 1e3}, "1", "from face to face"),
+    number("tilt_deg", {-90, 90}, "0", "about y"),
+};
+constexpr std::array kTorus{
+    number("major_mm", kSize_mm, "3", "radius of the ring"),
+    number("minor_mm", kSize_mm, "1", "radius of its tube, less than major_mm"),
+};
+constexpr std::array kGroove{
+    number("angle_deg", {1, 179}, "90", "opening of the V, which runs along x"),
+    number("depth_mm", kSize_mm, "1", "of the V in a flat face"),
+};
+
+constexpr std::array kTissue{
+    text("name", "", "a name of one's own, or enamel, dentine, pulp or caries, which bring theirs"),
+    number("above", kGrey, "", "grey value from which a voxel is of it; the highest that fits"),
+    number("stiffness_N_per_mm", {1e-6, 1e6},
+           "(that of its name, else 30; ten times that with [coupling])",
+           "of the whole contact; of each voxel with scaling = \"none\" [assets/tissues.toml]"),
+    number("specific_energy_J_per_mm3", {1e-9, 1e6}, "(that of its name, else 3.5)",
+           "work of the tangential force per volume removed [assets/tissues.toml]"),
+    numbers("colour", 3, {0, 1}, "(that of its name)", "linear red, green, blue"),
+};
+
+constexpr std::array kBody{
+    text("name", "(body 1, body 2, ...)", "how summaries and messages call it"),
+    boolean("cuttable", "false", "cut like the workpiece; with [cutting] only"),
+    text("tissue", "(as it comes)", "all of it is of this [[tissue]] of the scene"),
+};
+
+constexpr std::array kBurr{
+    choice("shape", kBurrShapes, "(\"round\", unless there is a file)", "of the head [ISO 6360]"),
+    path("file", "a closed mesh, mm, its axis along z from tip to shank"),
+    number("diameter_mm", {0.3, 5.0}, "1.4", "the largest of the head"),
+    number("length_mm", {0.2, 15.0}, "(the shape's ratio to the diameter; all of a file's)",
+           "of the head, which cuts"),
+    number("speed_rpm", {0, 500000}, "7000", "of the spindle [Kim and Park 2019]"),
+    number("tangential_ratio", {0, 2}, "0.3",
+           "beta: tangential to normal force [Kim and Park 2019, eq. 7]"),
+    numbers("field", 3, {2, 1024}, "[128, 512, 128]",
+            "points of the distance field across, along, across, or \"auto\" [Kim and Park 2019]"),
+    number("field_spacing_mm", {1e-4, 10}, "(as fine as the points allow)", "between them"),
+    number("reference_mm", {0, 500}, "40", "torques are about the point this far up the axis"),
+};
+
+constexpr std::array kTrajectory{
+    rows("points_mm", 3, "x, y, z", kAnyLength_mm, "of the burr's tip; either this or file"),
+    path("file", "poses, .csv: t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz, world from tool"),
+    direction("axis", "[0, 0, 1]", "of the burr, from tip to shank"),
+    number("speed_mm_per_s", {1e-3, 1e4}, "0.4", "from point to point"),
+    number("hold_s", {0, 1e6}, "0", "time at the end"),
+    number("load_N", {1e-3, 100}, "",
+           "the tool moves on, at most 20 mm/s, until the contact holds this"),
+    direction("load_direction", "(down, [0, 0, -1])", "where the load pushes; with load_N"),
+};
+
+constexpr std::array kHaptics{
+    number("rate_hz", {10, 20000}, "1000", "ticks a second"),
+    choice("normals", kNormalMethodNames, "\"ldm\"",
+           "method of the contact normals; ldm_paper is Algorithm 1 [Kim and Park 2019]"),
+    whole("neighbourhood", {1, kMaxNeighbourhood}, "6",
+          "NS: voxels to each side that a normal is found from [Kim and Park 2019]"),
+    whole("trace", {1, kMaxTrace}, "(12; ldm_paper: 5)",
+          "alpha: voxels that a map follows the surface up and down [Kim and Park 2019]"),
+    number("normal_error_deg", {0, 90}, "",
+           "instead of the three above: the cheapest normals whose mean error meets it"),
+    choice("scaling", kScalingNames, "\"smooth\"",
+           "of the stiffness by the contacts: count [Kim and Park 2019], mcneely [McNeely 1999]"),
+    boolean("keep_normals", "true", "from tick to tick, under ldm and ldm_fast"),
+    whole("refine_per_tick", {0, 1 << 20}, "16",
+          "kept normals that go over from ldm_fast to ldm; 0: ldm at once for all"),
+    whole("max_contacts", {1, 1 << 20}, "65536", "capacity; beyond it the deepest are kept"),
+};
+
+constexpr std::array kDevice{
+    choice("model", kModels, "", "must be there"),
+    choice("preset", kDevicePresetNames, "\"omni\"", "constants of a device [CHAI3D; ours]"),
+    choice("hand", kHandPresetNames, "\"light\"", "how the handle is held"),
+    number("hand_mass_g", {0, 1e4}, "(the hand's)", "of the hand on the handle"),
+    number("hand_damping_N_s_per_m", {0, 1e3}, "(the hand's)", "between hand and trajectory"),
+    number("hand_stiffness_N_per_m", {0, 1e5}, "(the hand's)", "between hand and trajectory"),
+    number("hand_turning_damping_mNm_s_per_rad", kTorque_mNm, "(the hand's)", "of its direction"),
+    number("hand_turning_stiffness_mNm_per_rad", kTorque_mNm, "(the hand's)", "of its direction"),
+    number("push_N", kForce_N, "0", "that the hand pushes with besides, from the first contact"),
+    number("push_ramp_s", {0, 1e3}, "0.2", "from the first force felt to all of the push"),
+    direction("push_direction", "[0, 0, -1]", "where it pushes, world"),
+    number("force_limit_N", {1e-3, 1e3}, "(the preset's)", "of what is sent to the device"),
+    number("torque_limit_mNm", kTorque_mNm, "(the preset's)", "of what is sent; 0: renders none"),
+    number("mass_g", {1, 1e4}, "(the preset's)", "of the handle"),
+    number("damping_N_s_per_m", {0, 1e3}, "(the preset's)", "of the mechanism"),
+    number("friction_N", kForce_N, "(the preset's)", "of the mechanism"),
+    number("resolution_mm", {0, 10}, "(the preset's)", "of the encoders"),
+    whole("delay_ticks", {0, 1}, "0", "between a force and its being held"),
+    boolean("passivity_controller", "false",
+            "takes energy that was given out back out of the motion [Hannaford and Ryu 2002]"),
+    rows("late_s", 2, "time_s, by_s", {0, 1e6}, "ticks whose force comes late"),
+    rows("silent_s", 2, "from_s, to_s", {0, 1e6}, "when the device does not answer"),
+    rows("jump_s_mm", 4, "time_s, x_mm, y_mm, z_mm", {-1e6, 1e6},
+         "its pose is off by so much from then on"),
+};
+
+constexpr std::array kCoupling{
+    number("stiffness_N_per_mm", {1e-3, 1e3}, "(the device's, else 0.7)",
+           "of the spring between device and tool"),
+    number("turning_stiffness_Nm_per_rad", {1e-4, 1e3}, "0.2", "of the turning spring"),
+    number("force_limit_N", {1e-3, 1e3}, "(the device's, else 3.3)", "it stretches no further"),
+    number("torque_limit_mNm", {1e-3, 1e5}, "(the device's, else 100)", "it turns no further"),
+    whole("evaluations", {1, 100}, "5", "of the contact, in a tick, at most"),
+    whole("contacts_per_tick", {1, 1 << 24}, "20000", "voxels in all of them, at most"),
+};
+
+constexpr std::array kCutting{
+    whole("max_cut_voxels", {1, 1 << 26}, "262144", "capacity for voxels that are part-cut"),
+};
+constexpr std::array kSpindle{
+    number("stall_torque_mNm", {1e-3, 1e4}, "1", "that stops it"),
+    number("inertia_g_mm2", {1e-3, 1e6}, "5", "of rotor and burr"),
+};
+constexpr std::array kLoosePieces{
+    number("smallest_mm3", {0, 1e3}, "0.01", "smaller ones vanish"),
+    number("friction", {0, 10}, "0.4", "coefficient, among them and with the tooth"),
+    number("floor_mm", kAnyLength_mm, "(the bottom of the grid)", "height of the floor"),
+};
+constexpr std::array kGoal{
+    choice("shape", kGoalShapes, "", "of the cavity; either this or file"),
+    path("file", "a mesh or a volume of the cavity"),
+    number("solid_above", kGrey, "(a binary mask: above 0)", "with file: what is of the cavity"),
+    numbers("size_mm", 3, kSize_mm, "", "of a box, half way up"),
+    number("diameter_mm", kSize_mm, "", "of a cylinder, half way up"),
+    number("depth_mm", kSize_mm, "", "of a cylinder, along its z"),
+    number("taper_deg", {-45, 45}, "0", "by which each wall leans outward going up"),
+    numbers("position_mm", 3, kAnyLength_mm, "[0, 0, 0]", "of its centre"),
+    numbers("rotation_deg", 3, kAngle_deg, "[0, 0, 0]", "about x, then y, then z"),
+};
+constexpr std::array kRender{
+    numbers("size", 2, {16, 8192}, "[1280, 720]", "width and height, pixels"),
+    number("fps", {0.01, 1000}, "30", "pictures a second of simulated time"),
+    choice("camera", kCameraNames, "\"review\"", "where it is seen from"),
+    boolean("hud", "true", "figures over the picture"),
+    boolean("arrows", "false", "force and torque at the burr"),
+    text("section", "", "cut open across an axis, \"y=0\" (mm)"),
+};
+constexpr std::array kRecord{
+    number("queue_s", {0.1, 600.0}, "10",
+           "of a stalled disk that is waited for, before rows are left out"),
+};
+
+constexpr std::array<SceneTableKeys, 21> kTables{{
+    {"", false, "at the top of the file", kTop, {}},
+    {"workpiece", false, "what is probed and cut; must be there", kWorkpiece, {}},
+    {"workpiece.molar", false, "with shape = \"molar\"; its crown points to +z", kMolar, {}},
+    {"workpiece.sphere", false, "with shape = \"sphere\"", kSphere, {}},
+    {"workpiece.box", false, "with shape = \"box\"", kBox, {}},
+    {"workpiece.plate", false, "with shape = \"plate\", endless", kPlate, {}},
+    {"workpiece.torus", false, "with shape = \"torus\"", kTorus, {}},
+    {"workpiece.groove", false, "with shape = \"groove\"", kGroove, {}},
+    {"tissue",
+     true,
+     "what it is made of, or tissue = [\"enamel\", ...] alone; (enamel)",
+     kTissue,
+     {}},
+    {"burr", false, "the tool", kBurr, {}},
+    {"trajectory", false, "where it goes; must be there", kTrajectory, {}},
+    {"haptics", false, "how the contact is computed", kHaptics, {}},
+    {"body", true, "a solid beside the workpiece, 15 at most", kBody, "workpiece"},
+    {"device", false, "a simulated device and a hand on it", kDevice, {}},
+    {"coupling", false, "the tool hangs on the device by springs", kCoupling, {}},
+    {"cutting", false, "voxels go when their energy is spent", kCutting, {}},
+    {"spindle", false, "its speed sags under load; with [cutting]", kSpindle, {}},
+    {"loose_pieces", false, "what is cut off falls; with [cutting]", kLoosePieces, {}},
+    {"goal", false, "the cavity to be cut; with [cutting]", kGoal, {}},
+    {"render", false, "pictures are drawn", kRender, {}},
+    {"record", false, "recording.h5 is written", kRecord, {}},
+}};
+
+// Longest first: the first that fits is taken.
+constexpr std::array<std::pair<Text, Text>, 22> kUnits{{{"_mNm_s_per_rad", "mN m s/rad"},
+                                                        {"_mNm_per_rad", "mN m/rad"},
+                                                        {"_Nm_per_rad", "N m/rad"},
+                                                        {"_J_per_mm3", "J/mm3"},
+                                                        {"_N_s_per_m", "N s/m"},
+                                                        {"_mm_per_s", "mm/s"},
+                                                        {"_N_per_mm", "N/mm"},
+                                                        {"_N_per_m", "N/m"},
+                                                        {"_g_mm2", "g mm2"},
+                                                        {"_s_mm", "s, mm"},
+                                                        {"_mm3", "mm3"},
+                                                        {"_mNm", "mN m"},
+                                                        {"_rpm", "rpm"},
+                                                        {"_deg", "deg"},
+                                                        {"_mm", "mm"},
+                                                        {"_hz", "Hz"},
+                                                        {"_kg", "kg"},
+                                                        {"_Nm", "N m"},
+                                                        {"_N", "N"},
+                                                        {"_g", "g"},
+                                                        {"_m", "m"},
+                                                        {"_s", "s"}}};
+
+/// The same below a table that another's stand in for.
+const SceneTableKeys* table_behind(Text name) noexcept {
+  const Text top = name.substr(0, name.find('.'));
+  for (const SceneTableKeys& table : kTables) {
+    if (table.name != top || table.also.empty()) continue;
+    for (const SceneTableKeys& other : kTables) {
+      const Text rest = name.substr(top.size());
+      if (other.name.size() == table.also.size() + rest.size() &&
+          other.name.starts_with(table.also) && other.name.ends_with(rest)) {
+        return &other;
+      }
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+std::span<const SceneTableKeys> scene_tables() noexcept { return kTables; }
+
+const SceneTableKeys* find_scene_table(Text name) noexcept {
+  for (const SceneTableKeys& table : kTables) {
+    if (table.name == name) return &table;
+  }
+  return table_behind(name);
+}
+
+const SceneKey* find_scene_key(Text table, Text key) noexcept {
+  for (const SceneTableKeys* place : {find_scene_table(table), table_behind(table)}) {
+    if (!place) continue;
+    for (const SceneKey& row : place->keys) {
+      if (row.key == key) return &row;
+    }
+  }
+  return nullptr;
+}
+
+Text unit_of_key(Text key) noexcept {
+  for (const auto& [ending, unit] : kUnits) {
+    if (key.ends_with(ending)) return unit;
+  }
+  return {};
+}
+
+}  // namespace sulcus

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "engine/scene/range.hpp"
+
+namespace sulcus {
+
+// Every key that a scene may have, once: the reader (scene_table.hpp) takes kinds, ranges and
+// defaults from here and can read no key that is not here; `sulcus help scene` prints it.
+
+enum class KeyKind : std::uint8_t {
+  kNumber,
+  kWhole,      // a whole number
+  kNumbers,    // an array of `count` numbers
+  kRows,       // an array of at least one such array
+  kDirection,  // three numbers, of any length but none
+  kBoolean,
+  kText,
+  kChoice,  // one of `words`
+  kPath,
+};
+
+struct SceneKey {
+  std::string_view key;
+  KeyKind kind;
+  Range range;                              // of each number; of other kinds: not used
+  std::size_t count;                        // of numbers in an array
+  std::span<const std::string_view> words;  // of a choice
+  /// As TOML: what the reader takes where the key is not there. In brackets "(...)": where that
+  /// comes from. Empty: it must be there, or nothing follows from its absence.
+  std::string_view otherwise;
+  std::string_view what;    // with the source of a value in [], where it is not ours
+  std::string_view fields;  // of a row, "x, y, z"
+};
+
+struct SceneTableKeys {
+  std::string_view name;  // "workpiece.sphere"; empty: the top of the file
+  bool repeated;          // [[name]]
+  std::string_view what;
+  std::span<const SceneKey> keys;
+  std::string_view also;  // a table whose keys, and tables, it may have as well
+};
+
+/// All tables, in the order of the reader.
+std::span<const SceneTableKeys> scene_tables() noexcept;
+
+/// The table of a name, by its own keys or by those that it has from another ("body.sphere" is
+/// "workpiece.sphere"). Null: there is none.
+const SceneTableKeys* find_scene_table(std::string_view name) noexcept;
+/// A key of a table, its own or one that it has from another. Null: there is none.
+const SceneKey* find_scene_key(std::string_view table, std::string_view key) noexcept;
+
+/// Whether the reader takes `otherwise` itself.
+constexpr bool has_default(const SceneKey& key) {
+  return !key.otherwise.empty() && key.otherwise.front() != '(';
+}
+
+/// The unit that a key's name ends in, as it is printed ("N/mm" for stiffness_N_per_mm); empty: it
+/// has none.
+std::string_view unit_of_key(std::string_view key) noexcept;
+
+}  // namespace sulcus

@@ -1,0 +1,147 @@
+#include "engine/scene/scene_table.hpp"
+
+#include <stdexcept>
+#include <string>
+
+namespace sulcus {
+
+namespace {
+
+/// `read` of the default of a key: through the same checks as what a file says.
+template <class Read>
+auto read_default(const SceneKey& key, const Read& read) {
+  if (!has_default(key)) throw std::logic_error("no default: " + std::string(key.key));
+  std::string text(key.key);
+  text.append(" = ").append(key.otherwise);
+  const toml::table parsed = toml::parse(text);
+  TomlTable table(parsed, "scene_keys.cpp", "");
+  return read(table);
+}
+
+std::optional<double> read_number(TomlTable& table, const SceneKey& key) {
+  return table.number(key.key, key.range);
+}
+std::optional<int> read_whole(TomlTable& table, const SceneKey& key) {
+  const bool there = table.has(key.key);
+  const int value = table.integer(key.key, key.range, 0);  // asked for in any case: it is known
+  return there ? std::optional(value) : std::nullopt;
+}
+
+}  // namespace
+
+const SceneKey& SceneTable::key_of(std::string_view key, KeyKind kind) const {
+  const SceneKey* found = find_scene_key(name_, key);
+  if (!found || found->kind != kind) {
+    throw std::logic_error("not in scene_keys.cpp, or of another kind: " + name_ + "." +
+                           std::string(key));
+  }
+  return *found;
+}
+
+std::optional<SceneTable> SceneTable::table(std::string_view key) {
+  std::string name = name_.empty() ? std::string(key) : name_ + "." + std::string(key);
+  if (!find_scene_table(name)) throw std::logic_error("not in scene_keys.cpp: [" + name + "]");
+  std::optional<TomlTable> inner = table_.table(key);
+  if (!inner) return {};
+  return SceneTable(std::move(*inner), std::move(name));
+}
+
+std::vector<SceneTable> SceneTable::tables(std::string_view key) {
+  const SceneTableKeys* known = find_scene_table(key);
+  if (!known || !known->repeated) {
+    throw std::logic_error("not in scene_keys.cpp: [[" + std::string(key) + "]]");
+  }
+  std::vector<SceneTable> all;
+  for (TomlTable& inner : table_.tables(key)) all.emplace_back(std::move(inner), std::string(key));
+  return all;
+}
+
+std::optional<double> SceneTable::number_if(std::string_view key) {
+  return read_number(table_, key_of(key, KeyKind::kNumber));
+}
+
+double SceneTable::number(std::string_view key, double otherwise) {
+  return number_if(key).value_or(otherwise);
+}
+
+double SceneTable::number(std::string_view key) {
+  if (const auto value = number_if(key)) return *value;
+  const SceneKey& row = key_of(key, KeyKind::kNumber);
+  return *read_default(row, [&](TomlTable& table) { return read_number(table, row); });
+}
+
+int SceneTable::whole(std::string_view key, int otherwise) {
+  return read_whole(table_, key_of(key, KeyKind::kWhole)).value_or(otherwise);
+}
+
+int SceneTable::whole(std::string_view key) {
+  const SceneKey& row = key_of(key, KeyKind::kWhole);
+  if (const auto value = read_whole(table_, row)) return *value;
+  return *read_default(row, [&](TomlTable& table) { return read_whole(table, row); });
+}
+
+std::vector<double> SceneTable::numbers_if(std::string_view key) {
+  const SceneKey& row = key_of(key, KeyKind::kNumbers);
+  return table_.numbers(key, row.count, row.range);
+}
+
+std::vector<double> SceneTable::numbers(std::string_view key) {
+  const std::vector<double> values = numbers_if(key);
+  if (!values.empty()) return values;
+  const SceneKey& row = key_of(key, KeyKind::kNumbers);
+  return read_default(row,
+                      [&](TomlTable& table) { return table.numbers(key, row.count, row.range); });
+}
+
+Eigen::Vector3d SceneTable::vector3(std::string_view key) {
+  const std::vector<double> v = numbers(key);
+  return {v.at(0), v.at(1), v.at(2)};
+}
+
+bool SceneTable::boolean(std::string_view key) {
+  const SceneKey& row = key_of(key, KeyKind::kBoolean);
+  const bool otherwise = row.otherwise == "true";
+  return table_.boolean(key, otherwise);
+}
+
+std::optional<std::size_t> SceneTable::choice_if(std::string_view key) {
+  return table_.choice(key, key_of(key, KeyKind::kChoice).words);
+}
+
+std::size_t SceneTable::choice(std::string_view key) {
+  if (const auto place = choice_if(key)) return *place;
+  const SceneKey& row = key_of(key, KeyKind::kChoice);
+  return *read_default(row, [&](TomlTable& table) { return table.choice(key, row.words); });
+}
+
+std::string SceneTable::text(std::string_view key, std::string otherwise) {
+  (void)key_of(key, KeyKind::kText);
+  return table_.text(key, std::move(otherwise));
+}
+
+std::optional<Eigen::Vector3d> SceneTable::direction_if(std::string_view key) {
+  (void)key_of(key, KeyKind::kDirection);
+  return table_.direction(key);
+}
+
+Eigen::Vector3d SceneTable::direction(std::string_view key) {
+  if (const auto given = direction_if(key)) return *given;
+  const SceneKey& row = key_of(key, KeyKind::kDirection);
+  return *read_default(row, [&](TomlTable& table) { return table.direction(key); });
+}
+
+std::vector<std::vector<double>> SceneTable::rows(std::string_view key) {
+  const SceneKey& row = key_of(key, KeyKind::kRows);
+  return table_.rows(key, row.count, row.fields, row.range);
+}
+
+std::string SceneTable::path(std::string_view key) {
+  (void)key_of(key, KeyKind::kPath);
+  return table_.path(key);
+}
+
+void SceneTable::expect_word(std::string_view key, std::string_view word) {
+  (void)table_.choice(key, std::span(&word, 1));
+}
+
+}  // namespace sulcus
