@@ -2,7 +2,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include "app/commands.hpp"
+#include "app/common_options.hpp"
 #include "app/recorded_run.hpp"
 #include "engine/core/error.hpp"
 #include "engine/graphics/surface_mesh.hpp"
@@ -76,12 +76,17 @@ void export_recording(const ExportOptions& options) {
 void add_export_command(CLI::App& program) {
   auto options = std::make_shared<ExportOptions>();
   CLI::App* command = program.add_subcommand("export", "Write the cut tooth or the curves");
-  command->add_option("RECORDING", options->recording, "Recording, .h5")->required();
-  command->add_option("--at", options->at_s, "Time, s (the end)")->check(CLI::NonNegativeNumber);
-  command->add_option("--mesh", options->mesh, "Closed surface, .stl, .obj or .ply, mm");
-  command->add_option("--volume", options->volume,
-                      "Voxels, .nrrd: 0 empty, else 1 + tissue in the scene's order");
-  command->add_option("--csv", options->csv, "One row per tick");
+  add_recording_argument(*command, options->recording);
+  command->add_option("--at", options->at_s, "Time, s (the end)")
+      ->type_name("S")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--mesh", options->mesh, "Closed surface, .stl, .obj or .ply, mm")
+      ->type_name("FILE");
+  command
+      ->add_option("--volume", options->volume,
+                   "Voxels, .nrrd: 0 empty, else 1 + tissue in the scene's order")
+      ->type_name("FILE");
+  command->add_option("--csv", options->csv, "One row per tick up to then")->type_name("FILE");
   command->callback([options] { export_recording(*options); });
 }
 

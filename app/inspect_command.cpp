@@ -8,6 +8,7 @@
 #include "app/commands.hpp"
 #include "app/recorded_run.hpp"
 #include "app/scene_trajectory.hpp"
+#include "app/shipped_scene.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
 #include "engine/import/medical_volume.hpp"
@@ -116,7 +117,8 @@ void inspect_volume(const std::string& file) {
   std::printf("voxels above 0   %td (%.3f mm3)\n", solid, static_cast<double>(solid) * mm.prod());
 }
 
-void inspect(const std::string& file) {
+void inspect(const std::string& given) {
+  const std::string file = scene_file_of(given);
   if (!std::filesystem::exists(file)) {
     throw InputError(file, "", "no such file", "a scene, recording, volume or mesh");
   }
@@ -138,7 +140,7 @@ void add_inspect_command(CLI::App& program) {
   auto file = std::make_shared<std::string>();
   CLI::App* command =
       program.add_subcommand("inspect", "Say what a scene, recording, volume or mesh holds");
-  command->add_option("FILE", *file, "File to look at")->required();
+  command->add_option("FILE", *file, "File to look at")->required()->type_name("FILE");
   command->callback([file] { inspect(*file); });
 }
 

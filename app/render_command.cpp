@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "app/commands.hpp"
+#include "app/common_options.hpp"
 #include "app/film_colours.hpp"
 #include "app/recorded_film.hpp"
 #include "app/review_page.hpp"
@@ -220,21 +220,26 @@ void render(RenderOptions options) {
 void add_render_command(CLI::App& program) {
   auto options = std::make_shared<RenderOptions>();
   CLI::App* command = program.add_subcommand("render", "Draw pictures or a video of a recording");
-  command->add_option("RECORDING", options->recording, "Recording, .h5")->required();
-  command->add_option("-o", options->folder, "Folder for the pictures (render/ beside it)");
+  add_recording_argument(*command, options->recording);
+  command->add_option("-o", options->folder, "Folder for the pictures (render/ beside it)")
+      ->type_name("DIR");
   command->add_option("--at", options->at_s, "Time to draw, s; repeatable (the end)")
+      ->type_name("S")
       ->expected(1)
       ->take_all();
   command->add_option("--fps", options->fps, "Draw the whole run, this many pictures a second")
+      ->type_name("N")
       ->check(CLI::Range(0.01, 1000.0));
-  command->add_option("--size", options->size, "Pixels, WxH");
+  command->add_option("--size", options->size, "Pixels (as the scene says)")->type_name("WxH");
   command
       ->add_option("--camera", options->cameras,
                    "review, occlusal, buccal, mesial, burr (which follows it), or\n"
                    "AZIMUTH,ELEVATION[,ZOOM] in degrees from mesial to lingual and up; repeatable")
+      ->type_name("CAMERA")
       ->expected(1)
       ->take_all();
-  command->add_option("--section", options->section, "Cut open across an axis, such as y=0 (mm)");
+  command->add_option("--section", options->section, "Cut open across an axis, such as y=0 (mm)")
+      ->type_name("AXIS=MM");
   command
       ->add_option(
           "--colour-by", options->colour_by,
@@ -242,6 +247,7 @@ void add_render_command(CLI::App& program) {
           "scene's [goal]; contacts: in how many ticks it was touched (the run is computed\n"
           "again); normal_error: how far the normals that are felt are off those of the\n"
           "exact method (up to a minute for each time)")
+      ->type_name("WHAT")
       ->check(
           CLI::IsMember(std::vector<std::string>(kColourByNames.begin(), kColourByNames.end())));
   command->add_flag("--arrows", options->arrows, "Show force and torque at the burr");
@@ -249,11 +255,16 @@ void add_render_command(CLI::App& program) {
                     "Show the voxels in contact, by their force (some ticks are computed again)");
   command->add_flag("--no-hud", options->no_hud, "No figures");
   command->add_flag("--no-handpiece", options->no_handpiece, "The burr alone, without a handpiece");
-  command->add_option("--video", options->video, "Write an MP4 (30 pictures a second)");
-  command->add_option("--sheet", options->sheet,
-                      "Write all into one picture: times down, cameras across");
-  command->add_option("--review", options->review,
-                      "Write a page on the run, .html, that needs nothing beside it");
+  command->add_option("--video", options->video, "Write an MP4 (30 pictures a second)")
+      ->type_name("FILE");
+  command
+      ->add_option("--sheet", options->sheet,
+                   "Write all into one picture, .png: times down, cameras across")
+      ->type_name("FILE");
+  command
+      ->add_option("--review", options->review,
+                   "Write a page on the run, .html, that needs nothing beside it")
+      ->type_name("FILE");
   command->callback([options] { render(*options); });
 }
 

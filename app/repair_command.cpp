@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "app/commands.hpp"
+#include "app/common_options.hpp"
 #include "engine/core/error.hpp"
 #include "engine/recording/recording_reader.hpp"
 #include "engine/recording/recording_writer.hpp"
@@ -87,8 +87,8 @@ void add_repair_command(CLI::App& program) {
   auto recording = std::make_shared<std::string>(), file = std::make_shared<std::string>();
   CLI::App* command = program.add_subcommand(
       "repair", "Write a clean copy of a recording that was not closed or is damaged");
-  command->add_option("RECORDING", *recording, "Recording, .h5")->required();
-  command->add_option("-o", *file, "New file")->required();
+  add_recording_argument(*command, *recording);
+  command->add_option("-o", *file, "New file, .h5")->required()->type_name("FILE");
   command->callback([recording, file] { repair(*recording, *file); });
 }
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "app/common_options.hpp"
 #include "app/changed_burr.hpp"
-#include "app/commands.hpp"
 #include "app/continued_run.hpp"
 #include "app/recorded_state.hpp"
 #include "app/results.hpp"
@@ -109,25 +109,21 @@ void replay(const ReplayOptions& options) {
 void add_replay_command(CLI::App& program) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* command = program.add_subcommand("replay", "Run a recording again, tick by tick");
-  command->add_option("RECORDING", options->recording, "Recording, .h5")->required();
+  add_recording_argument(*command, options->recording);
   CLI::Option* const folder =
-      command->add_option("-o", options->folder, "Folder for the results (out/<recording>_replay)");
+      command->add_option("-o", options->folder, "Folder for the results (out/<recording>_replay)")
+          ->type_name("DIR");
   CLI::Option* const verify = command->add_flag(
       "--verify", options->verify, "Only compare every tick's forces and the volume, bit for bit");
   command
       ->add_option("--from", options->from_s,
                    "Go on from this time of the recording, s; what "
                    "comes is a recording of its own")
+      ->type_name("S")
       ->check(CLI::NonNegativeNumber);
-  CLI::Option* const set = command
-                               ->add_option("--set", options->overrides,
-                                            "TABLE.KEY=VALUE, changes the scene from there on")
-                               ->expected(1)
-                               ->take_all();
-  CLI::Option* const pace =
-      command
-          ->add_option("--pace", options->pace, "real: 1 tick each 1 / rate_hz; fast: no waiting")
-          ->check(CLI::IsMember({"real", "fast"}));
+  CLI::Option* const set =
+      add_set_option(*command, options->overrides, "Change a key of the scene from there on");
+  CLI::Option* const pace = add_pace_option(*command, options->pace);
   for (CLI::Option* const unused : {folder, set, pace}) verify->excludes(unused);
   add_threads_option(*command, options->threads);
   command->callback([options] { replay(*options); });

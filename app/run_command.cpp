@@ -1,10 +1,11 @@
 #include <cmath>
 #include <memory>
 
-#include "app/commands.hpp"
+#include "app/common_options.hpp"
 #include "app/loaded_run.hpp"
 #include "app/results.hpp"
 #include "app/scene_trajectory.hpp"
+#include "app/shipped_scene.hpp"
 #include "app/thread_limit.hpp"
 #include "engine/cache/load_cache.hpp"
 #include "engine/scene/scene_file.hpp"
@@ -28,13 +29,14 @@ void run(const RunOptions& options) {
   // All input is read before anything is written.
   const InputLimits limits{
       .memory_bytes = static_cast<std::uint64_t>(options.limit_gib * InputLimits::kGibibyte)};
-  const Scene scene = load_scene(options.scene, options.overrides, limits);
+  const std::string file = scene_file_of(options.scene);
+  const Scene scene = load_scene(file, options.overrides, limits);
   const Trajectory trajectory = scene_trajectory(scene, limits);
   LoadCache cache = options.no_cache ? LoadCache() : LoadCache::of_user();
   LoadedRun loaded = load_run(scene, trajectory.pose_at(0.0), cache);
 
   SessionOptions session;
-  session.folder = options.folder.empty() ? default_folder(options.scene) : options.folder;
+  session.folder = options.folder.empty() ? default_folder(file) : options.folder;
   session.pace = options.pace == "real" ? Pace::kReal : Pace::kFast;
   session.render = !options.no_render;
   session.goal = std::move(loaded.goal);
@@ -59,22 +61,23 @@ void run(const RunOptions& options) {
 void add_run_command(CLI::App& program) {
   auto options = std::make_shared<RunOptions>();
   CLI::App* command = program.add_subcommand("run", "Run a scene");
-  command->add_option("SCENE", options->scene, "Scene file, .toml")->required();
-  command->add_option("-o", options->folder, "Folder for the results (out/<scene>)");
-  command->add_option("--pace", options->pace, "real: 1 tick each 1 / rate_hz; fast: no waiting")
-      ->check(CLI::IsMember({"real", "fast"}));
-  command->add_option("--duration", options->duration_s, "Seconds of the run's time to simulate")
+  command->add_option("SCENE", options->scene, kSceneArgument)->required()->type_name("FILE");
+  command->add_option("-o", options->folder, "Folder for the results (out/<scene>)")
+      ->type_name("DIR");
+  add_pace_option(*command, options->pace);
+  command
+      ->add_option("--duration", options->duration_s,
+                   "Seconds of the run's time to simulate (all of the trajectory)")
+      ->type_name("S")
       ->check(CLI::Range(1e-6, 1e6));
-  // One value a time: without this the option would swallow what follows it.
-  command->add_option("--set", options->overrides, "TABLE.KEY=VALUE, changes the scene; repeatable")
-      ->expected(1)
-      ->take_all();
+  add_set_option(*command, options->overrides, "Change a key of the scene; repeatable");
   command->add_flag("--no-render", options->no_render, "Draw nothing, whatever the scene says");
   command->add_flag("--no-cache", options->no_cache, "Make all anew, and keep nothing of it");
   add_threads_option(*command, options->threads);
   command
       ->add_option("--limit-gib", options->limit_gib,
                    "GiB that the contents of a volume, mesh or pose table may take once read (4)")
+      ->type_name("GIB")
       ->check(CLI::Range(1e-3, 1024.0));
   command->callback([options] { run(*options); });
 }

@@ -12,6 +12,7 @@ namespace sulcus {
 /// The option --threads of a command, 0 where it is not given.
 inline void add_threads_option(CLI::App& command, int& threads) {
   command.add_option("--threads", threads, "Threads for loading and meshing (all cores)")
+      ->type_name("N")
       ->check(CLI::Range(1, 1024));
 }
 

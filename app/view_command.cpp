@@ -1,7 +1,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "app/commands.hpp"
+#include "app/common_options.hpp"
+#include "app/shipped_scene.hpp"
 #include "app/view_windows.hpp"
 #include "engine/core/error.hpp"
 
@@ -9,7 +10,8 @@ namespace sulcus {
 
 namespace {
 
-void view(const ViewOptions& options) {
+void view(ViewOptions options) {
+  options.file = scene_file_of(options.file);
   const std::string kind = std::filesystem::path(options.file).extension().string();
   if (kind == ".h5") {
     if (!options.overrides.empty()) {
@@ -30,11 +32,12 @@ void add_view_command(CLI::App& program) {
   auto options = std::make_shared<ViewOptions>();
   CLI::App* command = program.add_subcommand(
       "view", "Open a window: a scene under the mouse, or a recording to be scrubbed");
-  command->add_option("FILE", options->file, "Scene, .toml, or recording, .h5")->required();
-  command->add_option("-o", options->folder, "Folder for the results (out/<name>_view)");
-  command->add_option("--set", options->overrides, "TABLE.KEY=VALUE, changes the scene; repeatable")
-      ->expected(1)
-      ->take_all();
+  command->add_option("FILE", options->file, "Scene, .toml, or recording, .h5")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("-o", options->folder, "Folder for the results (out/<name>_view)")
+      ->type_name("DIR");
+  add_set_option(*command, options->overrides, "Change a key of the scene; repeatable");
   command->callback([options] { view(*options); });
 }
 
