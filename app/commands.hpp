@@ -14,5 +14,7 @@ void add_view_command(CLI::App& program);
 void add_repair_command(CLI::App& program);
 void add_export_command(CLI::App& program);
 void add_inspect_command(CLI::App& program);
+/// Of those that were added before it.
+void add_help_command(CLI::App& program);
 
 }  // namespace sulcus

@@ -5,6 +5,7 @@
 
 #include "app/build_info.hpp"
 #include "app/commands.hpp"
+#include "app/manual.hpp"
 #include "app/session.hpp"
 #include "engine/core/error.hpp"
 
@@ -30,6 +31,8 @@ int main(int argc, char** argv) {
   sulcus::add_export_command(program);
   sulcus::add_inspect_command(program);
   sulcus::add_repair_command(program);
+  sulcus::add_help_command(program);  // last: it knows the others
+  program.footer(sulcus::program_footer());
   try {
     program.parse(argc, argv);
   } catch (const CLI::Success& success) {  // --help, --version

@@ -123,8 +123,9 @@ constexpr std::array kBurr{
 };
 
 constexpr std::array kTrajectory{
-    rows("points_mm", 3, "x, y, z", kAnyLength_mm, "of the burr's tip; either this or file"),
+    rows("points_mm", 3, "x, y, z", kAnyLength_mm, "of the burr's tip; this, file or recording"),
     path("file", "poses, .csv: t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz, world from tool"),
+    path("recording", "an earlier recording, .h5, whose device's poses it is"),
     direction("axis", "[0, 0, 1]", "of the burr, from tip to shank"),
     number("speed_mm_per_s", {1e-3, 1e4}, "0.4", "from point to point"),
     number("hold_s", {0, 1e6}, "0", "time at the end"),

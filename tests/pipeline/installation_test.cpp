@@ -108,7 +108,11 @@ TEST(Installation, TheProgramRunsItsScenesFromAnyFolder) {
     EXPECT_NE(result.err.find("sulcus: " + std::string(scene) + ": "), std::string::npos)
         << result.err;
   }
-  EXPECT_TRUE(fs::exists(scratch.path("moved/share/sulcus/assets/tissues.toml")));
+  for (const char* file :
+       {"share/man/man1/sulcus.1", "share/man/man1/sulcus-run.1", "share/man/man5/sulcus-scene.5",
+        "share/sulcus/assets/tissues.toml", "share/bash-completion/completions/sulcus"}) {
+    EXPECT_TRUE(fs::exists(scratch.path("moved/") + file)) << file;
+  }
   EXPECT_TRUE(fs::is_directory(scratch.path("moved/lib/sulcus/plugins")));
 }
 

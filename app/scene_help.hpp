@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/scene/scene_keys.hpp"
+
+namespace sulcus {
+
+/// A text broken at spaces; further lines begin with `indent` of them, as does, unwritten, the
+/// first.
+std::string wrapped(const std::string& text, std::size_t indent, std::size_t columns);
+
+/// A key as help and manual tell it.
+struct KeyHelp {
+  std::string key, values, what;  // values: type, unit, range, default
+};
+KeyHelp help_of(const SceneKey& key);
+
+/// "[burr]", "[[body]]", and for the top of the file its title alone.
+std::string heading_of(const SceneTableKeys& table);
+/// What the table is, and whose keys it has besides.
+std::string text_of(const SceneTableKeys& table);
+
+/// All tables with all keys, for a terminal of 100 columns.
+std::string scene_help();
+
+/// TABLE.KEY of every key that --set can change.
+std::vector<std::string> keys_to_set();
+
+}  // namespace sulcus
