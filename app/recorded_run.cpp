@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <utility>
 
 #include "engine/core/error.hpp"
@@ -90,6 +91,11 @@ RecordedRun open_recorded_run(const std::string& path) {
       continue;
     }
     poses.push_back(pose_of(row.device_position_m, row.device_orientation));
+    // The row has the pose before; that of the device was not finite, and no contact was looked
+    // for.
+    if ((row.faults & kFaultNotFinite) != 0 && row.leaves == 0) {
+      poses.back()->position.setConstant(std::numeric_limits<double>::quiet_NaN());
+    }
   }
   std::vector<TakenAnswer> late;
   for (const TakenAnswerRow& row : reader.taken_answers()) late.push_back({row.asked, row.taken});
