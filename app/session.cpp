@@ -68,6 +68,12 @@ class Pacer {
   std::uint64_t period_ns_, next_ns_ = 0, missed_ = 0;
 };
 
+bool is_zero_force(const TickRecord& record) {
+  const auto is_zero = [](double x) { return x == 0.0; };
+  return std::ranges::all_of(record.force_N, is_zero) &&
+         std::ranges::all_of(record.torque_Nm, is_zero);
+}
+
 /// The loop around the tick: what only a thread with a clock knows.
 class HapticLoop {
  public:
@@ -110,8 +116,10 @@ class HapticLoop {
       }
       publish(report);
       if (report.record.faults & kFaultNotFinite) break;
+      if (device_.is_gone() && is_zero_force(report.record)) break;
       progress();
     }
+    device_.release();        // first of all: what follows may wait for the disk
     if (records() && gap_) {  // time does not matter any more
       wait_for_room(dropped_);
       --dropped_rows_;
