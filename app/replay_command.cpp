@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "app/common_options.hpp"
 #include "app/changed_burr.hpp"
+#include "app/common_options.hpp"
 #include "app/continued_run.hpp"
 #include "app/recorded_state.hpp"
 #include "app/results.hpp"

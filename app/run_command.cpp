@@ -1,13 +1,19 @@
 #include <cmath>
 #include <memory>
+#include <utility>
+
+#include <spdlog/spdlog.h>
 
 #include "app/common_options.hpp"
 #include "app/loaded_run.hpp"
+#include "app/plugin_device.hpp"
+#include "app/plugin_library.hpp"
 #include "app/results.hpp"
 #include "app/scene_trajectory.hpp"
 #include "app/shipped_scene.hpp"
 #include "app/thread_limit.hpp"
 #include "engine/cache/load_cache.hpp"
+#include "engine/core/error.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "haptics/device/simulated_device.hpp"
 
@@ -16,7 +22,7 @@ namespace sulcus {
 namespace {
 
 struct RunOptions {
-  std::string scene, folder, pace = "fast";
+  std::string scene, folder, pace = "fast", plugins;
   double duration_s = 0.0;  // 0: the whole trajectory
   std::vector<std::string> overrides;
   bool no_render = false, no_cache = false;
@@ -24,14 +30,41 @@ struct RunOptions {
   double limit_gib = 4.0;
 };
 
+/// Opens the plug-in that a scene names; the scene then says the limits of the device, so that it
+/// replays without the plug-in. Null where it names none.
+std::unique_ptr<PluginDevice> open_plugin(const std::string& file, const RunOptions& options,
+                                          const InputLimits& limits, const Trajectory& trajectory,
+                                          Scene& scene) {
+  if (!scene.device || !scene.device->plugin) return nullptr;
+  auto device = std::make_unique<PluginDevice>(scene, trajectory, plugin_folders(options.plugins),
+                                               options.pace == "real");
+  std::vector<std::string> overrides = options.overrides;
+  for (std::string& limit : device->limits_as_overrides()) overrides.push_back(std::move(limit));
+  scene = load_scene(file, overrides, limits);
+  return device;
+}
+
+/// Says what there is to say of how it went. Throws where the device ended the run.
+void end_plugin(PluginDevice& device) {
+  try {
+    for (const std::string& line : device.end()) spdlog::warn("{}", line);
+  } catch (const std::exception& why) {  // the terminal gets it from where it is caught
+    spdlog::info("{}", why.what());
+    throw;
+  }
+  spdlog::info("{}: its longest call took {:.3f} ms", device.title(), device.longest_call_ms());
+}
+
 void run(const RunOptions& options) {
   const ThreadLimit limit(options.threads);
   // All input is read before anything is written.
   const InputLimits limits{
       .memory_bytes = static_cast<std::uint64_t>(options.limit_gib * InputLimits::kGibibyte)};
   const std::string file = scene_file_of(options.scene);
-  const Scene scene = load_scene(file, options.overrides, limits);
+  Scene scene = load_scene(file, options.overrides, limits);
   const Trajectory trajectory = scene_trajectory(scene, limits);
+  const std::unique_ptr<PluginDevice> plugin =
+      open_plugin(file, options, limits, trajectory, scene);
   LoadCache cache = options.no_cache ? LoadCache() : LoadCache::of_user();
   LoadedRun loaded = load_run(scene, trajectory.pose_at(0.0), cache);
 
@@ -48,12 +81,18 @@ void run(const RunOptions& options) {
   log_loading(scene, loaded, cache);
   ScriptedDevice script(trajectory, scene.haptics.rate_hz);
   std::optional<SimulatedDevice> simulated;
-  if (scene.device) {
-    simulated.emplace(*scene.device, trajectory, scene.haptics.rate_hz, scene.burr.reference_m);
+  Device* device = &script;
+  if (plugin) {
+    device = plugin.get();
+    spdlog::info("{}: {}", plugin->title(), plugin->own_name());
+    plugin->begin([&](const Pose& pose) { return loaded.simulation->is_free(pose); });
+  } else if (scene.device) {
+    device = &simulated.emplace(*scene.device, trajectory, scene.haptics.rate_hz,
+                                scene.burr.reference_m);
   }
-  Device& device = simulated ? static_cast<Device&>(*simulated) : script;
-  const SessionResult result = run_session(*loaded.simulation, device, session);
+  const SessionResult result = run_session(*loaded.simulation, *device, session);
   write_results(*loaded.simulation, result, session, loaded.loading);
+  if (plugin) end_plugin(*plugin);
 }
 
 }  // namespace
@@ -71,6 +110,12 @@ void add_run_command(CLI::App& program) {
       ->type_name("S")
       ->check(CLI::Range(1e-6, 1e6));
   add_set_option(*command, options->overrides, "Change a key of the scene; repeatable");
+  command
+      ->add_option(
+          "--plugins", options->plugins,
+          "Folder in which the scene's device plug-in is looked for first (the installed one)")
+      ->type_name("DIR")
+      ->check(CLI::ExistingDirectory);
   command->add_flag("--no-render", options->no_render, "Draw nothing, whatever the scene says");
   command->add_flag("--no-cache", options->no_cache, "Make all anew, and keep nothing of it");
   add_threads_option(*command, options->threads);

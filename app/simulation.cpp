@@ -1,5 +1,6 @@
 #include "app/simulation.hpp"
 
+#include <algorithm>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -38,6 +39,17 @@ SimulationState state_with_neighbours(const Scene& scene, const VoxelGrid& grid,
   return state;
 }
 
+Eigen::Vector3d middle_of_head(const Burr& burr, const Pose& tool) {
+  return tool.point(Eigen::Vector3d(0.0, 0.5 * burr.head_length_m, 0.0));
+}
+
+/// A point of the world that is further off than a grid may be is in none.
+bool is_inside(const VoxelModel& solid, const Pose& world_from_grid, const Eigen::Vector3d& world) {
+  const Eigen::Vector3d index = solid.grid.index_from_world(world_from_grid.inverse_point(world));
+  if (!(index.cwiseAbs().maxCoeff() < 1e6)) return false;
+  return solid.solid((index.array() + 0.5).floor().cast<int>());
+}
+
 }  // namespace
 
 Simulation::Simulation(const Scene& scene, VoxelModel start, std::vector<Neighbour> neighbours,
@@ -49,6 +61,13 @@ Simulation::Simulation(const Scene& scene, VoxelModel start, std::vector<Neighbo
       bodies_(body_boxes(workpiece_.grid(), state_.neighbours)),
       scratch_(scene_, clock),
       context_{scene_, burr_, bodies_.query()} {}
+
+bool Simulation::is_free(const Pose& tool) const noexcept {
+  if (is_inside(workpiece_.model(), {}, middle_of_head(burr_, tool))) return false;
+  return std::ranges::none_of(state_.neighbours, [&](const Neighbour& n) {
+    return is_inside(n.solid.model(), n.world_from_grid, middle_of_head(burr_, tool));
+  });
+}
 
 std::size_t Simulation::contact_bytes() const {
   std::size_t bytes = scratch_.contact_bytes() + (state_.kept ? state_.kept->memory_bytes() : 0);
@@ -75,12 +94,10 @@ std::size_t Simulation::neighbours_bytes() const {
 
 void check_start(const Scene& scene, const VoxelModel& model, std::span<const VoxelModel> bodies,
                  const Burr& burr, const Pose& start) {
-  const Eigen::Vector3d middle = start.point(Eigen::Vector3d(0.0, 0.5 * burr.head_length_m, 0.0));
+  const Eigen::Vector3d middle = middle_of_head(burr, start);
   const auto check = [&](const VoxelModel& solid, const Pose& world_from_grid,
                          const std::string& name) {
-    const Eigen::Vector3d index =
-        solid.grid.index_from_world(world_from_grid.inverse_point(middle));
-    if (!solid.solid((index.array() + 0.5).floor().cast<int>())) return;
+    if (!is_inside(solid, world_from_grid, middle)) return;
     std::ostringstream found;
     found << "a start with the burr's head inside " << name << ", at ("
           << (middle / kMillimetre).transpose() << ") mm";

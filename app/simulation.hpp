@@ -36,6 +36,8 @@ class Simulation {
     return sulcus::load_state(bytes, scene_.haptics, workpiece_, state_);
   }
 
+  /// Whether the middle of the burr's head is outside of all bodies: within one it feels nothing.
+  bool is_free(const Pose& tool) const noexcept;
   /// Touches what the next tick will. Changes no state.
   void rehearse() noexcept { sulcus::rehearse(context_, workpiece_, state_, scratch_); }
   std::span<const Edit> edits() const { return scratch_.edits; }

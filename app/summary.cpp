@@ -185,6 +185,7 @@ void add_port(const Scene& scene, const DevicePortState& port, const RunStatisti
                  {"ramped_ticks", port.edge.ramped_ticks},
                  {"silent_ticks", s.fault_ticks(kFaultDeviceSilent)},
                  {"jumped_ticks", s.fault_ticks(kFaultDeviceJumped)}};
+  if (scene.device->plugin) j["device"]["plugin"] = scene.device->plugin->name;
 }
 
 Json faults_json(const RunStatistics& statistics, std::uint64_t dropped_rows) {

@@ -1,6 +1,8 @@
 #include "engine/scene/device_tables.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "engine/core/units.hpp"
 #include "engine/scene/device_presets.hpp"
@@ -46,10 +48,52 @@ void read_faults(SceneTable& table, double rate_hz, DeviceSettings& d) {
   }
 }
 
+/// What may stand in a plug-in's name: no path fits.
+bool is_plugin_name(std::string_view name) {
+  constexpr std::size_t kLongest = 64;
+  return !name.empty() && name.size() <= kLongest && std::ranges::all_of(name, [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '-';
+  });
+}
+
+/// Until the plug-in is there to say more, the limits are those of a common device.
+DeviceSettings read_plugin(SceneTable& table, std::string name) {
+  PluginSettings plugin;
+  plugin.name = std::move(name);
+  if (!is_plugin_name(plugin.name)) {
+    table.fail("plugin", "'" + plugin.name + "'",
+               "the name of a plug-in, of letters, digits, _ and -, and never a path");
+  }
+  plugin.settings = table.text("settings", "");
+  plugin.force_limit_N = table.number_if("force_limit_N");
+  plugin.torque_limit_Nm = table.number_if("torque_limit_mNm");
+  if (plugin.torque_limit_Nm) *plugin.torque_limit_Nm *= 1e-3;
+  plugin.stiffness_N_per_m = table.number_if("stiffness_N_per_mm");
+  if (plugin.stiffness_N_per_m) *plugin.stiffness_N_per_m *= kNewtonPerMillimetre;
+  plugin.resolution_m = table.number_if("resolution_mm");
+  if (plugin.resolution_m) *plugin.resolution_m *= kMillimetre;
+  DeviceSettings d = device_preset("omni");
+  d.force_limit_N = plugin.force_limit_N.value_or(d.force_limit_N);
+  d.torque_limit_Nm = plugin.torque_limit_Nm.value_or(d.torque_limit_Nm);
+  d.stiffness_N_per_m = plugin.stiffness_N_per_m.value_or(d.stiffness_N_per_m);
+  d.resolution_m = plugin.resolution_m.value_or(d.resolution_m);
+  d.delay_ticks = table.whole("delay_ticks");
+  d.passivity_controller = table.boolean("passivity_controller");
+  d.plugin = std::move(plugin);
+  table.finish();
+  return d;
+}
+
 }  // namespace
 
 DeviceSettings read_device(SceneTable& table, double rate_hz) {
-  if (!table.choice_if("model")) table.fail("model", "none", "\"simulated\"");
+  const auto model = table.choice_if("model");
+  if (model.has_value() == table.has("plugin")) {
+    table.fail("model", model ? "both a model and a plugin" : "none",
+               "\"simulated\", or plugin = \"NAME\"");
+  }
+  if (!model) return read_plugin(table, table.text("plugin", ""));
   DeviceSettings d = device_preset(kDevicePresetNames[table.choice("preset")]);
   d.hand = read_hand(table);
   d.force_limit_N = table.number("force_limit_N", d.force_limit_N);

@@ -167,11 +167,24 @@ struct DeviceJump {
   Eigen::Vector3d by_m = Eigen::Vector3d::Zero();  // its pose is off by so much from then on
 };
 
+/// A device that a vendor's library brings (plugins/sulcus_device.h), by its name: never by a path,
+/// so that what a scene says runs nothing but what the user has put there. Its limits are the
+/// smaller ones of the scene's and the plug-in's, its resolution the larger one; a scene as run and
+/// recorded says them.
+struct PluginSettings {
+  std::string name;      // letters, digits, _ and -
+  std::string settings;  // for the plug-in, in its own words
+  // What the scene says; none: what the plug-in does.
+  std::optional<double> force_limit_N, torque_limit_Nm, stiffness_N_per_m, resolution_m;
+};
+
 /// A haptic device and a hand, simulated: the handle, a mass with friction at the torque reference
 /// of the burr, is driven by the hand and by the force of the last tick, and read at the encoders'
 /// resolution. Without an inertia it cannot be turned: the hand holds it in the trajectory's
-/// direction, and torques are not rendered.
+/// direction, and torques are not rendered. Of a plug-in there are the limits, the resolution and
+/// the delay.
 struct DeviceSettings {
+  std::optional<PluginSettings> plugin;  // none: simulated
   double force_limit_N = 3.3;
   double torque_limit_Nm = 0.0;      // 0: renders none
   double stiffness_N_per_m = 700.0;  // the largest that its maker recommends

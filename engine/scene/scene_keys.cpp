@@ -153,7 +153,11 @@ constexpr std::array kHaptics{
 };
 
 constexpr std::array kDevice{
-    choice("model", kModels, "", "must be there"),
+    choice("model", kModels, "", "either this or plugin"),
+    text("plugin", "", "name of a vendor's library for the device, never a path"),
+    text("settings", "\"\"", "for the plug-in, in its own words"),
+    number("stiffness_N_per_mm", {1e-3, 1e3}, "(the plug-in's)",
+           "the hardest spring that the plug-in's device renders well"),
     choice("preset", kDevicePresetNames, "\"omni\"", "constants of a device [CHAI3D; ours]"),
     choice("hand", kHandPresetNames, "\"light\"", "how the handle is held"),
     number("hand_mass_g", {0, 1e4}, "(the hand's)", "of the hand on the handle"),
@@ -243,7 +247,7 @@ constexpr std::array<SceneTableKeys, 21> kTables{{
     {"trajectory", false, "where it goes; must be there", kTrajectory, {}},
     {"haptics", false, "how the contact is computed", kHaptics, {}},
     {"body", true, "a solid beside the workpiece, 15 at most", kBody, "workpiece"},
-    {"device", false, "a simulated device and a hand on it", kDevice, {}},
+    {"device", false, "a simulated device and a hand on it, or a plug-in", kDevice, {}},
     {"coupling", false, "the tool hangs on the device by springs", kCoupling, {}},
     {"cutting", false, "voxels go when their energy is spent", kCutting, {}},
     {"spindle", false, "its speed sags under load; with [cutting]", kSpindle, {}},

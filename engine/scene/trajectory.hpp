@@ -23,9 +23,9 @@ class Trajectory {
 };
 
 /// Along `points_m` at constant speed with a fixed axis, or from the CSV that `file` names
-/// (t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz); a recording is read elsewhere. InputError on a gap in the form, time running backward, values
-/// that are not finite or beyond 1 km, more than 10^6 s, a quaternion that is not a rotation, more
-/// rows than the limits allow.
+/// (t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz); a recording is read elsewhere. InputError on a gap in the
+/// form, time running backward, values that are not finite or beyond 1 km, more than 10^6 s, a
+/// quaternion that is not a rotation, more rows than the limits allow.
 Trajectory make_trajectory(const TrajectorySettings& settings, const InputLimits& limits = {});
 
 /// `poses` with the last of them a second time, `hold_s` later.

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <regex>
@@ -26,11 +27,12 @@ struct Include {
 std::vector<Include> includes_of(const fs::path& root) {
   static const std::regex pattern(R"(^\s*#\s*include\s*[<"]([^>"]+)[>"])");
   std::vector<Include> all;
-  for (const char* top : {"engine", "haptics", "app"}) {
+  for (const char* top : {"engine", "haptics", "app", "plugins"}) {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / top)) {
       const std::string extension = entry.path().extension().string();
-      // .in: what configure_file makes sources of.
-      if (extension != ".cpp" && extension != ".hpp" && extension != ".in") continue;
+      // .in: what configure_file makes sources of. C: the plug-ins'.
+      constexpr std::array kSources{".cpp", ".hpp", ".in", ".c", ".h"};
+      if (std::ranges::find(kSources, extension) == kSources.end()) continue;
       std::ifstream in(entry.path());
       std::string text;
       for (int line = 1; std::getline(in, text); ++line) {
@@ -119,6 +121,19 @@ TEST(Layers, OnlyImportAndAppKnowTheLoadCache) {
   expect_none("what makes a thing does not know that it is kept", [](const Include& i) {
     return is_in(i.header, "engine/cache/") && !is_in(i.file, "engine/cache/") &&
            !is_in(i.file, "engine/import/") && !is_in(i.file, "app/");
+  });
+}
+
+TEST(Layers, APluginKnowsNothingOfUsButItsHeader) {
+  expect_none("a plug-in is a vendor's: its header, and the system's", [](const Include& i) {
+    return is_in(i.file, "plugins/") && i.header != "sulcus_device.h" &&
+           fs::exists(fs::path(SULCUS_SOURCE_DIR) / i.header);
+  });
+  expect_none("the interface stands on C alone", [](const Include& i) {
+    return i.file == "plugins/sulcus_device.h" && i.header != "stddef.h" && i.header != "stdint.h";
+  });
+  expect_none("devices that are loaded are app's", [](const Include& i) {
+    return is_in(i.header, "plugins/") && !is_in(i.file, "app/");
   });
 }
 

@@ -67,6 +67,27 @@ TEST(DeviceTables, BehindACouplingTissuesAreTenTimesAsStiffUnlessTheySaySo) {
             250e3);
 }
 
+TEST(DeviceTables, APluginIsNamedAndHasLimitsButNoHand) {
+  const Scene scene = parse(kLeast +
+                            "[device]\nplugin = 'my-arm_2'\nsettings = 'bus=3'\n"
+                            "force_limit_N = 1.5\ntorque_limit_mNm = 40\n");
+  ASSERT_TRUE(scene.device && scene.device->plugin);
+  EXPECT_EQ(scene.device->plugin->name, "my-arm_2");
+  EXPECT_EQ(scene.device->plugin->settings, "bus=3");
+  EXPECT_EQ(scene.device->plugin->force_limit_N, 1.5);
+  EXPECT_DOUBLE_EQ(scene.device->plugin->torque_limit_Nm.value(), 0.04);
+  EXPECT_FALSE(scene.device->plugin->stiffness_N_per_m);
+  EXPECT_EQ(scene.device->force_limit_N, 1.5);
+  EXPECT_EQ(scene.device->stiffness_N_per_m, 700.0) << "until the plug-in says its own";
+  EXPECT_FALSE(parse(kLeast + "[device]\nmodel = 'simulated'\n").device->plugin);
+  for (const char* path : {"a/b", "/tmp/a", "..", ".", "a.so", "", "a b", "\u00e4"}) {
+    const std::string device = std::string("[device]\nplugin = '") + path + "'\n";
+    EXPECT_NE(error_of(kLeast + device).find("never a path"), std::string::npos) << path;
+  }
+  EXPECT_NE(error_of(kLeast + "[device]\nplugin = 'a'\nhand = 'firm'\n").find("device.hand"),
+            std::string::npos);
+}
+
 TEST(DeviceTables, RefusesWhatCannotBe) {
   EXPECT_NE(error_of(kLeast + "[device]\n").find("expected \"simulated\""), std::string::npos);
   EXPECT_NE(error_of(kLeast + "[device]\nmodel = 'simulated'\npreset = 'phantom'\n")

@@ -1,0 +1,237 @@
+/* A device that is another program: it sends poses to a port of this machine and is sent wrenches
+ * back. client.py is one, in 30 lines.
+ *
+ * settings = "port=47800 timeout_ms=20", each of them optional. The socket is bound to 127.0.0.1,
+ * so that nobody from outside reaches it. Every datagram is 80 bytes, little-endian, without
+ * padding:
+ *
+ *   from the device (poses)                     to the device (one a tick, once poses come)
+ *    0  u8[4]  "SULP"                            0  u8[4]  "SULW"
+ *    4  u32    kVersion                          4  u32    kVersion
+ *    8  u64    number, rising                    8  u64    number of the newest pose
+ *   16  f64[3] burr's tip, m, world             16  u64    tick
+ *   40  f64[4] w x y z, world from tool         24  f64[3] force on the hand, N, world
+ *   72  u32    1: the device goes away          48  f64[3] torque, N m
+ *   76  u32    0                                72  u32    1: the run is over; force and torque are
+ * 0 76  u32    0
+ *
+ * A tick takes the newest pose that has come; one that is older than timeout_ms is none, and the
+ * force fades. Wrenches go to the sender of that pose. As long as it is not silent nobody else's
+ * poses are taken. What is no such datagram is left out and counted.
+ *
+ * In a tick there are system calls, none of which waits: the socket is read until it is empty, at
+ * most kMost times, and written to once. */
+#include <arpa/inet.h>
+#include <errno.h>
+#include <netinet/in.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "sulcus_device.h"
+
+#if !defined(__BYTE_ORDER__) || __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
+#error "the datagrams are copied as they are, which a little-endian machine can do"
+#endif
+
+enum { kMost = 64, kGoesAway = 1, kOver = 1 };
+static const uint32_t kVersion = 1;
+
+typedef struct PoseDatagram {
+  char magic[4];
+  uint32_t version;
+  uint64_t number;
+  SulcusPose pose;
+  uint32_t flags, zero;
+} PoseDatagram;
+
+typedef struct WrenchDatagram {
+  char magic[4];
+  uint32_t version;
+  uint64_t number, tick;
+  SulcusWrench wrench;
+  uint32_t flags, zero;
+} WrenchDatagram;
+
+_Static_assert(sizeof(PoseDatagram) == 80 && sizeof(WrenchDatagram) == 80, "as documented");
+
+typedef struct Device {
+  int socket;
+  long port, timeout_ms;
+  struct sockaddr_in peer; /* who has sent the newest pose */
+  PoseDatagram newest;
+  int has_peer, has_gone;
+  int64_t newest_ns;            /* when it came */
+  uint64_t refused, of_version; /* datagrams left out, and those among them of another version */
+  uint64_t poses;               /* taken */
+} Device;
+
+static int64_t now_ns(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+}
+
+/* "key=NUMBER key=NUMBER ..."; 0 where it is anything else. */
+static int read_settings(const char* text, Device* device) {
+  while (*text != '\0') {
+    long* value = NULL;
+    long least = 1, most = 0;
+    if (strncmp(text, "port=", 5) == 0) {
+      value = &device->port, least = 1024, most = 65535, text += 5;
+    } else if (strncmp(text, "timeout_ms=", 11) == 0) {
+      value = &device->timeout_ms, least = 1, most = 1000, text += 11;
+    }
+    char* end = NULL;
+    if (!value || *text < '0' || *text > '9') return 0;
+    *value = strtol(text, &end, 10);
+    if (*value < least || *value > most || (*end != ' ' && *end != '\0')) return 0;
+    text = *end == ' ' ? end + 1 : end;
+  }
+  return 1;
+}
+
+static int open_device(const SulcusDeviceHost* host, SulcusDeviceLimits* limits, void** opened,
+                       char* message, size_t message_size) {
+  Device* device = calloc(1, sizeof(Device));
+  if (!device) {
+    snprintf(message, message_size, "no memory");
+    return SULCUS_DEVICE_GONE;
+  }
+  device->port = 47800;
+  device->timeout_ms = 20;
+  if (!read_settings(host->settings, device)) {
+    snprintf(message, message_size,
+             "settings '%.60s', expected port=1024..65535 timeout_ms=1..1000, either or both",
+             host->settings);
+    free(device);
+    return SULCUS_DEVICE_GONE;
+  }
+  struct sockaddr_in own;
+  memset(&own, 0, sizeof(own));
+  own.sin_family = AF_INET;
+  own.sin_port = htons((uint16_t)device->port);
+  own.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  device->socket = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  if (device->socket < 0 || bind(device->socket, (struct sockaddr*)&own, sizeof(own)) != 0) {
+    snprintf(message, message_size, "UDP port %ld of 127.0.0.1: %s", device->port, strerror(errno));
+    if (device->socket >= 0) close(device->socket);
+    free(device);
+    return SULCUS_DEVICE_GONE;
+  }
+  /* Of a common device; a scene may ask for less. */
+  limits->force_N = 3.3;
+  limits->torque_Nm = 0.1;
+  limits->stiffness_N_per_m = 700.0;
+  limits->resolution_m = 0.0;
+  *opened = device;
+  return SULCUS_DEVICE_OK;
+}
+
+static int is_silent(const Device* device) {
+  return now_ns() - device->newest_ns > device->timeout_ms * 1000000;
+}
+
+/* Takes a datagram, where it is one and newer than what is there. */
+static void take(Device* device, const PoseDatagram* datagram, ssize_t size,
+                 const struct sockaddr_in* from) {
+  if (size != (ssize_t)sizeof(*datagram) || memcmp(datagram->magic, "SULP", 4) != 0) {
+    ++device->refused;
+    return;
+  }
+  if (datagram->version != kVersion) {
+    ++device->refused;
+    ++device->of_version;
+    return;
+  }
+  const int is_peer = device->has_peer && from->sin_port == device->peer.sin_port &&
+                      from->sin_addr.s_addr == device->peer.sin_addr.s_addr;
+  if (device->has_peer && !is_silent(device)) {
+    if (!is_peer || datagram->number <= device->newest.number) return;
+  } else if (is_peer && datagram->number == device->newest.number) {
+    return;
+  }
+  device->has_peer = 1;
+  device->peer = *from;
+  device->newest = *datagram;
+  device->newest_ns = now_ns();
+  ++device->poses;
+}
+
+/* One that does not go out is lost, as a datagram may be: the next tick has another. */
+static void answer(const Device* device, uint64_t tick, const SulcusWrench* wrench, int over) {
+  const WrenchDatagram datagram = {
+      {'S', 'U', 'L', 'W'}, kVersion, device->newest.number, tick, *wrench, over ? kOver : 0u, 0};
+  (void)sendto(device->socket, &datagram, sizeof(datagram), 0,
+               (const struct sockaddr*)&device->peer, sizeof(device->peer));
+}
+
+static int read_pose(void* opened, uint64_t tick, SulcusPose* pose) {
+  Device* device = opened;
+  for (int n = 0; n < kMost; ++n) {
+    PoseDatagram datagram;
+    struct sockaddr_in from;
+    socklen_t from_size = sizeof(from);
+    const ssize_t size = recvfrom(device->socket, &datagram, sizeof(datagram), MSG_TRUNC,
+                                  (struct sockaddr*)&from, &from_size);
+    if (size < 0 && errno != ECONNREFUSED) break; /* empty */
+    if (size >= 0) take(device, &datagram, size, &from);
+  }
+  if (!device->has_peer) return SULCUS_DEVICE_NO_POSE;
+  if (device->newest.flags & kGoesAway) {
+    const SulcusWrench none = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    answer(device, tick, &none, 1);
+    device->has_gone = 1;
+    return SULCUS_DEVICE_GONE;
+  }
+  if (is_silent(device)) return SULCUS_DEVICE_NO_POSE;
+  *pose = device->newest.pose;
+  return SULCUS_DEVICE_OK;
+}
+
+static int write_wrench(void* opened, uint64_t tick, const SulcusWrench* wrench, int last) {
+  const Device* device = opened;
+  if (device->has_peer) answer(device, tick, wrench, last);
+  return SULCUS_DEVICE_OK;
+}
+
+static void say(void* opened, char* message, size_t message_size) {
+  const Device* device = opened;
+  const char* what = "";
+  if (device->has_gone) what = "the program at the other end said that it goes away; ";
+  if (!device->has_peer) what = "no pose ever came; ";
+  if (!device->has_gone && device->has_peer && device->refused == 0) {
+    message[0] = '\0';
+    return;
+  }
+  snprintf(message, message_size,
+           "%s127.0.0.1:%ld, %llu poses taken, %llu datagrams refused, %llu of them of another "
+           "version than %u",
+           what, device->port, (unsigned long long)device->poses,
+           (unsigned long long)device->refused, (unsigned long long)device->of_version,
+           (unsigned)kVersion);
+}
+
+static void close_device(void* opened) {
+  Device* device = opened;
+  close(device->socket);
+  free(device);
+}
+
+const SulcusDevicePlugin* sulcus_device_plugin(void) {
+  static const SulcusDevicePlugin plugin = {
+      .version = SULCUS_DEVICE_VERSION,
+      .struct_size = sizeof(SulcusDevicePlugin),
+      .flags = SULCUS_DEVICE_REAL_TIME,
+      .name = "UDP on 127.0.0.1 1.0",
+      .open = open_device,
+      .read = read_pose,
+      .write = write_wrench,
+      .message = say,
+      .close = close_device,
+  };
+  return &plugin;
+}
