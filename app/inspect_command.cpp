@@ -2,10 +2,12 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include <Eigen/Dense>
 
-#include "app/commands.hpp"
+#include "app/common_options.hpp"
 #include "app/recorded_run.hpp"
 #include "app/scene_trajectory.hpp"
 #include "app/shipped_scene.hpp"
@@ -53,8 +55,8 @@ void inspect_recording(const std::string& file) {
               reader.missing().empty() ? "whole" : reader.missing().c_str());
 }
 
-void inspect_scene(const std::string& file) {
-  const Scene scene = load_scene(file);
+void inspect_scene(const std::string& file, const std::vector<std::string>& overrides) {
+  const Scene scene = load_scene(file, overrides);
   const WorkpieceSettings& w = scene.workpiece;
   const Trajectory trajectory = scene_trajectory(scene);
   std::printf("scene            %s\n", scene.title.c_str());
@@ -117,14 +119,17 @@ void inspect_volume(const std::string& file) {
   std::printf("voxels above 0   %td (%.3f mm3)\n", solid, static_cast<double>(solid) * mm.prod());
 }
 
-void inspect(const std::string& given) {
+void inspect(const std::string& given, const std::vector<std::string>& overrides) {
   const std::string file = scene_file_of(given);
   if (!std::filesystem::exists(file)) {
     throw InputError(file, "", "no such file", "a scene, recording, volume or mesh");
   }
   const std::string extension = std::filesystem::path(file).extension().string();
+  if (extension != ".toml" && !overrides.empty()) {
+    throw InputError(file, "--set", "no scene", "a scene, .toml, whose keys it changes");
+  }
   if (extension == ".toml") {
-    inspect_scene(file);
+    inspect_scene(file, overrides);
   } else if (extension == ".h5") {
     inspect_recording(file);
   } else if (is_mesh_file(file)) {
@@ -141,7 +146,9 @@ void add_inspect_command(CLI::App& program) {
   CLI::App* command =
       program.add_subcommand("inspect", "Say what a scene, recording, volume or mesh holds");
   command->add_option("FILE", *file, "File to look at")->required()->type_name("FILE");
-  command->callback([file] { inspect(*file); });
+  auto overrides = std::make_shared<std::vector<std::string>>();
+  add_set_option(*command, *overrides, "Change a key of a scene; repeatable");
+  command->callback([file, overrides] { inspect(*file, *overrides); });
 }
 
 }  // namespace sulcus

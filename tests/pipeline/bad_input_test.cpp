@@ -115,5 +115,19 @@ TEST(BadInput, NothingAlreadyRecordedIsLost) {
   EXPECT_EQ(test::read_file(out + "/recording.h5"), before);
 }
 
+TEST(BadInput, InspectReadsTheChangesOfASceneAsRunDoes) {
+  ScratchFolder scratch;
+  const std::string scene = scratch.write("s.toml", kProbeScene);
+  const auto changed =
+      sulcus_command("inspect " + scene + " --set trajectory.speed_mm_per_s=2 --set title=changed",
+                     scratch.path("err"));
+  EXPECT_EQ(changed.status, 0) << changed.err;
+  EXPECT_NE(changed.out.find("changed"), std::string::npos) << changed.out;
+  expect_refused(scratch, "inspect " + scene + " --set burr.diametre_mm=1",
+                 {"s.toml", "--set", "burr.diametre_mm", "'diameter_mm'"});
+  expect_refused(scratch, "inspect " + scratch.write("m.stl", "") + " --set burr.diameter_mm=1",
+                 {"m.stl", "--set", "no scene"});
+}
+
 }  // namespace
 }  // namespace sulcus
