@@ -1,0 +1,54 @@
+"""Draws one column of the tables against another, by gnuplot."""
+
+import difflib
+import re
+import subprocess
+
+from errors import InputError, SweepError
+from table import columns_of
+
+_SCRIPT = """set terminal pngcairo size 960,640 font "DejaVu Sans,12"
+set output {file}
+set xlabel {x} noenhanced
+set ylabel {y} noenhanced
+set grid
+set offsets graph 0.03, graph 0.03, graph 0.05, graph 0.05
+unset key
+{tics}plot "-" using 1:2 with points pt 7 ps 0.9 lc rgb "#1f5fa8"
+{points}
+e
+"""
+
+
+def draw_chart(folder, rows, x, y):
+    """A PNG in the folder of the sweep, a point for each run that has both; InputError where there is no
+    such column, or y is no number. Words along x stand beside one another."""
+    columns = columns_of(rows)
+    for column in (x, y):
+        if column not in columns:
+            near = difflib.get_close_matches(column, columns, 1)
+            raise InputError(f"--chart {column}: no such column" +
+                             (f", did you mean '{near[0]}'?" if near else ", expected one of table.csv"))
+    pairs = [(row[x], row[y]) for row in rows if row.get(x, "") != "" and row.get(y, "") != ""]
+    words = next((b for _, b in pairs if not isinstance(b, (int, float))), None)
+    if words is not None:
+        raise InputError(f"--chart {x} {y}: {y} has '{words}', expected a column of numbers")
+    if not pairs:
+        raise SweepError(f"--chart {x} {y}: no run has both")
+    tics = ""
+    if not all(isinstance(a, (int, float)) for a, _ in pairs):
+        places = {a: i for i, a in enumerate(dict.fromkeys(str(a) for a, _ in pairs))}
+        tics = "set xtics noenhanced (" + ", ".join(f"{_quoted(a)} {i}" for a, i in places.items()) + ")\n"
+        pairs = [(places[str(a)], b) for a, b in pairs]
+    file = folder.path / (re.sub(r"[^\w.-]", "_", f"{x}-{y}") + ".png")
+    script = _SCRIPT.format(file=_quoted(file), x=_quoted(x), y=_quoted(y), tics=tics,
+                            points="\n".join(f"{float(a)!r} {float(b)!r}" for a, b in pairs))
+    drawn = subprocess.run(["gnuplot"], input=script.encode(), capture_output=True, check=False)
+    if drawn.returncode != 0:
+        raise SweepError(f"gnuplot: {' '.join(drawn.stderr.decode(errors='replace').split())}")
+    return file
+
+
+def _quoted(text):
+    """In single quotes gnuplot takes all but these as they are."""
+    return "'" + str(text).replace("'", "''") + "'"
