@@ -12,7 +12,7 @@ set output {file}
 set xlabel {x} noenhanced
 set ylabel {y} noenhanced
 set grid
-set offsets graph 0.03, graph 0.03, graph 0.05, graph 0.05
+set offsets graph 0.03, graph 0.03, graph 0.05, 0
 unset key
 {tics}plot "-" using 1:2 with points pt 7 ps 0.9 lc rgb "#1f5fa8"
 {points}
@@ -30,15 +30,16 @@ def draw_chart(folder, rows, x, y):
             raise InputError(f"--chart {column}: no such column" +
                              (f", did you mean '{near[0]}'?" if near else ", expected one of table.csv"))
     pairs = [(row[x], row[y]) for row in rows if row.get(x, "") != "" and row.get(y, "") != ""]
-    words = next((b for _, b in pairs if not isinstance(b, (int, float))), None)
-    if words is not None:
-        raise InputError(f"--chart {x} {y}: {y} has '{words}', expected a column of numbers")
+    for _, b in pairs:
+        if not isinstance(b, (int, float)):
+            raise InputError(f"--chart {x} {y}: {y} has '{b}', expected a column of numbers")
     if not pairs:
         raise SweepError(f"--chart {x} {y}: no run has both")
     tics = ""
     if not all(isinstance(a, (int, float)) for a, _ in pairs):
         places = {a: i for i, a in enumerate(dict.fromkeys(str(a) for a, _ in pairs))}
-        tics = "set xtics noenhanced (" + ", ".join(f"{_quoted(a)} {i}" for a, i in places.items()) + ")\n"
+        words = ", ".join(f"{_quoted(word)} {place}" for word, place in places.items())
+        tics = f"set xtics noenhanced ({words})\nset xrange [-0.5:{len(places) - 0.5}]\n"
         pairs = [(places[str(a)], b) for a, b in pairs]
     file = folder.path / (re.sub(r"[^\w.-]", "_", f"{x}-{y}") + ".png")
     script = _SCRIPT.format(file=_quoted(file), x=_quoted(x), y=_quoted(y), tics=tics,

@@ -109,8 +109,12 @@ def begin(given):
     if given.scene is None:
         if given.sets or given.latin is not None or given.options:
             raise InputError("SCENE: is missing, expected a scene file, .toml")
-        if folder.asked() is None:
+        asked = folder.asked()
+        if asked is None:
             raise InputError(f"{folder.path}: holds no sweep to go on with, expected SCENE and --set")
+        if given.program not in (str(_PROGRAM), asked["program"]):
+            raise InputError(f"--program {given.program}: the sweep has another, expected "
+                             f"{asked['program']}")
         return folder
     if not given.sets:
         raise InputError("--set: is missing, expected KEY=VALUE,VALUE,... at least once")
