@@ -30,7 +30,9 @@ Trajectory scene_trajectory(const Scene& scene, const InputLimits& limits) {
   if (poses.empty()) {
     throw InputError(settings.recording, "/ticks", "no pose of a device", "at least one");
   }
-  return Trajectory(hold(std::move(poses), settings.hold_s));
+  // The last pose has its tick as well.
+  const double tick_s = 1.0 / reader.header().rate_hz;
+  return Trajectory(hold(std::move(poses), tick_s + settings.hold_s));
 }
 
 }  // namespace sulcus

@@ -247,13 +247,16 @@ TrajectorySettings read_trajectory(SceneTable& root) {
   }
   t.file = table->path("file");
   t.recording = table->path("recording");
-  const int sources =
-      (t.points_m.empty() ? 0 : 1) + (t.file.empty() ? 0 : 1) + (t.recording.empty() ? 0 : 1);
-  if (sources != 1) {
-    table->fail(
-        "points_mm",
-        sources == 0 ? "neither points nor a file" : "more than one of points, file and recording",
-        "one of them");
+  std::string sources;
+  const std::pair<bool, const char*> named[] = {{!t.points_m.empty(), "points"},
+                                                {!t.file.empty(), "a file"},
+                                                {!t.recording.empty(), "a recording"}};
+  int count = 0;
+  for (const auto& [is_there, name] : named) {
+    if (is_there) sources += (count++ == 0 ? "both " : " and ") + std::string(name);
+  }
+  if (count != 1) {
+    table->fail("points_mm", count == 0 ? "neither points nor a file" : sources, "one of them");
   }
   t.axis = table->direction("axis");
   t.speed_m_per_s = table->number("speed_mm_per_s") * kMillimetre;

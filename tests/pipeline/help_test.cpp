@@ -114,7 +114,7 @@ TEST(Help, CompletesInBash) {
   const ScratchFolder scratch;
   printed(scratch, "help --write " + scratch.path("share"));
   EXPECT_EQ(completed(scratch, "sulcus re"), "replay render repair\n");
-  EXPECT_EQ(completed(scratch, "sulcus run --p"), "--pace\n");
+  EXPECT_EQ(completed(scratch, "sulcus run --p"), "--pace --plugins\n");
   EXPECT_EQ(completed(scratch, "sulcus run --pace r"), "real\n");
   EXPECT_EQ(completed(scratch, "sulcus run --set spindle."),
             "spindle.stall_torque_mNm= spindle.inertia_g_mm2=\n");
