@@ -163,7 +163,7 @@ void main() {
   if (solid.a < 0.33) discard;
   vec3 lit = 0.92 * solid.rgb / solid.a;
   // A thin dark line where the tooth ends.
-  lit *= mix(0.55, 1.0, smoothstep(0.4, 0.75, solid.a));
+  lit *= mix(0.8, 1.0, smoothstep(0.4, 0.75, solid.a));
   colour = vec4(pow(min(lit, vec3(1.0)), vec3(1.0 / 2.2)), 1.0);
 }
 )";
