@@ -6,6 +6,7 @@
 
 #include <dlfcn.h>
 
+#include "app/program_folder.hpp"
 #include "engine/core/error.hpp"
 
 namespace sulcus {
@@ -87,7 +88,7 @@ const SulcusDevicePlugin& checked(const SulcusDevicePlugin* plugin, const std::s
 std::vector<std::string> plugin_folders(const std::string& given) {
   std::vector<std::string> folders;
   if (!given.empty()) folders.push_back(given);
-  folders.emplace_back(SULCUS_PLUGIN_FOLDER);
+  folders.push_back((program_folder() / SULCUS_PLUGIN_FOLDER).lexically_normal().string());
   return folders;
 }
 

@@ -2,6 +2,8 @@
 
 #include <filesystem>
 
+#include "app/program_folder.hpp"
+
 namespace sulcus {
 
 namespace fs = std::filesystem;
@@ -13,10 +15,10 @@ std::string scene_file_of(const std::string& given) {
   const fs::path folder = path.parent_path();
   const std::string kind = path.extension().string();
   if ((!folder.empty() && folder != "scenes") || (!kind.empty() && kind != ".toml")) return given;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (error || path.stem().empty()) return given;
+  const fs::path program = program_folder();
+  if (program.empty() || path.stem().empty()) return given;
   for (const char* data : {SULCUS_DATA, SULCUS_SOURCE}) {
-    const fs::path file = (program.parent_path() / data / "scenes" / path.stem()).concat(".toml");
+    const fs::path file = (program / data / "scenes" / path.stem()).concat(".toml");
     if (fs::exists(file, error)) return file.lexically_normal().string();
   }
   return given;

@@ -113,7 +113,16 @@ TEST(Installation, TheProgramRunsItsScenesFromAnyFolder) {
         "share/sulcus/assets/tissues.toml", "share/bash-completion/completions/sulcus"}) {
     EXPECT_TRUE(fs::exists(scratch.path("moved/") + file)) << file;
   }
-  EXPECT_TRUE(fs::is_directory(scratch.path("moved/lib/sulcus/plugins")));
+  // Device plug-ins are found where the installation has them.
+  run(scratch, "env",
+      program +
+          " run press_plugin --no-render --duration 0.002 --set workpiece.voxel_mm=0.14 --set "
+          "'workpiece.cells=[128, 128, 128]'");
+  fs::remove(scratch.path("moved/lib/sulcus/plugins/sulcus_device_simulated.so"));
+  const auto missing =
+      test::program_command("env", program + " run press_plugin --no-render", scratch.path("err"));
+  EXPECT_EQ(missing.status, 2);
+  EXPECT_NE(missing.err.find("moved/lib/sulcus/plugins"), std::string::npos) << missing.err;
 }
 
 }  // namespace
