@@ -29,10 +29,12 @@ using Outline = std::vector<Eigen::Vector2d>;
 void round_off(Outline& outline, const Eigen::Vector2d& from, const Eigen::Vector2d& edge,
                const Eigen::Vector2d& to) {
   constexpr int kSteps = 10;
+  // Before the outline grows: the ends may be points of it.
+  const Eigen::Vector2d centre = from + to - edge;
+  const Eigen::Vector2d first = from - centre, last = to - centre;
   for (int step = 1; step < kSteps; ++step) {
     const double angle = 0.5 * std::numbers::pi * step / kSteps;
-    const Eigen::Vector2d centre = from + to - edge;
-    outline.push_back(centre + std::cos(angle) * (from - centre) + std::sin(angle) * (to - centre));
+    outline.push_back(centre + std::cos(angle) * first + std::sin(angle) * last);
   }
 }
 
