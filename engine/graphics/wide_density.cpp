@@ -80,7 +80,7 @@ void WideDensity::find(const VoxelModel& model, const Density& density, const Bo
             from.x() + std::ptrdiff_t{block.dims.x()} *
                            (from.y() + std::ptrdiff_t{block.dims.y()} * from.z()))];
         for (int x = 0; x < size.x(); ++x) {
-          row[x][which] = static_cast<std::uint16_t>(found[x] * 65535.0f + 0.5f);
+          row[x][which] = static_cast<std::uint16_t>(std::lround(found[x] * 65535.0f));
         }
       }
     }
