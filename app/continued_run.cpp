@@ -36,7 +36,8 @@ VoxelModel as_recorded(const Workpiece& body) { return unpack(pack(body.model())
 
 bool asks_for_a_burr(const std::string& override_text) {
   const std::string key = override_text.substr(0, override_text.find('='));
-  return key.starts_with("burr.") && key != "burr.speed_rpm" && key != "burr.tangential_ratio";
+  return (key == "burr" || key.starts_with("burr.")) && key != "burr.speed_rpm" &&
+         key != "burr.tangential_ratio";
 }
 
 std::unique_ptr<Simulation> simulation_after(RecordedRun& run, std::size_t row,

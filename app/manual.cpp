@@ -41,21 +41,20 @@ std::string roff(const std::string& text) {
   return out;
 }
 
+std::string upper(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return text;
+}
+
 std::string title(const std::string& name, int section, const std::string& what) {
-  std::string upper;
-  for (const char c : name) upper += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
   std::string page = ".TH ";
-  page.append(roff(upper)).append(" ").append(std::to_string(section));
+  page.append(roff(upper(name))).append(" ").append(std::to_string(section));
   page.append(" \"\" Sulcus\n.SH NAME\n");
   return page.append(roff(name)).append(" \\- ").append(roff(what)).append("\n");
 }
 
 void section(std::string& page, const std::string& heading) {
-  std::string upper;
-  for (const char c : heading) {
-    upper += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  }
-  page.append(".SH ").append(roff(upper)).append("\n");
+  page.append(".SH ").append(roff(upper(heading))).append("\n");
 }
 
 void item(std::string& page, const std::string& tag, const std::string& text) {

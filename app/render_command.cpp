@@ -246,7 +246,7 @@ void add_render_command(CLI::App& program) {
           "tissue; time: when it was cut; goal: how far it is from the wall of the\n"
           "scene's [goal]; contacts: in how many ticks it was touched (the run is computed\n"
           "again); normal_error: how far the normals that are felt are off those of the\n"
-          "exact method (up to a minute for each time)")
+          "exact method (slow: found anew for each time)")
       ->type_name("WHAT")
       ->check(
           CLI::IsMember(std::vector<std::string>(kColourByNames.begin(), kColourByNames.end())));

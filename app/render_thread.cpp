@@ -53,7 +53,7 @@ void RenderThread::run() {
   std::filesystem::create_directories(folder_ + "/frames");
   LiveFilm film(feed_, pieces_, scene_, bodies_.front().model);
   Renderer renderer(*scene_.render, std::move(bodies_), burr_.mesh_tool, burr_.head_length_m);
-  // With it a quarter more is drawn of each frame, and the ticks need the processor.
+  // It is more to draw in each frame, and the ticks need the processor.
   renderer.set_handpiece(false);
   is_ready_ = true;
   ready_.set_value();

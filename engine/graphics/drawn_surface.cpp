@@ -327,7 +327,8 @@ void DrawnSurface::mesh(int brick, Scratch& scratch, DrawnMesh& out, Detail deta
 
 std::size_t DrawnSurface::memory_bytes() const {
   return model_.leaves.capacity() * sizeof(LeafBits) + density_.memory_bytes() +
-         wide_.memory_bytes() + removed_.size() * (sizeof(LeafBits) + 3 * sizeof(void*));
+         wide_.memory_bytes() + lattices_[0].changed.capacity() + lattices_[1].changed.capacity() +
+         removed_.size() * (sizeof(LeafBits) + 3 * sizeof(void*));
 }
 
 std::vector<Eigen::AlignedBox3d> solid_slabs(const VoxelModel& model) {

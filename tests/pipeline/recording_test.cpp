@@ -203,6 +203,13 @@ TEST_F(Recording, GoesOnWithAnotherBurr) {
   EXPECT_NE(RecordingReader(file).edit_count(), RecordingReader(on).edit_count());
   const auto verified = command("replay --verify " + on);  // it carries the burr
   EXPECT_EQ(verified.status, 0) << verified.err;
+  // The whole table is another burr as well.
+  const std::string table = scratch_.path("table/recording.h5");
+  const auto whole = command("replay " + file +
+                             " --from 0.25 --set 'burr={shape=\"fissure\", diameter_mm=0.8}' -o " +
+                             scratch_.path("table"));
+  ASSERT_EQ(whole.status, 0) << whole.err;
+  EXPECT_NE(RecordingReader(file).edit_count(), RecordingReader(table).edit_count());
   const auto refused = command("replay " + file + " --from 0.25 --set burr.shape=fissur");
   EXPECT_EQ(refused.status, 2);
   EXPECT_NE(refused.err.find("fissure"), std::string::npos) << refused.err;
