@@ -28,6 +28,7 @@
 #include "engine/graphics/panels.hpp"
 #include "engine/graphics/window.hpp"
 #include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene_keys.hpp"
 
 namespace sulcus {
 
@@ -94,8 +95,7 @@ struct GoOn {
 std::vector<std::string> overrides_of(const LiveControls& live) {
   std::vector<std::string> overrides{"burr.speed_rpm=" + std::to_string(live.speed_rpm)};
   if (live.other_burr) {
-    overrides.push_back(std::string("burr.shape=") +
-                        kBurrShapeNames.at(static_cast<std::size_t>(live.burr_shape)));
+    overrides.push_back("burr.shape=" + std::string(live.burr_shapes[live.burr_shape]));
     overrides.push_back("burr.diameter_mm=" + std::to_string(live.burr_mm));
   }
   return overrides;
@@ -211,7 +211,10 @@ void view_scene(const ViewOptions& options) {
   LiveControls live;
   live.speed_rpm = static_cast<float>(scene.burr.speed_rad_per_s / kRevolutionPerMinute);
   live.burr_mm = static_cast<float>(scene.burr.diameter_m / kMillimetre);
-  if (scene.burr.shape != BurrShape::kFile) live.burr_shape = static_cast<int>(scene.burr.shape);
+  live.burr_shapes = find_scene_key("burr", "shape")->words;
+  if (scene.burr.shape != BurrShape::kFile) {
+    live.burr_shape = static_cast<std::size_t>(scene.burr.shape);
+  }
 
   part.simulation = std::move(loaded.simulation);
   part.session.goal = std::move(loaded.goal);

@@ -90,8 +90,14 @@ void draw_panels(LiveControls& controls) {
   controls.speed_rpm = std::clamp(controls.speed_rpm, 0.0f, kMost_rpm);
   ImGui::Checkbox("another burr", &controls.other_burr);
   if (controls.other_burr) {
-    ImGui::Combo("shape", &controls.burr_shape, kBurrShapeNames.data(),
-                 static_cast<int>(kBurrShapeNames.size()));
+    if (ImGui::BeginCombo("shape", controls.burr_shapes[controls.burr_shape].data())) {
+      for (std::size_t i = 0; i < controls.burr_shapes.size(); ++i) {
+        if (ImGui::Selectable(controls.burr_shapes[i].data(), i == controls.burr_shape)) {
+          controls.burr_shape = i;
+        }
+      }
+      ImGui::EndCombo();
+    }
     ImGui::InputFloat("mm", &controls.burr_mm, 0.1f, 0.0f, "%.2f");
     controls.burr_mm = std::clamp(controls.burr_mm, 0.3f, 10.0f);
   }

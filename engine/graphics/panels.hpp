@@ -1,8 +1,10 @@
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include "engine/scene/section.hpp"
 
@@ -30,10 +32,6 @@ struct PlayerControls {
 };
 void draw_panels(PlayerControls& controls);
 
-/// As a scene has them.
-inline constexpr std::array<const char*, 5> kBurrShapeNames{"round", "pear", "fissure",
-                                                            "inverted_cone", "flame"};
-
 /// Of a run under the mouse.
 struct LiveControls {
   PictureControls picture;
@@ -43,7 +41,8 @@ struct LiveControls {
   // From where it goes on: the spindle's speed, and the burr, where another is to be taken.
   float speed_rpm = 0.0f;
   bool other_burr = false;
-  int burr_shape = 0;  // of kBurrShapeNames
+  std::span<const std::string_view> burr_shapes;  // to choose from, each ended by a zero
+  std::size_t burr_shape = 0;                     // of them
   float burr_mm = 0.0f;
   bool go_on_asked = false;  // from `back_s` ago, so
   bool save_asked = false;   // what was done, as a scene
