@@ -35,7 +35,7 @@ struct Triangle {
 };
 
 /// What a sample knows of the surface so far.
-struct Nearest {
+struct NearestPoint {
   Vector3f point{0.0f, 0.0f, 0.0f};  // field space
   std::int32_t triangle = -1;
 };
@@ -94,7 +94,7 @@ class NearestGrid {
                (static_cast<std::size_t>(j) + static_cast<std::size_t>(samples_.y()) * k);
   }
   double distance(std::size_t s) const { return std::sqrt(static_cast<double>(squared_[s])); }
-  const Nearest& nearest(std::size_t s) const { return nearest_[s]; }
+  const NearestPoint& nearest(std::size_t s) const { return nearest_[s]; }
 
   /// Exact distances around every triangle. Slices are independent, so threads change nothing.
   void fill_band() {
@@ -162,7 +162,7 @@ class NearestGrid {
 
   /// Whether the sample `to` = (i, j, k) takes the triangle of its neighbour `from`.
   bool relax(std::size_t to, std::size_t from, int i, int j, int k) {
-    const Nearest& source = nearest_[from];
+    const NearestPoint& source = nearest_[from];
     if (source.triangle < 0 || source.triangle == nearest_[to].triangle) return false;
     const Vector3i at(i, j, k);
     // The neighbour's nearest point bounds the distance to its triangle: cheap, and tight enough.
@@ -199,7 +199,7 @@ class NearestGrid {
 
   const std::vector<Triangle>& triangles_;
   Vector3i samples_;
-  std::vector<Nearest> nearest_;
+  std::vector<NearestPoint> nearest_;
   std::vector<float> squared_;
   std::vector<int> changed_;  // phase, of the row (j, k)
 };
@@ -362,7 +362,7 @@ DistanceField field_from_mesh(const TriangleMesh& mesh_tool, const FieldGrid& gr
         const std::size_t s = nearest.index(i, j, k);
         bool inside = votes[s] > 0;
         if (votes[s] == 0) {
-          const Nearest& here = nearest.nearest(s);
+          const NearestPoint& here = nearest.nearest(s);
           const Triangle& t = triangles[static_cast<std::size_t>(here.triangle)];
           inside = t.normal.dot(Vector3d(i, j, k) - here.point.cast<double>()) < 0.0;
         }

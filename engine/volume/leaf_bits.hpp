@@ -13,6 +13,10 @@ struct alignas(64) LeafBits {
   bool operator==(const LeafBits&) const = default;
 };
 
+/// Voxels with x = 0, and with x = 7, in a slice of a leaf.
+inline constexpr std::uint64_t kColumn0 = 0x0101010101010101u;
+inline constexpr std::uint64_t kColumn7 = kColumn0 << 7;
+
 inline bool any(const LeafBits& bits) {
   std::uint64_t all = 0;
   for (std::uint64_t word : bits.words) all |= word;

@@ -4,9 +4,6 @@ namespace sulcus {
 
 namespace {
 
-constexpr std::uint64_t kColumn0 = 0x0101010101010101u;  // voxels with x = 0 in a slice of a leaf
-constexpr std::uint64_t kColumn7 = kColumn0 << 7;
-
 /// What hangs together with `found` in one slice.
 std::uint64_t flood_slice(std::uint64_t found, std::uint64_t within) {
   found &= within;

@@ -12,7 +12,6 @@ inline constexpr int kLeafFaces = 6;
 
 /// Voxels of the leaf beyond a face, solid or not, that share a face with one of `bits`.
 inline LeafBits across(const LeafBits& bits, int face) {
-  constexpr std::uint64_t kColumn0 = 0x0101010101010101u;  // voxels with x = 0 in a slice
   LeafBits beyond;
   if (face >= 4) {
     beyond.words[face == 4 ? 7 : 0] = bits.words[face == 4 ? 0 : 7];

@@ -12,8 +12,6 @@ namespace sulcus {
 
 namespace {
 
-constexpr std::uint64_t kColumn0 = 0x0101010101010101u;  // voxels with x = 0 in a slice of a leaf
-constexpr std::uint64_t kColumn7 = kColumn0 << 7;
 constexpr LeafBits kEmptyLeaf{};
 
 }  // namespace

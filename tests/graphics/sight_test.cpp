@@ -14,7 +14,7 @@ const Eigen::Vector3d kHalf(4e-3, 3e-3, 5e-3);
 const std::vector<Box> kTooth{Box(-kHalf, Eigen::Vector3d(kHalf.x(), kHalf.y(), 0.0)),
                               Box(Eigen::Vector3d(-kHalf.x(), -kHalf.y(), 0.0), kHalf)};
 
-Pose at(double x, double y, double z) {
+Pose pose_at(double x, double y, double z) {
   Pose pose;
   pose.position = {x, y, z};
   return pose;
@@ -40,17 +40,17 @@ TEST(HiddenShare, CountsTheLinesThatABodyStandsIn) {
   const auto points = points_to_see(Camera::kMesial, kTooth, Eigen::Vector3d::Zero());
   const Eigen::Vector3d from_mesial(60e-3, 0, 0);
   auto share = [&](const Pose& pose) { return hidden_share(from_mesial, points, kTooth, pose); };
-  EXPECT_EQ(share(at(9e-3, 0, 0)), 1.0);
-  EXPECT_EQ(share(at(-9e-3, 0, 0)), 0.0);     // beyond
-  EXPECT_EQ(share(at(70e-3, 0, 0)), 0.0);     // behind the eye
-  EXPECT_EQ(share(at(9e-3, 0, -6e-3)), 0.0);  // lower: only roots are hidden
-  EXPECT_EQ(share(at(9e-3, 6e-3, 0)), 0.0);   // beside
-  EXPECT_NEAR(share(at(9e-3, 3e-3, 0)), 1.0 / 2.0, 0.2);
-  EXPECT_EQ(hidden_share(from_mesial, {}, kTooth, at(9e-3, 0, 0)), 0.0);
-  EXPECT_EQ(hidden_share(from_mesial, points, {}, at(9e-3, 0, 0)), 0.0);
+  EXPECT_EQ(share(pose_at(9e-3, 0, 0)), 1.0);
+  EXPECT_EQ(share(pose_at(-9e-3, 0, 0)), 0.0);     // beyond
+  EXPECT_EQ(share(pose_at(70e-3, 0, 0)), 0.0);     // behind the eye
+  EXPECT_EQ(share(pose_at(9e-3, 0, -6e-3)), 0.0);  // lower: only roots are hidden
+  EXPECT_EQ(share(pose_at(9e-3, 6e-3, 0)), 0.0);   // beside
+  EXPECT_NEAR(share(pose_at(9e-3, 3e-3, 0)), 1.0 / 2.0, 0.2);
+  EXPECT_EQ(hidden_share(from_mesial, {}, kTooth, pose_at(9e-3, 0, 0)), 0.0);
+  EXPECT_EQ(hidden_share(from_mesial, points, {}, pose_at(9e-3, 0, 0)), 0.0);
 
   // On its side it is too low for the lines: a turn by which x and z change places.
-  Pose lying = at(9e-3, 0, -3.5e-3);
+  Pose lying = pose_at(9e-3, 0, -3.5e-3);
   EXPECT_EQ(share(lying), 0.0);
   lying.position.z() = -2.4e-3;
   EXPECT_EQ(share(lying), 1.0);

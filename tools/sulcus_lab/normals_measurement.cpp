@@ -12,7 +12,7 @@ namespace sulcus::lab {
 
 namespace {
 
-constexpr int kPasses = 3;
+constexpr int kTimedPasses = 3;
 constexpr std::size_t kStretch = 50;  // neighbouring voxels that are timed in a row
 
 double thread_cpu_ns() {
@@ -133,7 +133,7 @@ class PartMeasurement {
       }
     }
     std::vector<SurfaceEstimate> estimates;
-    for (int pass = 0; pass < kPasses; ++pass) {
+    for (int pass = 0; pass < kTimedPasses; ++pass) {
       for (std::size_t r = 0; r < runs_.size(); ++r) {
         for (Timed& t : timed[r]) {
           const double begin = thread_cpu_ns();

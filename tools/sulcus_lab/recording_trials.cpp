@@ -52,9 +52,9 @@ points_mm = [[-0.6, 0, 1.0], [-0.6, 0, 0.92], [0.6, 0, 0.92]]
 constexpr double kWay_mm = 1.28;
 
 /// A run as a process of its own.
-class Run {
+class ProgramRun {
  public:
-  Run(const TrialSetting& setting, const std::vector<std::string>& arguments) {
+  ProgramRun(const TrialSetting& setting, const std::vector<std::string>& arguments) {
     std::vector<std::string> words{setting.program};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> pointers;
@@ -71,9 +71,9 @@ class Run {
     posix_spawn_file_actions_destroy(&files);
     if (failed != 0) throw std::runtime_error(setting.program + ": " + std::strerror(failed));
   }
-  ~Run() { wait(); }
-  Run(const Run&) = delete;
-  Run& operator=(const Run&) = delete;
+  ~ProgramRun() { wait(); }
+  ProgramRun(const ProgramRun&) = delete;
+  ProgramRun& operator=(const ProgramRun&) = delete;
 
   void kill() const { ::kill(child_, SIGKILL); }
   void interrupt() const { ::kill(child_, SIGINT); }
@@ -110,7 +110,7 @@ std::string record(const TrialSetting& setting, int ticks, const std::string& na
   std::ofstream(scene) << kCutScene;
   std::ostringstream speed;
   speed << "trajectory.speed_mm_per_s=" << 1000.0 * kWay_mm / ticks;
-  Run run(setting, {"run", scene, "--set", speed.str(), "-o", folder});
+  ProgramRun run(setting, {"run", scene, "--set", speed.str(), "-o", folder});
   if (run.wait() != 0) throw std::runtime_error(scene + ": could not be run");
   return folder + "/recording.h5";
 }
@@ -222,8 +222,8 @@ Killed run_and_kill(const TrialSetting& setting, const std::string& scene, int t
   fs::remove_all(folder);
   std::ostringstream speed;
   speed << "trajectory.speed_mm_per_s=" << 1000.0 * kWay_mm / ticks;
-  Run run(setting,
-          {"run", scene, "--pace", real ? "real" : "fast", "--set", speed.str(), "-o", folder});
+  ProgramRun run(setting, {"run", scene, "--pace", real ? "real" : "fast", "--set", speed.str(),
+                           "-o", folder});
   while (!fs::exists(file) && run.is_running()) {
     std::this_thread::sleep_for(std::chrono::microseconds(200));
   }
@@ -272,7 +272,7 @@ std::vector<TrialRow> trial_of_kills(const TrialSetting& setting) {
         missing_ms.push_back(
             static_cast<float>(std::max(0.0, milliseconds_without_rows(reader, kill.lasted_ms))));
       }
-      Run repair(setting, {"repair", file, "-o", repaired});
+      ProgramRun repair(setting, {"repair", file, "-o", repaired});
       const bool done = repair.wait() == 0 && opens_without_swmr(repaired) &&
                         RecordingReader(repaired).missing().empty() &&
                         RecordingReader(repaired).tick_count() == reader.tick_count();
@@ -388,7 +388,7 @@ std::vector<TrialRow> trial_of_going_back(const TrialSetting& setting) {
 std::vector<TrialRow> trial_of_reach(const TrialSetting& setting, const std::string& scene) {
   constexpr double kMost_ms = 200.0;
   const std::string folder = setting.folder + "/reach";
-  Run recorded(setting, {"run", scene, "--no-render", "-o", folder});
+  ProgramRun recorded(setting, {"run", scene, "--no-render", "-o", folder});
   if (recorded.wait() != 0) throw std::runtime_error(scene + ": could not be run");
   const std::string file = folder + "/recording.h5";
   const std::uint64_t begin = steady_ns();
@@ -445,8 +445,8 @@ std::vector<TrialRow> trial_of_soak(const TrialSetting& setting, const std::stri
   constexpr double kMostGrowth = 1.02;
   const std::string folder = setting.folder + "/soak", poses = setting.folder + "/soak.csv";
   write_soak_poses(poses);
-  Run run(setting, {"run", scene, "--no-render", "--set", "trajectory.file=" + poses, "--set",
-                    "burr.diameter_mm=3", "-o", folder});
+  ProgramRun run(setting, {"run", scene, "--no-render", "--set", "trajectory.file=" + poses,
+                           "--set", "burr.diameter_mm=3", "-o", folder});
   const std::uint64_t begin = steady_ns();
   const auto minutes_now = [&] { return 1e-9 / 60.0 * static_cast<double>(steady_ns() - begin); };
   double first_MiB = 0.0, half_MiB = 0.0, most_MiB = 0.0;

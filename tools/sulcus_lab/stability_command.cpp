@@ -126,7 +126,7 @@ std::vector<ContactMethod> methods_of(const StabilityOptions& options) {
   return methods;
 }
 
-std::string cell(double value) {
+std::string row_cell(double value) {
   char text[32];
   std::snprintf(text, sizeof(text), "%.6g", value);
   return text;
@@ -135,9 +135,9 @@ std::string cell(double value) {
 void write_row(CsvFile& csv, const StabilityRow& row) {
   std::ostringstream line;
   line << row.case_name << ',' << kContactMethodNames[static_cast<std::size_t>(row.method)] << ','
-       << row.device << ',' << row.hand << ',' << cell(row.burr_mm) << ',' << row.delay << ','
-       << cell(row.push_N) << ",\"" << row.quantity << "\"," << cell(row.value) << ','
-       << (row.limit ? cell(*row.limit) + (row.pass() ? ",yes" : ",no") : ",");
+       << row.device << ',' << row.hand << ',' << row_cell(row.burr_mm) << ',' << row.delay << ','
+       << row_cell(row.push_N) << ",\"" << row.quantity << "\"," << row_cell(row.value) << ','
+       << (row.limit ? row_cell(*row.limit) + (row.pass() ? ",yes" : ",no") : ",");
   csv.write(line.str());
 }
 
@@ -207,8 +207,8 @@ class StabilityRun {
                   "method,contacts,felt_hold_N_per_mm,felt_buzz_N_per_mm");
     for (const FrontierPoint& p : frontier) {
       table.write(std::string(kContactMethodNames[static_cast<std::size_t>(p.method)]) + "," +
-                  cell(p.contacts) + "," + cell(p.felt_hold_N_per_mm) + "," +
-                  cell(p.felt_buzz_N_per_mm));
+                  row_cell(p.contacts) + "," + row_cell(p.felt_hold_N_per_mm) + "," +
+                  row_cell(p.felt_buzz_N_per_mm));
     }
     picture("stability_frontier.png", pictures_.frontier,
             [&](const std::string& file) { return draw_frontier(frontier, file); });
@@ -216,8 +216,8 @@ class StabilityRun {
     CsvFile damped(results_.table("stability_damping.csv"),
                    "loop,damping_N_s_per_m,largest_stable_N_per_mm");
     for (const DampingPoint& p : damping) {
-      damped.write("\"" + p.label + "\"," + cell(p.damping_N_s_per_m) + "," +
-                   cell(p.largest_stable_N_per_mm));
+      damped.write("\"" + p.label + "\"," + row_cell(p.damping_N_s_per_m) + "," +
+                   row_cell(p.largest_stable_N_per_mm));
     }
     picture("stability_damping.png", pictures_.damping,
             [&](const std::string& file) { return draw_damping(damping, file); });
@@ -226,7 +226,7 @@ class StabilityRun {
                    "method,tick_us,force_error_percent");
     for (const SpeedErrorPoint& p : speed) {
       errors.write(std::string(kContactMethodNames[static_cast<std::size_t>(p.method)]) + "," +
-                   cell(p.tick_us) + "," + cell(p.force_error_percent));
+                   row_cell(p.tick_us) + "," + row_cell(p.force_error_percent));
     }
     picture("stability_speed_error.png", pictures_.speed_error,
             [&](const std::string& file) { return draw_speed_error(speed, file); });

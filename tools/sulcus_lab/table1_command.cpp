@@ -51,7 +51,7 @@ std::vector<Experiment> experiments_of(const Table1Options& options) {
 }
 
 /// Counts and ticks in full, the rest to five digits; empty where there is nothing.
-std::string cell(double value) {
+std::string table_cell(double value) {
   if (!std::isfinite(value)) return "";
   char text[32];
   std::snprintf(text, sizeof text, value == std::floor(value) ? "%.0f" : "%.5g", value);
@@ -62,7 +62,8 @@ void print_rows(const std::vector<Table1Row>& rows) {
   std::printf("%-16s %-34s %12s %12s %12s\n", "", "", "paper", "ours", "exact");
   for (const Table1Row& row : rows) {
     std::printf("%-16s %-34s %12s %12s %12s\n", row.experiment.c_str(), row.quantity.c_str(),
-                cell(row.paper).c_str(), cell(row.ours).c_str(), cell(row.exact).c_str());
+                table_cell(row.paper).c_str(), table_cell(row.ours).c_str(),
+                table_cell(row.exact).c_str());
   }
   std::printf("\n");
   std::fflush(stdout);
@@ -79,8 +80,8 @@ void table1(const Table1Options& options) {
         [&](const std::string& what) { progress.say(experiment.name + ": " + what); });
     const std::vector<Table1Row> rows = table1_rows(experiment.name, run);
     for (const Table1Row& row : rows) {
-      csv.write(row.experiment + "," + row.quantity + "," + cell(row.paper) + "," + cell(row.ours) +
-                "," + cell(row.exact));
+      csv.write(row.experiment + "," + row.quantity + "," + table_cell(row.paper) + "," +
+                table_cell(row.ours) + "," + table_cell(row.exact));
     }
     progress.clear();
     print_rows(rows);

@@ -14,7 +14,7 @@ namespace sulcus::lab {
 
 namespace {
 
-constexpr int kNeighbourhood = 6, kTrace = 12;
+constexpr int kFloorNeighbourhood = 6, kTrace = 12;
 
 /// Place in three axes of less than 2^20 each, and one more number.
 std::uint64_t key(std::int64_t a, std::int64_t b, std::int64_t c, std::uint64_t tag = 0) {
@@ -30,8 +30,8 @@ void add_columns(const Contact& contact, std::unordered_set<std::uint64_t>& word
   const int u = c[(axis + 1) % 3], v = c[(axis + 2) % 3];
   // Columns are cut into words of 32 voxels; where the cuts lie hardly changes how many there are.
   const int lowest = (c[axis] - kTrace + 64) >> 5, highest = (c[axis] + kTrace + 64) >> 5;
-  for (int j = v - kNeighbourhood; j <= v + kNeighbourhood; ++j) {
-    for (int i = u - kNeighbourhood; i <= u + kNeighbourhood; ++i) {
+  for (int j = v - kFloorNeighbourhood; j <= v + kFloorNeighbourhood; ++j) {
+    for (int i = u - kFloorNeighbourhood; i <= u + kFloorNeighbourhood; ++i) {
       for (int word = lowest; word <= highest; ++word) {
         words.insert(key(i, j, word, static_cast<std::uint64_t>(axis)));
       }

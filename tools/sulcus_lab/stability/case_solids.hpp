@@ -17,6 +17,7 @@ namespace sulcus::lab {
 // burr, and a path that takes it there.
 
 inline constexpr double kCaseVoxel_m = 34.8e-6;
+inline constexpr double kCaseVoxel_mm = kCaseVoxel_m / kMillimetre;
 inline constexpr double kCaseRadius_m = 0.5e-3;  // of the burr
 // Of [coupling] where no device is named.
 inline constexpr double kCaseForceLimit_N = CouplingSettings{}.force_limit_N;

@@ -25,8 +25,6 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double kVoxel_mm = kCaseVoxel_m / kMillimetre;
-
 /// Voxels that take part in the contact where a tool is, the deepest first.
 std::vector<std::uint32_t> voxels_in_contact(const Rig& rig, const Pose& tool) {
   const Simulation& simulation = rig.simulation();
@@ -94,7 +92,7 @@ CaseResult vanishing_voxels(const CaseOptions& options) {
     const Scene scene =
         method_scene(method, case_text("tangential_ratio = 0\n[cutting]\n[loose_pieces]\n"));
     const double depth_mm = scene.coupling ? 1.0 / kCaseSpring_N_per_mm : 0.1;
-    const Vector3d place(0.23 * kVoxel_mm, 0.41 * kVoxel_mm, 0.0);
+    const Vector3d place(0.23 * kCaseVoxel_mm, 0.41 * kCaseVoxel_mm, 0.0);
     const std::vector<Pose> path =
         case_path({place + Vector3d(0, 0, 0.05), place - Vector3d(0, 0, depth_mm)}, 10.0, kSettle);
     for (const Solid& solid : solids) {
@@ -153,9 +151,9 @@ CaseResult count_steps(const CaseOptions& options) {
     Vector3d from_mm, to_mm;
     double step_um;
   };
-  const Vector3d aslant(0.13 * kVoxel_mm, 0.29 * kVoxel_mm, 0.0);
+  const Vector3d aslant(0.13 * kCaseVoxel_mm, 0.29 * kCaseVoxel_mm, 0.0);
   const auto deep = [](double mm) -> Vector3d { return -mm * Vector3d::UnitZ(); };
-  const Vector3d along = kVoxel_mm * Vector3d(12.0, 0.4, 0.0);
+  const Vector3d along = kCaseVoxel_mm * Vector3d(12.0, 0.4, 0.0);
   std::vector<Run> runs{
       {"into a face", wall_solid(12), aslant, aslant + deep(0.1), 0.25},
       {"over pins 12 voxels apart", pins_solid(12), aslant + deep(0.1), along + deep(0.1), 1.0}};
@@ -209,7 +207,7 @@ CaseResult spur(const CaseOptions& options) {
   const std::vector<Vector3d> places =  // voxels from the column's axis
       options.brief ? std::vector<Vector3d>{{0.3, 0.2, 0.0}}
                     : std::vector<Vector3d>{{0, 0, 0}, {0.3, 0.2, 0.0}, {0.5, 0.5, 0.0}};
-  const Vector3d axis = kVoxel_mm * Vector3d(0.5, 0.5, 0.0);
+  const Vector3d axis = kCaseVoxel_mm * Vector3d(0.5, 0.5, 0.0);
   CaseResult result;
   for (const ContactMethod method : options.methods) {
     const Scene scene = method_scene(method, case_text());
@@ -222,7 +220,7 @@ CaseResult spur(const CaseOptions& options) {
         return largest;
       };
       for (const Vector3d& place : places) {
-        const Vector3d over = axis + kVoxel_mm * place;
+        const Vector3d over = axis + kCaseVoxel_mm * place;
         const Vector3d deep = over - kDepth_mm * Vector3d::UnitZ();
         std::vector<Pose> path =
             case_path({over + 0.05 * Vector3d::UnitZ(), deep}, kSpeed_mm_per_s, 50);
@@ -265,7 +263,7 @@ CaseResult wedge(const CaseOptions& options) {
       options.brief ? std::vector<double>{0.0} : std::vector<double>{0.0, 0.25, 0.5};
   const std::vector<int> slots =
       options.brief ? std::vector<int>{28} : std::vector<int>{28, 29, 30};
-  const Vector3d slide = 10.0 * kVoxel_mm * Vector3d::UnitY();
+  const Vector3d slide = 10.0 * kCaseVoxel_mm * Vector3d::UnitY();
   CaseResult result;
   for (const ContactMethod method : options.methods) {
     const Scene scene = method_scene(method, case_text());
@@ -287,7 +285,7 @@ CaseResult wedge(const CaseOptions& options) {
       for (const double phase : phases) {
         // Where the voxels are not symmetric, a tool that is put in the middle is not in theirs.
         if (!held && phase != 0.0 && phase != 0.5) continue;
-        const Vector3d middle(phase * kVoxel_mm, -0.5 * slide.y(), 0.0);
+        const Vector3d middle(phase * kCaseVoxel_mm, -0.5 * slide.y(), 0.0);
         const Vector3d deep = middle - deep_mm * Vector3d::UnitZ();
         std::vector<Pose> path =
             case_path({middle + 0.1 * Vector3d::UnitZ(), deep}, kSpeed_mm_per_s, 100);

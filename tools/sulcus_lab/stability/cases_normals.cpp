@@ -22,7 +22,6 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double kVoxel_mm = kCaseVoxel_m / kMillimetre;
 constexpr double kRadius_mm = kCaseRadius_m / kMillimetre;
 
 /// Stiffer than the default coupling: a Falcon's.
@@ -109,7 +108,7 @@ CaseResult edge_normals(const CaseOptions& options) {
           // Off the voxels' middles and faces.
           const double off_mm = ridge.name == std::string("ridge off the grid") ? 0.25 : 0.0;
           for (Vector3d& corner : corners) {
-            corner += Vector3d(off_mm * kVoxel_mm, 0.3 * kVoxel_mm, 0.0);
+            corner += Vector3d(off_mm * kCaseVoxel_mm, 0.3 * kCaseVoxel_mm, 0.0);
             corner -= kRadius_mm * ridge.up;
           }
           std::vector<Pose> path = case_path({corners.front()}, kSpeed_mm_per_s);
@@ -148,7 +147,7 @@ CaseResult edge_normals(const CaseOptions& options) {
 /// the coupling the tool is hardly so deep; there also with the device so far beyond that 1 N is
 /// felt, and with the tool itself put there.
 CaseResult tilted_planes(const CaseOptions& options) {
-  constexpr double kDepth_mm = 0.1, kSpeed_mm_per_s = 2.0, kSlide_mm = 12.0 * kVoxel_mm;
+  constexpr double kDepth_mm = 0.1, kSpeed_mm_per_s = 2.0, kSlide_mm = 12.0 * kCaseVoxel_mm;
   constexpr double kDirection_deg = 2.0, kRipple = 0.05;
   constexpr int kSettle = 100;  // ticks
   const std::vector<double> tilts_deg =
@@ -235,7 +234,7 @@ CaseResult opposing_faces(const CaseOptions& options) {
   std::vector<Pose> path;
   for (int pattern = 0; pattern < 64; ++pattern) {
     const double top = (pattern >> 5 & 1) != 0 ? 0.5 : 1.5;
-    const Vector3d on = kVoxel_mm * (place_of(pattern) + Vector3d(0.1, -0.1, top));
+    const Vector3d on = kCaseVoxel_mm * (place_of(pattern) + Vector3d(0.1, -0.1, top));
     const Vector3d over = on + 0.15 * Vector3d::UnitZ();
     if (path.empty()) path = case_path({over}, 1.0);
     go_on(path, over, 100.0);

@@ -17,14 +17,13 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double kVoxel_mm = kCaseVoxel_m / kMillimetre;
 constexpr double kRadius_mm = kCaseRadius_m / kMillimetre;
 
 /// Where over a voxel the tool comes down.
 std::vector<Vector3d> places_mm(bool brief) {
-  if (brief) return {kVoxel_mm * Vector3d(0.23, 0.41, 0.0)};
-  return {Vector3d::Zero(), kVoxel_mm * Vector3d(0.5, 0.5, 0.0),
-          kVoxel_mm * Vector3d(0.23, 0.41, 0.0)};
+  if (brief) return {kCaseVoxel_mm * Vector3d(0.23, 0.41, 0.0)};
+  return {Vector3d::Zero(), kCaseVoxel_mm * Vector3d(0.5, 0.5, 0.0),
+          kCaseVoxel_mm * Vector3d(0.23, 0.41, 0.0)};
 }
 
 std::string wall_of(int voxels) {
@@ -108,7 +107,7 @@ CaseResult thin_wall_stiffness(const CaseOptions& options) {
 /// tick's step, whichever is longer. Crossed is where the tip is beyond the far face.
 CaseResult tunnelling(const CaseOptions& options) {
   constexpr int kPhases = 16, kRest = 100;
-  const int voxels = static_cast<int>(std::round(0.3 / kVoxel_mm));
+  const int voxels = static_cast<int>(std::round(0.3 / kCaseVoxel_mm));
   const double far_m = -voxels * kCaseVoxel_m;
   const std::vector<double> speeds_mm_per_s =
       options.brief ? std::vector<double>{100, 1000} : std::vector<double>{10, 30, 100, 300, 1000};
@@ -121,8 +120,8 @@ CaseResult tunnelling(const CaseOptions& options) {
       int crossed = 0;
       for (int phase = 0; phase < kPhases; phase += options.brief ? 4 : 1) {
         const double part = static_cast<double>(phase) / kPhases;
-        const Vector3d place = part * kVoxel_mm * Vector3d(1.0, 0.6, 0.0);
-        const double above_mm = 0.1 + part * std::max(kVoxel_mm, speed * kMillisecond);
+        const Vector3d place = part * kCaseVoxel_mm * Vector3d(1.0, 0.6, 0.0);
+        const double above_mm = 0.1 + part * std::max(kCaseVoxel_mm, speed * kMillisecond);
         const std::vector<Pose> path =
             case_path({place + up(above_mm), place - up(2.3)}, speed, kRest);
         Rig rig(method, scene, plate);

@@ -21,7 +21,7 @@ constexpr std::array<ContactMethod, 6> kMethods{
     ContactMethod::kCoupling, ContactMethod::kSmooth,  ContactMethod::kCount,
     ContactMethod::kNone,     ContactMethod::kMcNeely, ContactMethod::kSinglePoint};
 constexpr std::array<const char*, 4> kDiameters_mm{"1.0", "0.4", "2.0", "4.0"};
-constexpr double kStep = 1.5;
+constexpr double kStiffnessRatio = 1.5;
 constexpr int kSteps = 26;
 
 /// Where a method's stiffness begins: per contact it is a part of the whole one's.
@@ -52,7 +52,7 @@ FrontierPoint frontier_of(ContactMethod method, const std::string& diameter_mm) 
   point.felt_hold_N_per_mm = point.felt_buzz_N_per_mm = std::numeric_limits<double>::quiet_NaN();
   bool buzzes = false;
   double stiffness = first_stiffness(method);
-  for (int step = 0; step < kSteps && !buzzes; ++step, stiffness *= kStep) {
+  for (int step = 0; step < kSteps && !buzzes; ++step, stiffness *= kStiffnessRatio) {
     const PushResult r = push_on_face(method, diameter_mm, stiffness);
     // One that has popped through rests on nothing: neither bound can be read from it.
     const bool holds = r.reached && !r.popped && r.contact_N > 0.5;

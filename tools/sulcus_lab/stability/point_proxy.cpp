@@ -10,7 +10,7 @@ namespace sulcus::lab {
 namespace {
 
 // All lengths in voxels.
-constexpr double kStep = 0.25;         // of a march: a wall of one voxel is met four times
+constexpr double kMarchStep = 0.25;    // of a march: a wall of one voxel is met four times
 constexpr double kFoundWithin = 1e-4;  // where the surface is met
 constexpr double kHeldOff = 0.05;      // from the surface; 1.7 um at the paper's voxel
 constexpr double kSpan = 0.5;          // of the central differences, to each side
@@ -88,7 +88,7 @@ PointProxy::Way PointProxy::go(const Eigen::Vector3d& from_index,
 
   double free = stretch.first;
   for (double t = stretch.first; t < stretch.last;) {
-    t = std::min(t + kStep / length, stretch.last);
+    t = std::min(t + kMarchStep / length, stretch.last);
     if (!is_solid(from_index + t * way)) {
       free = t;
       continue;
