@@ -1,0 +1,140 @@
+#include "tests/support/documented_commands.hpp"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/command.hpp"
+#include "tests/support/scratch_folder.hpp"
+
+// The commands of the README and the tutorial, as they stand there and in their order, in a folder
+// that looks like a checkout. Only the optimised build is quick enough for this.
+
+namespace sulcus {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Commands that are not run here, and why.
+struct NotRun {
+  std::string_view begins, why;
+};
+constexpr std::array kNotRun{
+    NotRun{"tools/run", "builds what is being tested"},
+    NotRun{"tools/test", "runs this"},
+    NotRun{"tools/lab", "installs PCL; lab/documented_lab_commands_test.cpp begins each"},
+    NotRun{"tools/package",
+           "what it packs is what `cmake --install` writes: installation_test.cpp"},
+    NotRun{"sudo apt", "changes the machine"},
+    NotRun{"cmake --preset", "makes what is tested here"},
+};
+
+/// A folder with what the documents say is there, and a shell in it.
+class Documented : public testing::Test {
+ protected:
+  void SetUp() override {
+    const fs::path source = SULCUS_SOURCE_DIR, here = scratch_.path("");
+    for (const char* name : {"scenes", "tools", "plugins"}) {
+      fs::create_directory_symlink(source / name, here / name);
+    }
+    fs::create_directories(here / "build/release");
+    fs::create_directory_symlink(SULCUS_PLUGINS, here / "build/release/plugins");
+    fs::create_directory(here / "my_plugins");
+    fs::copy_file(source / "plugins/simulated/simulated_device.c", here / "my_device.c");
+  }
+
+  /// The user's tooth under the name that the documents give it; false where there is none.
+  bool tooth(const char* data, const char* name) const {
+    const fs::path file = fs::path(SULCUS_SOURCE_DIR) / "../shared/data" / data;
+    if (!fs::exists(file)) return false;
+    fs::create_symlink(fs::canonical(file), scratch_.path(name));
+    return true;
+  }
+
+  /// `command` in a shell in the folder, `sulcus` being the built one.
+  test::CommandResult run(const std::string& command) const {
+    const std::string script =
+        scratch_.write("command.sh", "cd '" + scratch_.path("") + "'\n" + command + "\nended=$?\n" +
+                                         "kill %1 2>/dev/null\nexit $ended\n");
+    const std::string path = fs::path(SULCUS_PROGRAM).parent_path().string();
+    return test::program_command(
+        "bash", script, scratch_.path("err"),
+        "SULCUS_CACHE='" + scratch_.path("cache") + "' PATH=" + path + ":$PATH");
+  }
+
+  void run_all(const fs::path& document) {
+    const auto steps = test::documented_steps(
+        document, {"sulcus ", "tools/", "plugins/", "cc ", "cmake ", "sudo "});
+    int ran = 0;
+    for (const test::DocumentedStep& step : steps) {
+      SCOPED_TRACE(document.filename().string() + ":" + std::to_string(step.line) + ": " +
+                   step.text);
+      if (!step.file.empty()) {
+        scratch_.write(step.file, step.text);
+        continue;
+      }
+      if (!runs(step.text)) continue;
+      // 200 runs: stopped after some of them.
+      const bool sweep = step.text.starts_with("tools/sweep");
+      const auto result = run((sweep ? "timeout -s INT 20 " : "") + step.text);
+      EXPECT_EQ(result.status, sweep ? 124 : 0) << result.out << result.err;
+      ++ran;
+    }
+    EXPECT_GE(ran, 5) << "commands of " << document << " that were found and run";
+  }
+
+  /// False for what is not to be run, or needs a tooth that is not here.
+  bool runs(const std::string& command) const {
+    return std::ranges::none_of(kNotRun,
+                                [&](const NotRun& n) { return command.starts_with(n.begins); }) &&
+           std::ranges::none_of(absent_, [&](const std::string& name) {
+             return command.find(name) != std::string::npos;
+           });
+  }
+
+  ScratchFolder scratch_;
+  std::vector<std::string> absent_;
+};
+
+TEST_F(Documented, CommandsOfTheReadmeRun) {
+  if (!tooth("ge_tooth/tooth_103x94x161_u16.nrrd", "tooth.nrrd")) absent_.push_back("tooth.nrrd");
+  if (!tooth("open_full_jaw/mandible_tooth_19.stl", "tooth.stl")) absent_.push_back("tooth.stl");
+  run_all(fs::path(SULCUS_SOURCE_DIR) / "README.md");
+  EXPECT_TRUE(fs::exists(scratch_.path("out/sweep/runs/000000/summary.json")));
+  EXPECT_TRUE(fs::exists(scratch_.path("cut.mp4")));
+  EXPECT_TRUE(fs::exists(scratch_.path("my_plugins/sulcus_device_my_device.so")));
+  if (!absent_.empty()) GTEST_SKIP() << "not run for want of " << absent_.front();
+}
+
+TEST_F(Documented, TheTutorialLeadsFromAScanToACutTooth) {
+  if (!tooth("ge_tooth/tooth_103x94x161_u16.nrrd", "scan.nrrd")) GTEST_SKIP() << "no scan here";
+  const fs::path tutorial = fs::path(SULCUS_SOURCE_DIR) / "docs/from_a_scan_to_a_cut_tooth.md";
+  run_all(tutorial);
+  for (const char* made : {"scan.png", "cut_open.png", "review.html", "cut.stl", "cut.nrrd"}) {
+    EXPECT_TRUE(fs::exists(scratch_.path(made))) << made;
+  }
+  // What it says of the result.
+  const auto summary =
+      nlohmann::json::parse(test::read_file(scratch_.path("out/cavity/summary.json")));
+  EXPECT_EQ(summary["ticks"], 7534);
+  EXPECT_NEAR(summary["goal"]["dice"], 0.94, 0.005);
+  EXPECT_NEAR(summary["goal"]["missing_within_mm"]["max"], 0.35, 0.03);
+  const auto scan = run("sulcus inspect scan.nrrd"),
+             cut = run("sulcus inspect cut_as_scanned.nrrd");
+  for (const char* line : {"volume ", "spacing ", "origin ", "directions "}) {
+    const auto of = [&](const std::string& text) {
+      const std::size_t at = text.find(line);
+      return text.substr(std::min(at, text.size()), text.find('\n', at) - at);
+    };
+    EXPECT_NE(of(scan.out), "");
+    EXPECT_EQ(of(cut.out), of(scan.out));
+  }
+}
+
+}  // namespace
+}  // namespace sulcus
