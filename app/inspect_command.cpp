@@ -13,36 +13,58 @@ namespace sulcus {
 
 namespace {
 
-void inspect(const std::string& given, const std::vector<std::string>& overrides) {
-  const std::string file = scene_file_of(given);
+struct InspectOptions {
+  std::string file, picture;
+  std::vector<std::string> overrides;
+  bool as_burr = false;
+};
+
+void inspect(const InspectOptions& options) {
+  const std::string file = scene_file_of(options.file);
   if (!std::filesystem::exists(file)) {
     throw InputError(file, "", "no such file", "a scene, recording, volume or mesh");
   }
   const std::string extension = std::filesystem::path(file).extension().string();
-  if (extension != ".toml" && !overrides.empty()) {
+  const bool scene = extension == ".toml", mesh = is_mesh_file(file);
+  if (!scene && !options.overrides.empty()) {
     throw InputError(file, "--set", "no scene", "a scene, .toml, whose keys it changes");
   }
-  if (extension == ".toml") {
-    inspect_scene(file, overrides);
+  if (!mesh && options.as_burr) {
+    throw InputError(file, "--as-burr", "no mesh", "a burr, .stl, .obj or .ply");
+  }
+  if (extension == ".h5" && !options.picture.empty()) {
+    throw InputError(file, "--picture", "a recording", "sulcus render, which draws those");
+  }
+  if (mesh && !options.as_burr && !options.picture.empty()) {
+    throw InputError(file, "--picture", "a mesh", "--as-burr beside it, or a scene or a volume");
+  }
+  if (scene) {
+    inspect_scene(file, options.overrides, options.picture);
   } else if (extension == ".h5") {
     inspect_recording(file);
-  } else if (is_mesh_file(file)) {
+  } else if (options.as_burr) {
+    inspect_burr(file, options.picture);
+  } else if (mesh) {
     inspect_mesh(file);
   } else {
-    inspect_volume(file);
+    inspect_volume(file, options.picture);
   }
 }
 
 }  // namespace
 
 void add_inspect_command(CLI::App& program) {
-  auto file = std::make_shared<std::string>();
+  auto options = std::make_shared<InspectOptions>();
   CLI::App* command =
       program.add_subcommand("inspect", "Say what a scene, recording, volume or mesh holds");
-  command->add_option("FILE", *file, "File to look at")->required()->type_name("FILE");
-  auto overrides = std::make_shared<std::vector<std::string>>();
-  add_set_option(*command, *overrides, "Change a key of a scene; repeatable");
-  command->callback([file, overrides] { inspect(*file, *overrides); });
+  command->add_option("FILE", options->file, "File to look at")->required()->type_name("FILE");
+  command
+      ->add_option("--picture", options->picture,
+                   "Draw a volume's sections and histogram, or a scene's burr, into a PNG file")
+      ->type_name("FILE");
+  command->add_flag("--as-burr", options->as_burr, "A mesh as the burr that it would be");
+  add_set_option(*command, options->overrides, "Change a key of a scene; repeatable");
+  command->callback([options] { inspect(*options); });
 }
 
 }  // namespace sulcus

@@ -6,16 +6,21 @@
 namespace sulcus {
 
 // What `sulcus inspect` prints, one room for each kind of file. All throw InputError for a file
-// that is not what its name says.
+// that is not what its name says. `picture_png`, where it is not empty, is a picture to be drawn;
+// where gnuplot cannot draw it, std::runtime_error.
 
 /// Header, ticks, edits, what is missing.
 void inspect_recording(const std::string& file);
-/// What it names; the files that it names are not opened.
-void inspect_scene(const std::string& file, const std::vector<std::string>& overrides);
-/// Size, signed volume within the triangles, and how many edges have no partner in the other
-/// direction.
+/// What it names; the files that it names are not opened, but for a picture, which is of its burr.
+void inspect_scene(const std::string& file, const std::vector<std::string>& overrides,
+                   const std::string& picture_png);
+/// Size, shells, edges that close nothing, and the volume within: as the triangles sum it up, and
+/// as it would be voxelised.
 void inspect_mesh(const std::string& file);
-/// Size, spacing and values.
-void inspect_volume(const std::string& file);
+/// A mesh as the burr of a scene that says no more of it; pictured as a scene's burr is.
+void inspect_burr(const std::string& file_mesh, const std::string& picture_png);
+/// Size, place, grey values with the thresholds they suggest, and the command that cuts it; of a
+/// mask or a label map each value with its box. Pictured: three sections and the histogram.
+void inspect_volume(const std::string& file, const std::string& picture_png);
 
 }  // namespace sulcus

@@ -26,7 +26,7 @@
 #include "engine/import/tiff_volume.hpp"
 #include "engine/import/volume_header.hpp"
 
-// The only file that knows ITK. (TIFF goes by libtiff itself: tiff_volume.hpp.)
+// With itk_thresholds.cpp the only file that knows ITK. (TIFF goes by libtiff: tiff_volume.hpp.)
 
 namespace sulcus {
 namespace {

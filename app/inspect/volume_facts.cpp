@@ -1,0 +1,143 @@
+#include "app/inspect/volume_facts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "engine/core/units.hpp"
+#include "engine/import/solid_components.hpp"
+#include "engine/volume/grid.hpp"
+
+namespace sulcus {
+
+namespace {
+
+SolidFacts solid_facts(const MedicalVolume& volume, const SolidComponents& components, bool mask) {
+  const std::uint32_t largest = components.largest();
+  const Eigen::Matrix3d file_from_index = volume.direction * volume.spacing_m.asDiagonal();
+  SolidFacts facts;
+  facts.parts = components.voxels.size();
+  int top_length = 0;  // of the run that the highest place is the middle of
+  for (const SolidRun& run : components.runs) {
+    if (!mask && run.component != largest) continue;
+    facts.voxels += static_cast<std::uint64_t>(run.end - run.begin);
+    for (const int i : {run.begin, run.end - 1}) {
+      facts.box_index.extend(Eigen::Vector3i(i, run.j, run.k));
+      facts.box_file_m.extend(file_from_index * Eigen::Vector3d(i, run.j, run.k));
+    }
+    const Eigen::Vector3d middle_file =
+        file_from_index * Eigen::Vector3d(0.5 * (run.begin + run.end - 1), run.j, run.k);
+    const double rise = middle_file.z() - facts.top_file_m.z();
+    constexpr double kLevel = 1e-9;
+    if (top_length == 0 || rise > kLevel || (rise > -kLevel && run.end - run.begin > top_length)) {
+      top_length = run.end - run.begin;
+      facts.top_file_m = middle_file;
+    }
+  }
+  const Eigen::Vector3d around = file_from_index.cwiseAbs().rowwise().sum() * 0.5;
+  facts.box_file_m = {facts.box_file_m.min() - around, facts.box_file_m.max() + around};
+  return facts;
+}
+
+/// Quoted for a shell where it needs it.
+std::string for_shell(const std::string& text) {
+  const auto plain = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+           std::string_view("_./=:+-,").find(c) != std::string_view::npos;
+  };
+  if (std::ranges::all_of(text, plain)) return text;
+  std::string quoted = "'";
+  for (const char c : text) {
+    if (c == '\'') {
+      quoted += "'\\''";
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + "'";
+}
+
+/// Up to two digits: 0.0434 becomes 0.044.
+double rounded_up(double value) {
+  const double power = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
+  return std::ceil(value / power - 1e-9) * power;
+}
+
+std::string triple(const Eigen::Vector3d& p) {
+  return "[" + short_number(p.x()) + ", " + short_number(p.y()) + ", " + short_number(p.z()) + "]";
+}
+
+}  // namespace
+
+std::string short_number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.5g", std::abs(value) < 1e-9 ? 0.0 : value);
+  return text;
+}
+
+VolumeFacts volume_facts(const MedicalVolume& volume) {
+  VolumeFacts facts;
+  const int sizes[3] = {volume.sizes.x(), volume.sizes.y(), volume.sizes.z()};
+  facts.labels = label_counts(volume.values, sizes);
+  const bool mask = !facts.labels.empty();
+  if (!mask) {
+    facts.histogram = grey_histogram(volume.values);
+    const std::vector<double> two = otsu_thresholds(facts.histogram, 1);
+    facts.three_classes = otsu_thresholds(facts.histogram, 2);
+    if (!two.empty()) facts.two_classes = facts.solid_above = two.front();
+    if (has_three_classes(facts.histogram, two, facts.three_classes)) {
+      facts.solid_above = facts.three_classes.front();
+      facts.enamel_above = facts.three_classes.back();
+    }
+    if (!facts.solid_above) return facts;
+  }
+  const float level = mask ? 0.0f : static_cast<float>(*facts.solid_above);
+  const SolidComponents components = find_components(volume.values, volume.sizes, level, mask);
+  if (!components.runs.empty()) facts.solid = solid_facts(volume, components, mask);
+  return facts;
+}
+
+std::string cutting_command(const MedicalVolume& volume, const VolumeFacts& facts) {
+  if (!facts.solid) return {};
+  const Eigen::AlignedBox3d& box = facts.solid->box_file_m;
+  const Eigen::Vector3d size_mm = box.sizes() / kMillimetre;
+  // As fine as the file tells apart, and as a grid of 512 along the longest way holds.
+  constexpr double kMargin = 8.0, kMost = 512.0, kFine_mm = 0.05;
+  const double voxel_mm = std::clamp(
+      rounded_up(std::max(size_mm.maxCoeff() / (kMost - 2.0 * kMargin),
+                          std::min(kFine_mm, volume.spacing_m.minCoeff() / kMillimetre / 3.0))),
+      1e-3, 10.0);
+  const Eigen::Vector3d leaves =
+      ((size_mm.array() / voxel_mm + 2.0 * kMargin) / kLeafEdge).ceil().matrix();
+  const Eigen::Vector3d cells =
+      (leaves * kLeafEdge).cwiseMin(static_cast<double>(kMaxCellsPerAxis));
+  const Eigen::Vector3d tip_mm = (facts.solid->top_file_m - box.center()) / kMillimetre;
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+
+  std::vector<std::string> settings{"workpiece.file=" + volume.file};
+  if (!volume.spacing_known) {
+    settings.push_back("workpiece.spacing_mm=" + triple(volume.spacing_m / kMillimetre));
+  }
+  if (facts.solid_above) {
+    settings.push_back("workpiece.solid_above=" + short_number(*facts.solid_above));
+    // The scene has enamel and dentine; where three classes do not tell them apart all is dentine.
+    settings.push_back("tissue.enamel.above=" +
+                       short_number(facts.enamel_above.value_or(
+                           facts.histogram.edge(facts.histogram.counts.size() + 1))));
+    settings.emplace_back("workpiece.rotation_deg=[0, 0, 0]");
+  } else {
+    settings.emplace_back("cutting={}");
+    settings.emplace_back("record={}");
+  }
+  settings.push_back("workpiece.voxel_mm=" + short_number(voxel_mm));
+  settings.push_back("workpiece.cells=" + triple(cells));
+  settings.push_back("trajectory.points_mm=[" + triple(tip_mm + up) + ", " +
+                     triple(tip_mm - 0.5 * up) + "]");
+  // A mask has no grey values, which the other scene sorts its tissues by.
+  std::string command = "sulcus run scenes/";
+  command += facts.solid_above ? "cut_ct_tooth.toml" : "minimal.toml";
+  for (const std::string& setting : settings) command += " --set " + for_shell(setting);
+  return command;
+}
+
+}  // namespace sulcus
