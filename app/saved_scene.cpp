@@ -20,10 +20,19 @@ std::string saved_scene(const Scene& scene, const std::string& recording,
   }
   std::vector<std::string> overrides{
       "trajectory.recording=" + std::filesystem::absolute(recording).lexically_normal().string()};
-  const auto keep_path = [&](const char* key, const std::string& file) {
-    if (!file.empty()) overrides.push_back(key + ("=" + file));
+  const auto keep_path = [&](const std::string& key, const std::string& file) {
+    if (!file.empty()) overrides.push_back(key + "=" + file);
   };
   keep_path("workpiece.file", scene.workpiece.file);
+  for (const TissueSettings& tissue : scene.tissues) {
+    if (tissue.file.empty()) continue;
+    if (tissue.name.find_first_of(".=") != std::string::npos) {
+      throw InputError(scene.file, "[[tissue]] " + tissue.name,
+                       "a file, and '.' or '=' in its name",
+                       "a name without them, to be saved elsewhere");
+    }
+    keep_path("tissue." + tissue.name + ".file", tissue.file);
+  }
   keep_path("burr.file", scene.burr.file);
   if (scene.goal) keep_path("goal.file", scene.goal->file);
   if (section) {

@@ -21,9 +21,10 @@ void inspect_scene(const std::string& file, const std::vector<std::string>& over
   std::printf("cells            %d x %d x %d of %g mm\n", w.cells.x(), w.cells.y(), w.cells.z(),
               w.voxel_m / kMillimetre);
   for (const TissueSettings& t : scene.tissues) {
-    std::printf("tissue           %s: %g N/mm, %g J/mm3\n", t.name.c_str(),
+    std::printf("tissue           %s: %g N/mm, %g J/mm3%s%s\n", t.name.c_str(),
                 t.stiffness_N_per_m / kNewtonPerMillimetre,
-                t.specific_energy_J_per_m3 / kJoulePerMm3);
+                t.specific_energy_J_per_m3 / kJoulePerMm3, t.file.empty() ? "" : ", ",
+                t.file.c_str());
   }
   for (const BodySettings& body : scene.bodies) {
     std::printf("body             %s%s\n", body.name.c_str(), body.cuttable ? ", cuttable" : "");

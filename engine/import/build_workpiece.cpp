@@ -1,9 +1,12 @@
 #include "engine/import/build_workpiece.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "engine/cache/cached_model.hpp"
 #include "engine/core/error.hpp"
@@ -17,12 +20,28 @@
 namespace sulcus {
 namespace {
 
+/// The meshes of the workpiece and of the tissues that have one.
+VoxelModel voxelise_meshes(const Scene& scene, const VoxelGrid& grid) {
+  InputLimits left = scene.limits;  // they are all held at once
+  std::vector<TissueSurface> surfaces;
+  const auto add = [&](const std::string& file, std::size_t tissue) {
+    surfaces.push_back({read_mesh(file, left), file, static_cast<std::uint8_t>(tissue)});
+    left.memory_bytes -= std::min<std::uint64_t>(
+        left.memory_bytes, surfaces.back().mesh.triangles.size() * InputLimits::kTriangleBytes);
+  };
+  add(scene.workpiece.file, 0);
+  for (std::size_t t = 1; t < scene.tissues.size(); ++t) {
+    if (!scene.tissues[t].file.empty()) add(scene.tissues[t].file, t);
+  }
+  return voxelise_surfaces(surfaces, grid, scene.workpiece);
+}
+
 VoxelModel make_model(const Scene& scene, std::string_view place, const VoxelGrid& grid) {
   const WorkpieceSettings& w = scene.workpiece;
   VoxelModel model =
       w.shape ? build_shape(scene)
       : is_mesh_file(w.file)
-          ? voxelise_mesh(read_mesh(w.file, scene.limits), grid, w)
+          ? voxelise_meshes(scene, grid)
           : voxelise_volume(read_medical_volume(w.file, scene.limits), grid, w, scene.tissues);
   const bool solid =
       std::ranges::any_of(model.leaves, [](const LeafBits& leaf) { return any(leaf); });
@@ -52,8 +71,12 @@ std::optional<Hash128> key_of(const Scene& scene) {
   }
   key.add(voxel_m).add(cells).add(position_m).add(rotation);
   for (const TissueSettings& tissue : scene.tissues) {
-    const auto& [name, above, stiffness, specific_energy, colour] = tissue;
-    key.add(name).add(above);
+    const auto& [name, above, surface_file, stiffness, specific_energy, colour] = tissue;
+    key.add(name).add(above).add(!surface_file.empty());
+    if (surface_file.empty()) continue;
+    const std::optional<Hash128> contents = hash_input(surface_file);
+    if (!contents) return std::nullopt;
+    key.add(*contents);
   }
   return key.result();
 }
@@ -91,6 +114,7 @@ std::vector<VoxelModel> build_bodies(const Scene& scene, LoadCache* cache) {
     alone.workpiece = body.solid;
     alone.tissues = scene.tissues;
     if (body.tissue) alone.tissues = {scene.tissues[*body.tissue]};
+    for (TissueSettings& tissue : alone.tissues) tissue.file.clear();  // of the workpiece
     models.push_back(build(alone, "[[body]] '" + body.name + "'", cache));
   }
   return models;

@@ -10,13 +10,13 @@
 namespace sulcus {
 
 /// The voxels of a scene's workpiece: a built-in shape (build_shape), a medical volume or a mesh,
-/// told apart by the file's name; with a cache it may come from there, the same voxels
-/// and the same tissues of them. InputError as the importers; also where the grid holds no solid
-/// voxel. Runs on oneTBB.
+/// told apart by the file's name, with a mesh those of the tissues as well; with a cache it may
+/// come from there, the same voxels and the same tissues of them. InputError as the importers; also
+/// where the grid holds no solid voxel. Runs on oneTBB.
 VoxelModel build_workpiece(const Scene& scene, LoadCache* cache = nullptr);
 
 /// Those of its other bodies, each in its own grid, in their order. A body of one tissue has no
-/// labels.
+/// labels; a mesh is of one, since the tissues' own meshes are the workpiece's.
 std::vector<VoxelModel> build_bodies(const Scene& scene, LoadCache* cache = nullptr);
 
 /// What the file of its goal holds, on the workpiece's grid; none where no goal names one.

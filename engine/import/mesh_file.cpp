@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cctype>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -33,13 +32,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kLeastTriangles = 4;  // of a solid
 constexpr float kFarthest_mm = 1e6f;        // squares of it are still good floats
-
-std::string lower_extension(const std::string& path) {
-  std::string extension = fs::path(path).extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
 
 std::string one_line(std::string text) {
   constexpr std::size_t kLongest = 120;
@@ -197,11 +189,6 @@ std::unique_ptr<aiScene> scene_of(const TriangleMesh& mesh) {
 }
 
 }  // namespace
-
-bool is_mesh_file(const std::string& path) {
-  const std::string extension = lower_extension(path);
-  return extension == ".stl" || extension == ".obj" || extension == ".ply";
-}
 
 TriangleMesh read_mesh(const std::string& path, const InputLimits& limits) {
   const std::string extension = lower_extension(path);

@@ -3,12 +3,10 @@
 #include <string>
 
 #include "engine/core/input_limits.hpp"
+#include "engine/core/mesh_extension.hpp"  // is_mesh_file
 #include "engine/core/triangle_mesh.hpp"
 
 namespace sulcus {
-
-/// Whether the extension is one of .stl, .obj and .ply (in any case).
-bool is_mesh_file(const std::string& path);
 
 /// Reads STL (binary or text), OBJ or PLY through assimp. Lengths in the file are mm, positions
 /// here are metres. Polygons are cut into triangles; vertices at the same place are welded, which

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -19,13 +20,14 @@
 namespace sulcus {
 namespace {
 
-std::vector<Eigen::Vector3d> positions_in_index(const TriangleMesh& mesh, const VoxelGrid& grid,
-                                                const WorkpieceSettings& settings) {
-  Eigen::AlignedBox3d box_file;
+void extend(Eigen::AlignedBox3d& box_file, const TriangleMesh& mesh) {
   for (const auto& t : mesh.triangles) {
     for (const std::uint32_t v : t) box_file.extend(mesh.positions[v].cast<double>());
   }
-  const Eigen::Affine3d world_from_file = placement(box_file.center(), settings);
+}
+
+std::vector<Eigen::Vector3d> positions_in_index(const TriangleMesh& mesh, const VoxelGrid& grid,
+                                                const Eigen::Affine3d& world_from_file) {
   std::vector<Eigen::Vector3d> positions;
   positions.reserve(mesh.positions.size());
   for (const Eigen::Vector3f& p : mesh.positions) {
@@ -158,17 +160,16 @@ class OpenVoxels {
   std::vector<std::uint8_t> touched_;
 };
 
-}  // namespace
-
-VoxelModel voxelise_mesh(const TriangleMesh& mesh, const VoxelGrid& grid,
-                         const WorkpieceSettings& settings) {
-  const std::vector<Eigen::Vector3d> positions_index = positions_in_index(mesh, grid, settings);
+/// Fills a mesh into the leaves of an empty model; `file` for messages.
+void fill(const TriangleMesh& mesh, const Eigen::Affine3d& world_from_file, const std::string& file,
+          VoxelModel& model) {
+  const VoxelGrid& grid = model.grid;
+  const std::vector<Eigen::Vector3d> positions_index =
+      positions_in_index(mesh, grid, world_from_file);
   const std::array<RayVotes, 3> votes = {cast_rays(grid, 0, positions_index, mesh.triangles),
                                          cast_rays(grid, 1, positions_index, mesh.triangles),
                                          cast_rays(grid, 2, positions_index, mesh.triangles)};
   const OpenVoxels open_voxels(grid, mesh, positions_index);
-  VoxelModel model;
-  model.grid = grid;
   model.leaves.resize(grid.leaf_count());
   model.clipped = reaches_beyond(grid, mesh, positions_index);
   tbb::parallel_for(std::uint32_t{0}, grid.leaf_count(), [&](std::uint32_t leaf) {
@@ -177,9 +178,61 @@ VoxelModel voxelise_mesh(const TriangleMesh& mesh, const VoxelGrid& grid,
     if (open != LeafBits{}) open_voxels.decide(leaf, open, model.leaves[leaf]);
   });
   if (model.solid_count() == 0) {
-    throw InputError(settings.file, "", "a mesh with no voxel of the grid inside",
+    throw InputError(file, "", "a mesh with no voxel of the grid inside",
                      "a closed one that reaches into the grid");
   }
+}
+
+/// Adds what one mesh encloses to the solid and gives it its label, over those from before.
+void add_tissue(const VoxelModel& part, std::uint8_t label, VoxelModel& model, TissueMap& tissues) {
+  model.clipped |= part.clipped;
+  tbb::parallel_for(std::uint32_t{0}, model.grid.leaf_count(), [&](std::uint32_t leaf) {
+    if (!any(part.leaves[leaf])) return;
+    LabelBlock labels;
+    if (const LabelBlock* block = tissues.block(leaf)) {
+      labels = *block;
+    } else {
+      labels.fill(tissues.uniform_label(leaf));
+    }
+    for (int k = 0; k < kLeafEdge; ++k) {
+      for (std::uint64_t rest = part.leaves[leaf].words[k]; rest != 0; rest &= rest - 1) {
+        labels[static_cast<std::size_t>(std::countr_zero(rest) | k << 6)] = label;
+      }
+    }
+    model.leaves[leaf] |= part.leaves[leaf];
+    tissues.set_block(leaf, labels, model.leaves[leaf].words);
+  });
+}
+
+}  // namespace
+
+VoxelModel voxelise_mesh(const TriangleMesh& mesh, const VoxelGrid& grid,
+                         const WorkpieceSettings& settings) {
+  Eigen::AlignedBox3d box_file;
+  extend(box_file, mesh);
+  VoxelModel model;
+  model.grid = grid;
+  fill(mesh, placement(box_file.center(), settings), settings.file, model);
+  return model;
+}
+
+VoxelModel voxelise_surfaces(std::span<const TissueSurface> surfaces, const VoxelGrid& grid,
+                             const WorkpieceSettings& settings) {
+  if (surfaces.size() == 1) return voxelise_mesh(surfaces.front().mesh, grid, settings);
+  Eigen::AlignedBox3d box_file;
+  for (const TissueSurface& surface : surfaces) extend(box_file, surface.mesh);
+  const Eigen::Affine3d world_from_file = placement(box_file.center(), settings);
+  VoxelModel model;
+  model.grid = grid;
+  model.leaves.resize(grid.leaf_count());
+  const auto tissues = std::make_shared<TissueMap>(grid.leaf_count());
+  for (const TissueSurface& surface : surfaces) {
+    VoxelModel part;
+    part.grid = grid;
+    fill(surface.mesh, world_from_file, surface.file, part);
+    add_tissue(part, surface.label, model, *tissues);
+  }
+  model.tissues = tissues;
   return model;
 }
 

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
+#include <string>
+
 #include "engine/core/triangle_mesh.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/volume/grid.hpp"
@@ -24,5 +28,19 @@ namespace sulcus {
 /// @throws InputError: no voxel inside (too small, too open, or beside the grid).
 VoxelModel voxelise_mesh(const TriangleMesh& mesh, const VoxelGrid& grid,
                          const WorkpieceSettings& settings);
+
+/// The surface of one tissue of several.
+struct TissueSurface {
+  TriangleMesh mesh;       // metres, in the space of them all
+  std::string file;        // for messages
+  std::uint8_t label = 0;  // of what lies within
+};
+
+/// Fills several meshes, each as `voxelise_mesh` does: solid is what lies within any of them, and
+/// a voxel is of the last one that it lies within. The centre of the box of all of them comes to
+/// the scene's origin. One alone has no labels. There must be one.
+/// @throws InputError: one of them encloses no voxel.
+VoxelModel voxelise_surfaces(std::span<const TissueSurface> surfaces, const VoxelGrid& grid,
+                             const WorkpieceSettings& settings);
 
 }  // namespace sulcus

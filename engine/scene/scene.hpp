@@ -42,6 +42,7 @@ struct WorkpieceSettings {
 struct TissueSettings {
   std::string name;
   std::optional<double> above;  // grey value from which a voxel is of this tissue
+  std::string file;  // mesh: what of the workpiece lies within is of it; only beside a mesh
   double stiffness_N_per_m = 30e3;
   double specific_energy_J_per_m3 = 3.5e9;
   std::array<float, 3> colour{0.9f, 0.88f, 0.82f};  // linear RGB

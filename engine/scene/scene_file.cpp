@@ -8,6 +8,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/input_limits.hpp"
+#include "engine/core/mesh_extension.hpp"
 #include "engine/core/units.hpp"
 #include "engine/normals/normal_choice.hpp"
 #include "engine/scene/device_tables.hpp"
@@ -113,6 +114,7 @@ TissueSettings read_tissue(SceneTable& table, const std::vector<TissueSettings>&
     if (k.name == t.name) t = k;  // a known name brings its constants
   }
   t.above = table.number_if("above");
+  t.file = table.path("file");
   t.stiffness_N_per_m =
       table.number("stiffness_N_per_mm", t.stiffness_N_per_m / kNewtonPerMillimetre) *
       kNewtonPerMillimetre;
@@ -135,7 +137,25 @@ std::vector<TissueSettings> known_tissues() {
   return all;
 }
 
-std::vector<TissueSettings> read_tissues(SceneTable& root) {
+/// A tissue's own mesh stands beside the first one's, which is the workpiece's.
+void check_tissue_file(const SceneTable& table, const TissueSettings& t, bool first,
+                       const WorkpieceSettings& w) {
+  if (t.file.empty()) return;
+  if (t.above) table.fail("file", "both above and a file", "one of them");
+  if (w.shape) table.fail("file", "a file beside a workpiece that is a shape", "a mesh of both");
+  if (!is_mesh_file(w.file)) {
+    table.fail("file", "a file beside a workpiece that is a volume", "above, or a mesh of both");
+  }
+  if (!is_mesh_file(t.file)) {
+    table.fail("file", "no mesh ('" + std::filesystem::path(t.file).filename().string() + "')",
+               ".stl, .obj or .ply");
+  }
+  if (first) {
+    table.fail("file", "a file of the first tissue", "none: workpiece.file is its surface");
+  }
+}
+
+std::vector<TissueSettings> read_tissues(SceneTable& root, const WorkpieceSettings& workpiece) {
   std::vector<TissueSettings> known = known_tissues();
   TissueSettings other;
   if (root.has("coupling")) {
@@ -155,6 +175,7 @@ std::vector<TissueSettings> read_tissues(SceneTable& root) {
   } else {
     for (SceneTable& table : root.tables("tissue")) {
       tissues.push_back(read_tissue(table, known, other));
+      check_tissue_file(table, tissues.back(), tissues.size() == 1, workpiece);
     }
   }
   if (tissues.empty()) tissues.push_back(known.front());  // one tissue, no labels
@@ -471,7 +492,7 @@ Scene parse_scene(const std::string& text, const std::string& file,
   SceneTable root(TomlTable(parsed, file, ""), "");
   scene.title = root.text("title", std::filesystem::path(file).stem().string());
   scene.workpiece = read_workpiece(root);
-  scene.tissues = read_tissues(root);
+  scene.tissues = read_tissues(root, scene.workpiece);
   scene.burr = read_burr(root);
   scene.trajectory = read_trajectory(root);
   scene.haptics = read_haptics(root);

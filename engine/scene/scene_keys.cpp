@@ -93,6 +93,10 @@ constexpr std::array kGroove{
 constexpr std::array kTissue{
     text("name", "", "a name of one's own, or enamel, dentine, pulp or caries, which bring theirs"),
     number("above", kGrey, "", "grey value from which a voxel is of it; the highest that fits"),
+    path(
+        "file",
+        "a mesh in the space of workpiece.file, itself a mesh and the surface of the first tissue: "
+        "what lies within is of this one; a later table wins"),
     number("stiffness_N_per_mm", {1e-6, 1e6},
            "(that of its name, else 30; ten times that with [coupling])",
            "of the whole contact; of each voxel with scaling = \"none\" [assets/tissues.toml]"),

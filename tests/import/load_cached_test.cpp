@@ -209,6 +209,54 @@ TEST(LoadCached, AMeshIsTheSameUntilItsContentsChange) {
   EXPECT_FALSE(is_hit(scene, cache));
 }
 
+TEST(LoadCached, TheMeshesOfTissuesCountByTheirContents) {
+  const ScratchFolder scratch;
+  LoadCache cache(scratch.path("c"));
+  TriangleMesh mesh = icosphere(2);
+  const auto write = [&](const char* name, float radius_m) {
+    TriangleMesh ball = mesh;
+    scale(ball, radius_m);
+    write_mesh(scratch.path(name), ball);
+    return scratch.path(name);
+  };
+  Scene scene = file_scene(write("outer.stl", 1.5e-3f));
+  scene.tissues = {tissue("enamel"), tissue("dentine"), tissue("caries"), tissue("pulp")};
+  scene.tissues[1].file = write("inner.stl", 1e-3f);
+  scene.tissues[3].file = write("innermost.stl", 0.5e-3f);
+  expect_hit_equals_miss(scene, cache);
+  const VoxelModel model = build_workpiece(scene, &cache);
+  EXPECT_EQ(model.tissue(Cell(20, 20, 20)), 3);
+  EXPECT_EQ(model.tissue(Cell(27, 20, 20)), 1);
+  EXPECT_EQ(model.tissue(Cell(32, 20, 20)), 0);
+  expect_each_misses(
+      scene, cache,
+      {{"none", [](Scene& s) { s.tissues[3].file.clear(); }},
+       {"of another tissue", [](Scene& s) { std::swap(s.tissues[2].file, s.tissues[3].file); }},
+       {"another", [](Scene& s) { s.tissues[1].file = s.tissues[3].file; }}});
+  write("inner.stl", 1.1e-3f);
+  EXPECT_FALSE(is_hit(scene, cache));
+}
+
+TEST(BuildBodies, TheMeshesOfTissuesAreTheWorkpieces) {
+  const ScratchFolder scratch;
+  TriangleMesh mesh = icosphere(2);
+  scale(mesh, 1e-3f);
+  write_mesh(scratch.path("m.stl"), mesh);
+  Scene scene = file_scene(scratch.path("m.stl"));
+  scene.tissues = {tissue("enamel"), tissue("dentine")};
+  scene.tissues[1].file = scratch.path("none.stl");
+  BodySettings body;
+  body.solid = scene.workpiece;
+  scene.bodies.push_back(body);
+  scene.bodies.push_back(body);
+  scene.bodies.back().tissue = 1;
+  for (const VoxelModel& model : build_bodies(scene)) {
+    EXPECT_EQ(model.tissues, nullptr);
+    EXPECT_GT(model.solid_count(), 3000u);
+  }
+  EXPECT_THROW(build_workpiece(scene), InputError);
+}
+
 TEST(LoadCached, WhatIsWrongIsStillSaid) {
   const ScratchFolder scratch;
   LoadCache cache(scratch.path("c"));

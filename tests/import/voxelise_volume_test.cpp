@@ -65,10 +65,11 @@ WorkpieceSettings above(double value) {
   return settings;
 }
 
-const std::vector<TissueSettings> kOneTissue = {{.name = "tooth", .above = {}}};
+const std::vector<TissueSettings> kOneTissue = {{.name = "tooth", .above = {}, .file = {}}};
 
 std::vector<TissueSettings> enamel_and_dentine() {
-  return {{.name = "dentine", .above = {}}, {.name = "enamel", .above = 1010.0}};
+  return {{.name = "dentine", .above = {}, .file = {}},
+          {.name = "enamel", .above = 1010.0, .file = {}}};
 }
 
 template <class Visit>
@@ -331,9 +332,9 @@ TEST(VoxeliseVolume, TissuesGoByTheHighestThresholdReached) {
         return p.x() < -0.5e-3 ? 700.0 : p.x() < 0.5e-3 ? 1100.0 : 2000.0;
       });
   // In no order, and one that takes the rest.
-  const std::vector<TissueSettings> tissues = {{.name = "enamel", .above = 1000.0},
-                                               {.name = "filling", .above = 1800.0},
-                                               {.name = "dentine", .above = {}}};
+  const std::vector<TissueSettings> tissues = {{.name = "enamel", .above = 1000.0, .file = {}},
+                                               {.name = "filling", .above = 1800.0, .file = {}},
+                                               {.name = "dentine", .above = {}, .file = {}}};
   const VoxelModel model = voxelise_volume(volume, grid_of(96, 4e-5), above(500), tissues);
   const auto at = [&](double x_mm) {
     const Eigen::Vector3d p = model.grid.index_from_world({x_mm * kMillimetre, 0, 0});
