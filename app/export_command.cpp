@@ -1,9 +1,11 @@
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include "app/common_options.hpp"
 #include "app/recorded_run.hpp"
+#include "app/tissue_meshes.hpp"
 #include "engine/core/error.hpp"
 #include "engine/graphics/surface_mesh.hpp"
 #include "engine/import/medical_volume.hpp"
@@ -16,6 +18,7 @@ namespace {
 struct ExportOptions {
   std::string recording, mesh, volume, csv;
   double at_s = -1.0;  // below 0: the end
+  bool per_tissue = false;
 };
 
 void write_csv(const std::string& file, std::span<const TickRecord> rows) {
@@ -50,11 +53,15 @@ void export_recording(const ExportOptions& options) {
     throw InputError(options.recording, "/ticks", "no rows", "at least one tick");
   }
   say_what_is_missing(reader);
-  RecordedShape shape(reader, reader.workpiece());
+  std::optional<Scene> scene;  // knows the tissues by name
+  if (options.per_tissue) scene = recorded_scene(reader, options.recording);
+  RecordedShape shape(reader, scene ? recorded_workpiece(reader, *scene) : reader.workpiece());
   const std::size_t row = options.at_s < 0.0 ? shape.rows().size() - 1 : shape.row_at(options.at_s);
   shape.seek_row(row);
   const VoxelModel& model = shape.model();
-  if (!options.mesh.empty()) {
+  if (scene) {
+    write_tissue_meshes(options.mesh, model, scene->tissues);
+  } else if (!options.mesh.empty()) {
     const TriangleMesh mesh = closed_surface(model);
     write_mesh(options.mesh, mesh);
     std::printf("%s: %zu triangles\n", options.mesh.c_str(), mesh.triangles.size());
@@ -80,8 +87,13 @@ void add_export_command(CLI::App& program) {
   command->add_option("--at", options->at_s, "Time, s (the end)")
       ->type_name("S")
       ->check(CLI::NonNegativeNumber);
-  command->add_option("--mesh", options->mesh, "Closed surface, .stl, .obj or .ply, mm")
-      ->type_name("FILE");
+  CLI::Option* mesh =
+      command->add_option("--mesh", options->mesh, "Closed surface, .stl, .obj or .ply, mm")
+          ->type_name("FILE");
+  command
+      ->add_flag("--per-tissue", options->per_tissue,
+                 "One closed mesh for each tissue, FILE_TISSUE.stl, with shared borders")
+      ->needs(mesh);
   command
       ->add_option("--volume", options->volume,
                    "Voxels, .nrrd: 0 empty, else 1 + tissue in the scene's order")

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "engine/core/triangle_mesh.hpp"
 #include "engine/volume/voxel_model.hpp"
@@ -22,5 +24,14 @@ struct ClosedSurfaceSettings {
 /// Throws std::length_error beyond 2^32 - 1 vertices. Runs on oneTBB's threads; the result does
 /// not depend on their number.
 TriangleMesh closed_surface(const VoxelModel& model, const ClosedSurfaceSettings& settings = {});
+
+/// The closed surface of each of the labels from 0 to `tissues` - 1, empty where no solid voxel has
+/// it. Together they fill the solid: where two tissues meet both meshes have the same triangles, in
+/// opposite directions, since there is one place for a vertex in each cell, smoothed together
+/// [Frisken 2022], without shrinking [Taubin 1995]. Each edge belongs to two triangles in opposite
+/// directions, but several vertices lie at one place where a tissue touches itself at an edge or a
+/// corner. Otherwise as closed_surface.
+std::vector<TriangleMesh> tissue_surfaces(const VoxelModel& model, std::size_t tissues,
+                                          int smoothing_passes = 8);
 
 }  // namespace sulcus

@@ -1,9 +1,13 @@
 #include "engine/graphics/surface_mesh.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <random>
+#include <set>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -130,6 +134,103 @@ TEST(ClosedSurface, OneTissueAlone) {
   // 12 x 12 x 6 voxels, less what the chamfered edges take.
   EXPECT_NEAR(volume_m3(mesh) / (864 * model.grid.voxel_volume_m3()), 1.0, 0.06);
   EXPECT_TRUE(closed_surface(model, {.tissue = std::uint8_t{2}}).triangles.empty());
+}
+
+/// Voxels of a label.
+double voxels_m3(const VoxelModel& model, int label) {
+  double volume = 0.0;
+  for (std::uint32_t v = 0; v < model.grid.cell_count(); ++v) {
+    const Cell c = model.grid.cell_of_linear(v);
+    if (model.solid(c) && model.tissue(c) == label) volume += model.grid.voxel_volume_m3();
+  }
+  return volume;
+}
+
+/// A ball of three tissues about one another, the outer one cut open, and one label that no voxel
+/// has.
+VoxelModel layered_ball() {
+  const Eigen::Vector3d centre(35.2, 35.4, 35.9);
+  const auto radius = [&](const Cell& c) { return (c.cast<double>() - centre).norm(); };
+  VoxelModel model = make_model(
+      {72, 72, 72}, [&](const Cell& c) { return radius(c) < 30.0 && !(c.x() > 44 && c.y() > 36); });
+  auto tissues = std::make_shared<TissueMap>(model.grid.leaf_count());
+  for (std::uint32_t leaf = 0; leaf < model.grid.leaf_count(); ++leaf) {
+    LabelBlock labels;
+    for (int v = 0; v < 512; ++v) {
+      const double r = radius(model.grid.leaf_origin(leaf) + Cell(v & 7, v >> 3 & 7, v >> 6));
+      labels[v] = r < 6.0 ? 3 : r < 20.0 ? 1 : 0;
+    }
+    tissues->set_block(leaf, labels, model.leaves[leaf].words);
+  }
+  model.tissues = tissues;
+  return model;
+}
+
+TEST(TissueSurfaces, FillTheSolidTogether) {
+  const VoxelModel model = layered_ball();
+  const std::vector<TriangleMesh> meshes = tissue_surfaces(model, 4);
+  ASSERT_EQ(meshes.size(), 4u);
+  double sum = 0.0;
+  for (const int label : {0, 1, 3}) {
+    SCOPED_TRACE(label);
+    expect_closed_manifold(meshes[label]);
+    EXPECT_NEAR(volume_m3(meshes[label]) / voxels_m3(model, label), 1.0,
+                label == 3 ? 0.025 : 0.01);  // a ball of six voxels' radius loses most
+    sum += volume_m3(meshes[label]);
+  }
+  EXPECT_TRUE(meshes[2].triangles.empty());
+  const double all = static_cast<double>(model.solid_count()) * model.grid.voxel_volume_m3();
+  EXPECT_NEAR(sum / all, 1.0, 0.005);
+}
+
+using Corners = std::array<std::array<float, 3>, 3>;
+
+/// The triangles of a mesh by place, each from its least corner on.
+std::multiset<Corners> placed_triangles(const TriangleMesh& mesh, bool turned) {
+  std::multiset<Corners> all;
+  for (auto t : mesh.triangles) {
+    if (turned) std::swap(t[1], t[2]);
+    Corners corners;
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3f& p = mesh.positions[t[i]];
+      corners[i] = {p.x(), p.y(), p.z()};
+    }
+    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+    all.insert(corners);
+  }
+  return all;
+}
+
+TEST(TissueSurfaces, ShareTheirBorders) {
+  const VoxelModel model = layered_ball();
+  const std::vector<TriangleMesh> meshes = tissue_surfaces(model, 4);
+  std::multiset<Corners> all;
+  for (const TriangleMesh& mesh : meshes) all.merge(placed_triangles(mesh, false));
+  // Each triangle is there once more, turned, in the neighbour's mesh; but for those to the air.
+  std::size_t to_air = 0;
+  for (const TriangleMesh& mesh : meshes) {
+    for (const Corners& triangle : placed_triangles(mesh, true)) {
+      to_air += all.contains(triangle) ? 0 : 1;
+    }
+  }
+  EXPECT_GT(all.size() - to_air, 20000u);
+  EXPECT_EQ(to_air, closed_surface(model).triangles.size());
+}
+
+TEST(TissueSurfaces, RandomLabelsAreClosed) {
+  std::mt19937 random(11);
+  VoxelModel model = make_model({16, 24, 72}, [&](const Cell&) { return random() % 4 != 0; });
+  auto tissues = std::make_shared<TissueMap>(model.grid.leaf_count());
+  for (std::uint32_t leaf = 0; leaf < model.grid.leaf_count(); ++leaf) {
+    LabelBlock labels;
+    for (std::uint8_t& label : labels) label = static_cast<std::uint8_t>(random() % 3);
+    tissues->set_block(leaf, labels, model.leaves[leaf].words);
+  }
+  model.tissues = tissues;
+  for (const TriangleMesh& mesh : tissue_surfaces(model, 3)) {
+    EXPECT_GT(mesh.triangles.size(), 1000u);
+    expect_closed_manifold(mesh);
+  }
 }
 
 TEST(ClosedSurface, NothingSolidIsAnEmptyMesh) {

@@ -1,0 +1,47 @@
+#include "app/tissue_meshes.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdio>
+#include <filesystem>
+#include <set>
+#include <vector>
+
+#include "engine/graphics/surface_mesh.hpp"
+#include "engine/import/mesh_file.hpp"
+
+namespace sulcus {
+
+namespace {
+
+/// A tissue's name as a part of a file's: a scene from elsewhere must name no other folder.
+std::string file_part(std::string name) {
+  constexpr std::size_t kLongest = 64;
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return c < ' ' || c == '/' || c == '\\' || c == 127; }, '_');
+  return name.substr(0, kLongest);
+}
+
+}  // namespace
+
+void write_tissue_meshes(const std::string& file, const VoxelModel& model,
+                         std::span<const TissueSettings> tissues) {
+  const std::filesystem::path path(file);
+  const std::vector<TriangleMesh> meshes = tissue_surfaces(model, tissues.size());
+  std::set<std::string> taken;
+  for (std::size_t t = 0; t < meshes.size(); ++t) {
+    std::string name = file_part(tissues[t].name);
+    if (!taken.insert(name).second) name += "_" + std::to_string(t + 1);
+    taken.insert(name);
+    if (meshes[t].triangles.empty()) {
+      std::printf("%s: no voxel left\n", name.c_str());
+      continue;
+    }
+    std::filesystem::path one = path;
+    one.replace_filename(path.stem().string() + "_" + name + path.extension().string());
+    write_mesh(one.string(), meshes[t]);
+    std::printf("%s: %zu triangles\n", one.string().c_str(), meshes[t].triangles.size());
+  }
+}
+
+}  // namespace sulcus
