@@ -5,6 +5,7 @@
 
 #include "app/commands.hpp"
 #include "app/manual.hpp"
+#include "app/recording_help.hpp"
 #include "app/scene_help.hpp"
 #include "engine/core/error.hpp"
 
@@ -33,6 +34,7 @@ void write_manual(const CLI::App& program, const std::filesystem::path& folder) 
     write_page(pages / "man1" / name, command_page(*command));
   }
   write_page(pages / "man5/sulcus-scene.5", scene_page());
+  write_page(pages / "man5/sulcus-recording.5", recording_page());
   write_page(folder / "bash-completion/completions/sulcus", bash_completion(program));
 }
 
@@ -44,6 +46,8 @@ void help(const CLI::App& program, const HelpOptions& options) {
     text = program.get_formatter()->make_help(&program, "sulcus", CLI::AppFormatMode::Normal);
   } else if (options.topic == "scene") {
     text = scene_help();
+  } else if (options.topic == "recording") {
+    text = recording_help();
   } else {
     text = program.get_subcommand(options.topic)->help("sulcus");
   }
@@ -54,12 +58,12 @@ void help(const CLI::App& program, const HelpOptions& options) {
 
 void add_help_command(CLI::App& program) {
   auto options = std::make_shared<HelpOptions>();
-  std::vector<std::string> topics{"scene"};
+  std::vector<std::string> topics{"scene", "recording"};
   for (const CLI::App* command : program.get_subcommands({})) topics.push_back(command->get_name());
   topics.emplace_back("help");
-  CLI::App* command =
-      program.add_subcommand("help", "Tell of a command, or of every key of a scene");
-  command->add_option("TOPIC", options->topic, "scene, or a command (the program)")
+  CLI::App* command = program.add_subcommand(
+      "help", "Tell of a command, of every key of a scene or of all that a recording holds");
+  command->add_option("TOPIC", options->topic, "scene, recording, or a command (the program)")
       ->type_name("TOPIC")
       ->check(CLI::IsMember(topics));
   command

@@ -3,6 +3,7 @@
 #include <array>
 #include <cctype>
 
+#include "app/recording_help.hpp"
 #include "app/scene_help.hpp"
 
 namespace sulcus {
@@ -116,7 +117,7 @@ std::vector<std::string> names_of(const CLI::Option& option) {
 std::string program_footer() {
   std::string text =
       "'sulcus COMMAND --help' lists the options of a command, 'sulcus help scene' every key of a "
-      "scene.\n";
+      "scene, 'sulcus help recording' all that a recording holds.\n";
   for (const Note& note : kNotes) {
     text.append(note.heading).append(": ").append(wrapped(note.text, 2, 98)).append("\n");
   }
@@ -140,7 +141,7 @@ std::string program_page(const CLI::App& program) {
   for (const CLI::App* command : program.get_subcommands({})) {
     page.append(".BR ").append(roff("sulcus-" + command->get_name())).append(" (1),\n");
   }
-  return page.append(".BR sulcus\\-scene (5)\n");
+  return page.append(".BR sulcus\\-scene (5),\n.BR sulcus\\-recording (5)\n");
 }
 
 std::string command_page(const CLI::App& command) {
@@ -161,7 +162,7 @@ std::string command_page(const CLI::App& command) {
   }
   notes(page);
   section(page, "See also");
-  return page.append(".BR sulcus (1),\n.BR sulcus\\-scene (5)\n");
+  return page.append(".BR sulcus (1),\n.BR sulcus\\-scene (5),\n.BR sulcus\\-recording (5)\n");
 }
 
 std::string scene_page() {
@@ -181,6 +182,28 @@ std::string scene_page() {
   }
   section(page, "See also");
   return page.append(".BR sulcus (1)\n");
+}
+
+std::string recording_page() {
+  std::string page = title("sulcus-recording", 5, "a recording of sulcus, in HDF5");
+  section(page, "Description");
+  page.append(roff(recording_notes())).append("\n");
+  page.append(".PP\n.nf\n").append(roff(recording_examples())).append(".fi\n");
+  for (const StoredPart& part : recording_layout()) {
+    page.append(".SH ").append(roff(std::string(part.path))).append("\n");
+    page.append(roff(text_of(part))).append("\n");
+    for (const StoredField& field : part.fields) {
+      const std::string values = values_of(field), what(field.what);
+      if (field.name.empty()) {
+        page.append(".PP\n").append(roff(values + ": " + what)).append("\n");
+      } else {
+        item(page, std::string(field.name), values);
+        page.append(".br\n").append(roff(what)).append("\n");
+      }
+    }
+  }
+  section(page, "See also");
+  return page.append(".BR sulcus (1),\n.BR sulcus\\-scene (5)\n");
 }
 
 std::string bash_completion(const CLI::App& program) {

@@ -17,6 +17,8 @@ std::string program_page(const CLI::App& program);
 std::string command_page(const CLI::App& command);
 /// sulcus-scene(5).
 std::string scene_page();
+/// sulcus-recording(5).
+std::string recording_page();
 
 /// For bash, to be sourced: commands, options, what they choose from, files, keys of --set.
 std::string bash_completion(const CLI::App& program);

@@ -1,23 +1,55 @@
 #include "engine/recording/recording_format.hpp"
 
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
 #include "engine/core/hash.hpp"
+#include "engine/recording/recording_layout.hpp"
 #include "engine/recording/tick_record.hpp"
 
 namespace sulcus {
 namespace {
 
-Hdf5Handle compound(std::size_t bytes) {
-  return hdf5_checked(H5Tcreate(H5T_COMPOUND, bytes), H5Tclose, "row type");
+hid_t stored_type(StoredType type) {
+  switch (type) {
+    case StoredType::kU8:
+      return H5T_STD_U8LE;
+    case StoredType::kU16:
+      return H5T_STD_U16LE;
+    case StoredType::kU32:
+      return H5T_STD_U32LE;
+    case StoredType::kU64:
+      return H5T_STD_U64LE;
+    case StoredType::kF32:
+      return H5T_IEEE_F32LE;
+    case StoredType::kF64:
+      return H5T_IEEE_F64LE;
+    case StoredType::kText:
+      break;
+  }
+  throw std::logic_error("rows hold no text");
 }
 
-void field(const Hdf5Handle& row, const char* name, std::size_t offset, hid_t type) {
-  hdf5_check(H5Tinsert(row, name, offset, type), name);
-}
-
-void vector_field(const Hdf5Handle& row, const char* name, std::size_t offset, hsize_t length) {
-  const auto array =
-      hdf5_checked(H5Tarray_create2(H5T_IEEE_F64LE, 1, &length), H5Tclose, "row type");
-  field(row, name, offset, array);
+/// The columns of a table of the layout, one after another: as `bytes` bytes lie in memory.
+Hdf5Handle row_type(std::string_view path, std::size_t bytes) {
+  const StoredPart* table = find_stored_part(path);
+  Hdf5Handle row = hdf5_checked(H5Tcreate(H5T_COMPOUND, bytes), H5Tclose, "row type");
+  std::size_t offset = 0;
+  for (const StoredField& field : table->fields) {
+    const std::string name(field.name);
+    hid_t type = stored_type(field.type);
+    Hdf5Handle array;
+    if (field.count > 1) {
+      const hsize_t length = field.count;
+      array = hdf5_checked(H5Tarray_create2(type, 1, &length), H5Tclose, "row type");
+      type = array;
+    }
+    hdf5_check(H5Tinsert(row, name.c_str(), offset, type), name.c_str());
+    offset += field.count * bytes_of(field.type);
+  }
+  if (offset != bytes) throw std::logic_error(std::string(path) + ": not as its rows in memory");
+  return row;
 }
 
 }  // namespace
@@ -42,119 +74,16 @@ EditRow packed(const Edit& edit) {
   return row;
 }
 
-Hdf5Handle tick_type() {
-  Hdf5Handle row = compound(sizeof(TickRecord));
-  field(row, "tick", offsetof(TickRecord, tick), H5T_STD_U64LE);
-  field(row, "time_s", offsetof(TickRecord, time_s), H5T_IEEE_F64LE);
-  vector_field(row, "device_position_m", offsetof(TickRecord, device_position_m), 3);
-  vector_field(row, "device_orientation", offsetof(TickRecord, device_orientation), 4);
-  vector_field(row, "tool_position_m", offsetof(TickRecord, tool_position_m), 3);
-  vector_field(row, "tool_orientation", offsetof(TickRecord, tool_orientation), 4);
-  vector_field(row, "force_N", offsetof(TickRecord, force_N), 3);
-  vector_field(row, "torque_Nm", offsetof(TickRecord, torque_Nm), 3);
-  vector_field(row, "contact_force_N", offsetof(TickRecord, contact_force_N), 3);
-  vector_field(row, "contact_torque_Nm", offsetof(TickRecord, contact_torque_Nm), 3);
-  field(row, "contacts", offsetof(TickRecord, contacts), H5T_STD_U32LE);
-  field(row, "tested", offsetof(TickRecord, tested), H5T_STD_U32LE);
-  field(row, "leaves", offsetof(TickRecord, leaves), H5T_STD_U32LE);
-  field(row, "removed", offsetof(TickRecord, removed), H5T_STD_U32LE);
-  field(row, "step_us", offsetof(TickRecord, step_us), H5T_IEEE_F32LE);
-  field(row, "late_us", offsetof(TickRecord, late_us), H5T_IEEE_F32LE);
-  field(row, "faults", offsetof(TickRecord, faults), H5T_STD_U64LE);
-  field(row, "edits_end", offsetof(TickRecord, edits_end), H5T_STD_U64LE);
-  field(row, "check", offsetof(TickRecord, check), H5T_STD_U64LE);
-  return row;
-}
-
-Hdf5Handle cutting_type() {
-  Hdf5Handle row = compound(sizeof(CuttingRecord));
-  field(row, "tick", offsetof(CuttingRecord, tick), H5T_STD_U64LE);
-  vector_field(row, "tangential_force_N", offsetof(CuttingRecord, tangential_force_N), 3);
-  vector_field(row, "tangential_torque_Nm", offsetof(CuttingRecord, tangential_torque_Nm), 3);
-  field(row, "spindle_rad_per_s", offsetof(CuttingRecord, spindle_rad_per_s), H5T_IEEE_F64LE);
-  field(row, "work_J", offsetof(CuttingRecord, work_J), H5T_IEEE_F64LE);
-  field(row, "check", offsetof(CuttingRecord, check), H5T_STD_U64LE);
-  return row;
-}
-
-Hdf5Handle port_type() {
-  Hdf5Handle row = compound(sizeof(PortRecord));
-  field(row, "tick", offsetof(PortRecord, tick), H5T_STD_U64LE);
-  vector_field(row, "asked_force_N", offsetof(PortRecord, asked_force_N), 3);
-  vector_field(row, "asked_torque_Nm", offsetof(PortRecord, asked_torque_Nm), 3);
-  field(row, "absorbed_J", offsetof(PortRecord, absorbed_J), H5T_IEEE_F64LE);
-  field(row, "given_out_J", offsetof(PortRecord, given_out_J), H5T_IEEE_F64LE);
-  field(row, "dissipated_J", offsetof(PortRecord, dissipated_J), H5T_IEEE_F64LE);
-  field(row, "evaluations", offsetof(PortRecord, evaluations), H5T_STD_U64LE);
-  field(row, "check", offsetof(PortRecord, check), H5T_STD_U64LE);
-  return row;
-}
-
-Hdf5Handle piece_type() {
-  Hdf5Handle row = compound(sizeof(PieceRow));
-  field(row, "piece", offsetof(PieceRow, piece), H5T_STD_U64LE);
-  field(row, "tick", offsetof(PieceRow, tick), H5T_STD_U64LE);
-  field(row, "first_loose_edit", offsetof(PieceRow, first_loose_edit), H5T_STD_U64LE);
-  field(row, "voxels", offsetof(PieceRow, voxels), H5T_STD_U64LE);
-  field(row, "check", offsetof(PieceRow, check), H5T_STD_U64LE);
-  return row;
-}
-
-Hdf5Handle piece_pose_type() {
-  Hdf5Handle row = compound(sizeof(PiecePoseRow));
-  field(row, "tick", offsetof(PiecePoseRow, tick), H5T_STD_U64LE);
-  field(row, "piece", offsetof(PiecePoseRow, piece), H5T_STD_U64LE);
-  vector_field(row, "position_m", offsetof(PiecePoseRow, position_m), 3);
-  vector_field(row, "orientation", offsetof(PiecePoseRow, orientation), 4);
-  field(row, "check", offsetof(PiecePoseRow, check), H5T_STD_U64LE);
-  return row;
-}
-
-Hdf5Handle taken_answer_type() {
-  Hdf5Handle row = compound(sizeof(TakenAnswerRow));
-  field(row, "asked", offsetof(TakenAnswerRow, asked), H5T_STD_U64LE);
-  field(row, "taken", offsetof(TakenAnswerRow, taken), H5T_STD_U64LE);
-  field(row, "check", offsetof(TakenAnswerRow, check), H5T_STD_U64LE);
-  return row;
-}
-
-Hdf5Handle edit_type() {
-  Hdf5Handle row = compound(sizeof(EditRow));
-  field(row, "tick", offsetof(EditRow, tick), H5T_STD_U64LE);
-  field(row, "body", offsetof(EditRow, body), H5T_STD_U16LE);
-  field(row, "voxel", offsetof(EditRow, voxel), H5T_STD_U32LE);
-  field(row, "cause", offsetof(EditRow, cause), H5T_STD_U8LE);
-  field(row, "check", offsetof(EditRow, check), H5T_STD_U32LE);
-  return row;
-}
-
-Hdf5Handle state_hash_type() {
-  Hdf5Handle row = compound(sizeof(StateHashRow));
-  field(row, "tick", offsetof(StateHashRow, tick), H5T_STD_U64LE);
-  field(row, "volume", offsetof(StateHashRow, volume), H5T_STD_U64LE);
-  field(row, "state", offsetof(StateHashRow, state), H5T_STD_U64LE);
-  field(row, "check", offsetof(StateHashRow, check), H5T_STD_U64LE);
-  return row;
-}
-
-Hdf5Handle keyframe_type() {
-  Hdf5Handle row = compound(sizeof(KeyframeRow));
-  field(row, "tick", offsetof(KeyframeRow, tick), H5T_STD_U64LE);
-  field(row, "offset", offsetof(KeyframeRow, offset), H5T_STD_U64LE);
-  field(row, "bytes", offsetof(KeyframeRow, bytes), H5T_STD_U64LE);
-  field(row, "content", offsetof(KeyframeRow, content), H5T_STD_U64LE);
-  field(row, "check", offsetof(KeyframeRow, check), H5T_STD_U64LE);
-  return row;
-}
-
-Hdf5Handle end_type() {
-  Hdf5Handle row = compound(sizeof(EndRow));
-  field(row, "ticks", offsetof(EndRow, ticks), H5T_STD_U64LE);
-  field(row, "edits", offsetof(EndRow, edits), H5T_STD_U64LE);
-  field(row, "state_hashes", offsetof(EndRow, state_hashes), H5T_STD_U64LE);
-  field(row, "check", offsetof(EndRow, check), H5T_STD_U64LE);
-  return row;
-}
+Hdf5Handle tick_type() { return row_type("/ticks", sizeof(TickRecord)); }
+Hdf5Handle cutting_type() { return row_type("/cutting", sizeof(CuttingRecord)); }
+Hdf5Handle port_type() { return row_type("/port", sizeof(PortRecord)); }
+Hdf5Handle piece_type() { return row_type("/pieces", sizeof(PieceRow)); }
+Hdf5Handle piece_pose_type() { return row_type("/piece_poses", sizeof(PiecePoseRow)); }
+Hdf5Handle taken_answer_type() { return row_type("/taken_answers", sizeof(TakenAnswerRow)); }
+Hdf5Handle edit_type() { return row_type("/edits", sizeof(EditRow)); }
+Hdf5Handle state_hash_type() { return row_type("/state_hashes", sizeof(StateHashRow)); }
+Hdf5Handle keyframe_type() { return row_type("/keyframe_index", sizeof(KeyframeRow)); }
+Hdf5Handle end_type() { return row_type("/end", sizeof(EndRow)); }
 
 std::uint64_t header_check(const RecordingHeader& header) {
   std::uint64_t hash = hash_bytes(&header.version, sizeof header.version);

@@ -12,19 +12,14 @@ namespace sulcus {
 
 // The layout of a recording, shared by the writer and the reader:
 //
-//   /            attributes format, version, scene, scene_sha256, workpiece_hash, build, rate_hz,
-//                where they say something parent and repaired, and header_check over all of them
-//   /workpiece   see recording_workpiece.hpp     /burr   only where the scene does not generate it
-//   /ticks  /edits  /state_hashes                one dimension, extensible, no filters
-//                A row of /ticks that does not follow on the one before it has the fault
-//                kFaultRowsDropped; the edits of the ticks between are there.
-//   /keyframes   states (haptics/saved_state.hpp), one after another: every so many ticks, after
-//                each gap, before the first row of a recording that goes on from another
-//   /keyframe_index  of which tick each is, and where it lies
-//   /cutting     one row for each of /ticks, only where the scene cuts
-//   /port        the same, only where it names a device or a coupling
-//   /pieces  /piece_poses  /taken_answers        only where pieces may come loose
-//   /end         one row, written when the recording is closed: what it holds
+//   recording_layout.hpp     every attribute, data set and column
+//   recording_workpiece.hpp  the solids and the burr
+//
+// Data sets of rows have one dimension, are extensible and have no filters. A row of /ticks that
+// does not follow on the one before it has the fault kFaultRowsDropped; the edits of the ticks
+// between are there. Keyframes (haptics/saved_state.hpp) are written every so many ticks, after
+// each gap, and before the first row of a recording that goes on from another. /end is written when
+// the recording is closed.
 //
 // Texts are of fixed length: HDF5 keeps those of variable length in a heap without checksums, and
 // 1.10.8 writes beyond its buffer when a size in that heap is damaged.
@@ -91,7 +86,8 @@ std::uint32_t check_of(const EditRow& row);
 
 EditRow packed(const Edit& edit);
 
-/// The types of the rows, in memory and in the file alike: packed, little-endian.
+/// The types of the rows, in memory and in the file alike: packed, little-endian, as the layout has
+/// them.
 Hdf5Handle tick_type();
 Hdf5Handle cutting_type();
 Hdf5Handle port_type();

@@ -1,3 +1,4 @@
+#include <cstdlib>
 #include <filesystem>
 #include <regex>
 #include <string>
@@ -5,7 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/recording/recording_layout.hpp"
 #include "engine/scene/scene_keys.hpp"
+#include "tests/pipeline/small_scenes.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
@@ -58,6 +61,51 @@ TEST(Help, SceneTellsEveryKeyOfTheReader) {
             std::string::npos);
   // And nothing else.
   EXPECT_EQ(matches(help, "^  ([a-zA-Z0-9_]+)(?: |$)").size(), count);
+}
+
+TEST(Help, RecordingTellsAllOfTheLayout) {
+  const ScratchFolder scratch;
+  const std::string help = printed(scratch, "help recording");
+  printed(scratch, "help --write " + scratch.path("share"));
+  const std::string page = read_file(scratch.path("share/man/man5/sulcus-recording.5"));
+  std::size_t at = 0, on_page = 0;
+  for (const StoredPart& part : recording_layout()) {
+    at = help.find("\n" + std::string(part.path) + "  ", at);
+    on_page = page.find("\n.SH " + std::string(part.path) + "\n", on_page);
+    ASSERT_NE(at, std::string::npos) << part.path;
+    ASSERT_NE(on_page, std::string::npos) << part.path;
+    for (const StoredField& field : part.fields) {
+      if (field.name.empty()) continue;
+      at = help.find("\n  " + std::string(field.name) + " ", at);
+      on_page = page.find(".B " + std::string(field.name) + "\n", on_page);
+      ASSERT_NE(at, std::string::npos) << part.path << " " << field.name;
+      ASSERT_NE(on_page, std::string::npos) << part.path << " " << field.name;
+    }
+  }
+  EXPECT_NE(help.find("  contact_force_N       f64[3], N: of the contact alone\n"),
+            std::string::npos);
+}
+
+// The lines of Python are those that a reader may copy.
+TEST(Help, RecordingsExampleRunsInPython) {
+  const ScratchFolder scratch;
+  if (std::system("/usr/bin/python3 -c 'import h5py' 2>/dev/null") != 0) {
+    GTEST_SKIP() << "h5py is not installed";
+  }
+  const std::string scene = scratch.write("s.toml", test::kCutScene);
+  ASSERT_EQ(sulcus_command("run " + scene + " --duration 0.2 -o " + scratch.path("out"),
+                           scratch.path("err"))
+                .status,
+            0);
+  const std::string help = printed(scratch, "help recording");
+  const std::size_t begin = help.find("  import h5py"), end = help.find("\n\n", begin);
+  ASSERT_NE(end, std::string::npos);
+  const std::string lines =
+      std::regex_replace(help.substr(begin, end - begin), std::regex("(^|\n)  "), "$1");
+  scratch.write("out/read.py", lines + "\nprint(force_N.shape, 'shape = ' in scene, len(edits))\n");
+  const auto result = test::program_command(
+      "sh", "-c 'cd " + scratch.path("out") + " && /usr/bin/python3 read.py'", scratch.path("err"));
+  EXPECT_EQ(result.out.substr(0, 14), "(200, 3) True ") << result.out << result.err;
 }
 
 TEST(Help, OfACommandIsItsOwn) {

@@ -1,0 +1,224 @@
+#include "engine/recording/recording_layout.hpp"
+
+#include <array>
+
+namespace sulcus {
+
+namespace {
+
+using enum StoredType;
+
+constexpr StoredField kCheck{"check", kU64, 1, "", "XXH3-64 of the row's bytes before it"};
+
+constexpr std::array<StoredField, 10> kRoot{{
+    {"format", kText, 1, "", "\"sulcus-recording\""},
+    {"version", kU32, 1, "", "of this layout, 2"},
+    {"scene", kText, 1, "", "the TOML as run, with every --set in it"},
+    {"scene_sha256", kText, 1, "", "of that, hexadecimal"},
+    {"workpiece_hash", kU64, 1, "", "of the workpiece at the start"},
+    {"build", kText, 1, "", "the program that wrote it"},
+    {"rate_hz", kF64, 1, "Hz", "ticks a second"},
+    {"parent", kText, 1, "", "only where it goes on from another: from which, and where"},
+    {"repaired", kText, 1, "", "only of a repaired copy: what was missing"},
+    {"header_check", kU64, 1, "", "XXH3-64 over the others"},
+}};
+
+constexpr std::array<StoredField, 19> kTicks{{
+    {"tick", kU64, 1, "", "its number, the first of a run being 0"},
+    {"time_s", kF64, 1, "s", "of the simulation"},
+    {"device_position_m", kF64, 3, "m", "of the burr's tip as the device has it, world"},
+    {"device_orientation", kF64, 4, "", "w, x, y, z; world from tool"},
+    {"tool_position_m", kF64, 3, "m", "of the tip where the coupling holds it, world"},
+    {"tool_orientation", kF64, 4, "", "w, x, y, z; world from tool"},
+    {"force_N", kF64, 3, "N", "sent to the device, world"},
+    {"torque_Nm", kF64, 3, "N m", "sent to the device, about the burr's reference point, world"},
+    {"contact_force_N", kF64, 3, "N", "of the contact alone"},
+    {"contact_torque_Nm", kF64, 3, "N m", "of the contact alone, about the same point"},
+    {"contacts", kU32, 1, "", "voxels in contact"},
+    {"tested", kU32, 1, "", "voxels that were looked at"},
+    {"leaves", kU32, 1, "", "leaves of the octree that the burr reached"},
+    {"removed", kU32, 1, "", "voxels cut of the workpiece"},
+    {"step_us", kF32, 1, "us", "compute time; no part of the result"},
+    {"late_us", kF32, 1, "us", "how late it woke; no part of the result"},
+    {"faults", kU64, 1, "",
+     "bits: 1 not finite, 2 contacts full, 4 part-cut state full, 8 rows before this one are "
+     "missing, 16 no pose from the device, 32 its pose jumped, 64 the force buzzes"},
+    {"edits_end", kU64, 1, "", "rows of /edits up to and with this tick"},
+    kCheck,
+}};
+
+constexpr std::array<StoredField, 5> kEdits{{
+    {"tick", kU64, 1, "", "in which the voxel changed"},
+    {"body", kU16, 1, "", "0 the workpiece, 1 the first of /bodies, ..."},
+    {"voxel", kU32, 1, "", "x + y nx + z nx ny, of its grid of nx x ny x nz cells"},
+    {"cause", kU8, 1, "", "0 cut, 1 came loose with a piece (2, undone: written by none)"},
+    {"check", kU32, 1, "", "low half of XXH3-64 of the row's bytes before it"},
+}};
+
+constexpr std::array<StoredField, 6> kCutting{{
+    {"tick", kU64, 1, "", "as in /ticks"},
+    {"tangential_force_N", kF64, 3, "N", "the part of the contact force along the surface, world"},
+    {"tangential_torque_Nm", kF64, 3, "N m", "of it about the burr's reference point"},
+    {"spindle_rad_per_s", kF64, 1, "rad/s", "about the axis from tip to shank"},
+    {"work_J", kF64, 1, "J", "of the tangential force, up to and with this tick"},
+    kCheck,
+}};
+
+constexpr std::array<StoredField, 8> kPort{{
+    {"tick", kU64, 1, "", "as in /ticks"},
+    {"asked_force_N", kF64, 3, "N", "of the coupling, else of the contact, before any limit"},
+    {"asked_torque_Nm", kF64, 3, "N m", "the same"},
+    {"absorbed_J", kF64, 1, "J", "by the simulation since the contact began; below 0: given out"},
+    {"given_out_J", kF64, 1, "J", "by all contacts up to now"},
+    {"dissipated_J", kF64, 1, "J", "by the passivity controller"},
+    {"evaluations", kU64, 1, "", "of the contact in this tick"},
+    kCheck,
+}};
+
+constexpr std::array<StoredField, 5> kPieces{{
+    {"piece", kU64, 1, "", "from 0 on"},
+    {"tick", kU64, 1, "", "in which its last voxel left the workpiece"},
+    {"first_loose_edit", kU64, 1, "", "number of its first among the rows of /edits of cause 1"},
+    {"voxels", kU64, 1, "", "which follow one another there"},
+    kCheck,
+}};
+
+constexpr std::array<StoredField, 5> kPiecePoses{{
+    {"tick", kU64, 1, "", "every tenth while it moves, the last at rest"},
+    {"piece", kU64, 1, "", "as in /pieces"},
+    {"position_m", kF64, 3, "m", "of what was the origin; world now from world where it was"},
+    {"orientation", kF64, 4, "", "w, x, y, z; the same"},
+    kCheck,
+}};
+
+constexpr std::array<StoredField, 3> kTakenAnswers{{
+    {"asked", kU64, 1, "", "the tick after which pieces were looked for"},
+    {"taken", kU64, 1, "", "the tick in which what was found was taken out"},
+    kCheck,
+}};
+
+constexpr std::array<StoredField, 4> kStateHashes{{
+    {"tick", kU64, 1, "", "right after it"},
+    {"volume", kU64, 1, "", "hash of the voxels"},
+    {"state", kU64, 1, "", "hash of all else that a later tick depends on"},
+    kCheck,
+}};
+
+constexpr std::array<StoredField, 1> kKeyframes{{{"", kU8, 1, "", "bytes"}}};
+
+constexpr std::array<StoredField, 5> kKeyframeIndex{{
+    {"tick", kU64, 1, "", "right after it"},
+    {"offset", kU64, 1, "", "of its first byte in /keyframes"},
+    {"bytes", kU64, 1, "", "how many"},
+    {"content", kU64, 1, "", "XXH3-64 of them"},
+    kCheck,
+}};
+
+constexpr std::array<StoredField, 4> kEnd{{
+    {"ticks", kU64, 1, "", "rows of /ticks"},
+    {"edits", kU64, 1, "", "rows of /edits"},
+    {"state_hashes", kU64, 1, "", "rows of /state_hashes"},
+    kCheck,
+}};
+
+constexpr std::array<StoredField, 4> kSolid{{
+    {"cells", kU32, 3, "", "of the grid along x, y, z: nx, ny, nz"},
+    {"voxel_m", kF64, 1, "m", "edge of a voxel; the grid's centre is the origin of its space"},
+    {"clipped", kU8, 1, "", "1: the solid reached beyond the grid"},
+    {"check", kU64, 1, "", "XXH3-64 over all of it"},
+}};
+constexpr std::array<StoredField, 1> kLeaves{
+    {{"", kU32, 1, "", "x + y nx/8 + z nx/8 ny/8, of the grid's leaves of 8 x 8 x 8 voxels"}}};
+constexpr std::array<StoredField, 1> kWords{
+    {{"", kU64, 8, "", "a slice of its voxels each, along z; bit x + 8 y: solid"}}};
+constexpr std::array<StoredField, 1> kLeafLabels{
+    {{"", kU8, 1, "", "tissue, by its place in the scene, 0 the first"}}};
+constexpr std::array<StoredField, 1> kMixed{{{"", kU32, 1, "", "place in leaves, from 0 on"}}};
+constexpr std::array<StoredField, 1> kMixedLabels{
+    {{"", kU8, 512, "", "tissues of its voxels, x + 8 y + 64 z"}}};
+
+constexpr std::array<StoredField, 1> kBurr{{{"check", kU64, 1, "", "XXH3-64 over all of it"}}};
+constexpr std::array<StoredField, 1> kPositions{{{"", kF32, 3, "m", "x, y, z; tool space"}}};
+constexpr std::array<StoredField, 1> kTriangles{
+    {{"", kU32, 3, "", "positions, from 0 on, counter-clockwise from outside"}}};
+
+constexpr std::array<StoredPart, 24> kLayout{{
+    {"/", StoredKind::kGroup, "", "what the recording is", kRoot, {}},
+    {"/ticks", StoredKind::kRows, "", "one row for each tick", kTicks, {}},
+    {"/edits", StoredKind::kRows, "", "every voxel that changed, in order", kEdits, {}},
+    {"/cutting", StoredKind::kRows, "with [cutting]", "one row for each of /ticks", kCutting, {}},
+    {"/port",
+     StoredKind::kRows,
+     "with [device] or [coupling]",
+     "one row for each of /ticks",
+     kPort,
+     {}},
+    {"/pieces", StoredKind::kRows, "with [loose_pieces]", "what came loose and left", kPieces, {}},
+    {"/piece_poses", StoredKind::kRows, "with [loose_pieces]", "how they moved", kPiecePoses, {}},
+    {"/taken_answers", StoredKind::kRows, "with [loose_pieces]", "for a replay", kTakenAnswers, {}},
+    {"/state_hashes", StoredKind::kRows, "", "from which a replay is verified", kStateHashes, {}},
+    {"/keyframe_index", StoredKind::kRows, "", "states to go back to", kKeyframeIndex, {}},
+    {"/keyframes",
+     StoredKind::kArray,
+     "",
+     "those states, one after another; for this program",
+     kKeyframes,
+     {}},
+    {"/end", StoredKind::kRow, "", "what it holds; all 0 where it was not closed", kEnd, {}},
+    {"/workpiece", StoredKind::kGroup, "", "the solid at the start", kSolid, {}},
+    {"/workpiece/leaves", StoredKind::kArray, "", "those with a solid voxel, rising", kLeaves, {}},
+    {"/workpiece/words", StoredKind::kArray, "", "for each of leaves", kWords, {}},
+    {"/workpiece/leaf_labels",
+     StoredKind::kArray,
+     "with several tissues",
+     "for each of leaves",
+     kLeafLabels,
+     {}},
+    {"/workpiece/mixed",
+     StoredKind::kArray,
+     "with several tissues",
+     "those of several tissues, rising",
+     kMixed,
+     {}},
+    {"/workpiece/mixed_labels",
+     StoredKind::kArray,
+     "with several tissues",
+     "for each of mixed",
+     kMixedLabels,
+     {}},
+    {"/bodies", StoredKind::kGroup, "with [[body]]", "the solids beside it", {}, {}},
+    {"/bodies/0",
+     StoredKind::kGroup,
+     "with [[body]]",
+     "and so on, in their order",
+     {},
+     "/workpiece"},
+    {"/goal",
+     StoredKind::kGroup,
+     "with a file in [goal]",
+     "what that holds, on the workpiece's "
+     "grid",
+     {},
+     "/workpiece"},
+    {"/burr", StoredKind::kGroup, "with a file in [burr]", "its surface", kBurr, {}},
+    {"/burr/positions", StoredKind::kArray, "", "of its vertices", kPositions, {}},
+    {"/burr/triangles", StoredKind::kArray, "", "of it", kTriangles, {}},
+}};
+
+}  // namespace
+
+std::span<const StoredPart> recording_layout() noexcept { return kLayout; }
+
+const StoredPart* find_stored_part(std::string_view path) noexcept {
+  for (const StoredPart& part : kLayout) {
+    if (part.path == path) return &part;
+  }
+  return nullptr;
+}
+
+std::size_t bytes_of(StoredType type) noexcept {
+  constexpr std::array<std::size_t, 7> kBytes{1, 2, 4, 8, 4, 8, 1};
+  return kBytes[static_cast<std::size_t>(type)];
+}
+
+}  // namespace sulcus
