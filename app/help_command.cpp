@@ -48,6 +48,8 @@ void help(const CLI::App& program, const HelpOptions& options) {
     text = scene_help();
   } else if (options.topic == "recording") {
     text = recording_help();
+  } else if (options.topic == "burrs") {
+    text = burr_help();
   } else {
     text = program.get_subcommand(options.topic)->help("sulcus");
   }
@@ -58,12 +60,14 @@ void help(const CLI::App& program, const HelpOptions& options) {
 
 void add_help_command(CLI::App& program) {
   auto options = std::make_shared<HelpOptions>();
-  std::vector<std::string> topics{"scene", "recording"};
+  std::vector<std::string> topics{"scene", "recording", "burrs"};
   for (const CLI::App* command : program.get_subcommands({})) topics.push_back(command->get_name());
   topics.emplace_back("help");
   CLI::App* command = program.add_subcommand(
-      "help", "Tell of a command, of every key of a scene or of all that a recording holds");
-  command->add_option("TOPIC", options->topic, "scene, recording, or a command (the program)")
+      "help",
+      "Tell of a command, every key of a scene, all that a recording holds, or burrs by number");
+  command
+      ->add_option("TOPIC", options->topic, "scene, recording, burrs, or a command (the program)")
       ->type_name("TOPIC")
       ->check(CLI::IsMember(topics));
   command

@@ -1,6 +1,11 @@
 #include "app/scene_help.hpp"
 
+#include <cmath>
+#include <cstdio>
 #include <sstream>
+
+#include "engine/core/units.hpp"
+#include "engine/scene/burr_number.hpp"
 
 namespace sulcus {
 
@@ -110,6 +115,33 @@ std::string scene_help() {
     }
   }
   return out;
+}
+
+std::string burr_help() {
+  const std::span<const std::string_view> shapes = find_scene_key("burr", "shape")->words;
+  std::string out =
+      "burr.iso takes a number of ISO 6360, \"806 314 001 524 014\": material, shank, shape, "
+      "toothing "
+      "or\ngrit, size in tenths of a millimetre; or shape and size alone, \"001 014\". Material, "
+      "toothing and\ngrit are not modelled; the shank is the friction grip's, 313 to 316. "
+      "Shapes:\n\n";
+  for (const BurrShapeNumber& row : burr_shape_numbers()) {
+    char line[128];
+    const std::string shape(shapes[static_cast<std::size_t>(row.shape)]);
+    std::snprintf(
+        line, sizeof line, "  %s  %-20s %-14s %-26s %s\n", row.number.data(),
+        std::string(row.what).c_str(), shape.c_str(),
+        row.length_m > 0.0
+            ? ("head of " + std::to_string(std::lround(row.length_m / kMillimetre)) + " mm").c_str()
+            : "length by our ratio",
+        std::string(row.source).c_str());
+    out += line;
+  }
+  return out +
+         "\nSources: Komet's FG diamonds by ISO number as fossviking.com lists them (2019); Mr. "
+         "Bur,\n"
+         "Dental Bur Classification and Numbering Systems (mrbur.com, 2024). Not the standard "
+         "itself.\n";
 }
 
 std::vector<std::string> keys_to_set() {

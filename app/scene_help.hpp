@@ -25,6 +25,9 @@ std::string text_of(const SceneTableKeys& table);
 /// All tables with all keys, for a terminal of 100 columns.
 std::string scene_help();
 
+/// The shape numbers that burr.iso knows, with their sources.
+std::string burr_help();
+
 /// TABLE.KEY of every key that --set can change.
 std::vector<std::string> keys_to_set();
 

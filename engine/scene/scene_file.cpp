@@ -11,6 +11,7 @@
 #include "engine/core/mesh_extension.hpp"
 #include "engine/core/units.hpp"
 #include "engine/normals/normal_choice.hpp"
+#include "engine/scene/burr_number.hpp"
 #include "engine/scene/device_tables.hpp"
 #include "engine/scene/scene_overrides.hpp"
 #include "engine/scene/scene_table.hpp"
@@ -226,6 +227,28 @@ std::vector<BodySettings> read_bodies(SceneTable& root,
 
 // --- [burr], [trajectory], [haptics] ------------------------------------------------------------
 
+/// What the number says, where the table names one; what else is said of the shape must agree.
+void apply_burr_number(SceneTable& table, BurrSettings& b) {
+  const std::string text = table.text("iso", "");
+  if (!table.has("iso")) return;
+  BurrNumberFault fault;
+  const std::optional<BurrNumber> number = read_burr_number(text, fault);
+  if (!number) table.fail("iso", fault.found, fault.expected);
+  const auto refuse = [&](std::string_view key) {
+    table.fail(key, "another one than burr.iso's, \"" + text + "\"", "one of the two");
+  };
+  const auto differ = [](double a, double b_m) { return std::abs(a - b_m) > 1e-9; };
+  if (table.has("file")) refuse("file");
+  if (table.has("shape") && b.shape != number->shape) refuse("shape");
+  if (table.has("diameter_mm") && differ(b.diameter_m, number->diameter_m)) refuse("diameter_mm");
+  if (b.length_m && number->length_m && differ(*b.length_m, *number->length_m)) {
+    refuse("length_mm");
+  }
+  b.shape = number->shape;
+  b.diameter_m = number->diameter_m;
+  if (number->length_m) b.length_m = number->length_m;
+}
+
 BurrSettings read_burr(SceneTable& root) {
   BurrSettings b;
   auto table = root.table("burr");
@@ -239,6 +262,7 @@ BurrSettings read_burr(SceneTable& root) {
   if (const auto length = table->number_if("length_mm")) {
     b.length_m = *length * kMillimetre;
   }
+  apply_burr_number(*table, b);
   b.speed_rad_per_s = table->number("speed_rpm") * kRevolutionPerMinute;
   b.tangential_ratio = table->number("tangential_ratio");
   if (table->is_text("field")) {

@@ -114,6 +114,9 @@ constexpr std::array kBody{
 constexpr std::array kBurr{
     choice("shape", kBurrShapes, "(\"round\", unless there is a file)", "of the head [ISO 6360]"),
     path("file", "a closed mesh, mm, its axis along z from tip to shank"),
+    text("iso", "",
+         "a number of ISO 6360, \"806 314 001 524 014\", or shape and size of it, \"001 014\": "
+         "shape, diameter and some lengths (sulcus help burrs)"),
     number("diameter_mm", {0.3, 5.0}, "1.4", "the largest of the head"),
     number("length_mm", {0.2, 15.0}, "(the shape's ratio to the diameter; all of a file's)",
            "of the head, which cuts"),

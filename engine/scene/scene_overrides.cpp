@@ -1,12 +1,16 @@
 #include "engine/scene/scene_overrides.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <sstream>
 #include <string_view>
 #include <vector>
 
 #include "engine/core/error.hpp"
 #include "engine/core/input_limits.hpp"
+#include "engine/core/units.hpp"
+#include "engine/scene/burr_number.hpp"
+#include "engine/scene/scene_keys.hpp"
 #include "engine/scene/toml_depth.hpp"
 #include "engine/scene/toml_table.hpp"
 
@@ -38,6 +42,20 @@ toml::table parse_override_value(const std::string& value) {
     quoted << toml::value<std::string>(value);
     return toml::parse("value = " + quoted.str(), kFromOverride);
   }
+}
+
+/// What burr.iso says in words, so that one of them can be changed. A number that is none stays,
+/// for the reader to refuse.
+void spell_burr_number_out(toml::table& burr) {
+  const auto text = burr["iso"].value<std::string>();
+  BurrNumberFault ignored;
+  const auto number = text ? read_burr_number(*text, ignored) : std::nullopt;
+  if (!number) return;
+  const SceneKey& shape = *find_scene_key("burr", "shape");
+  burr.erase("iso");
+  burr.insert_or_assign("shape", std::string(shape.words[static_cast<std::size_t>(number->shape)]));
+  burr.insert_or_assign("diameter_mm", number->diameter_m / kMillimetre);
+  if (number->length_m) burr.insert_or_assign("length_mm", *number->length_m / kMillimetre);
 }
 
 /// The [[tissue]] of a name; names alone become tables that can be changed.
@@ -102,6 +120,19 @@ void apply_override(toml::table& root, const std::string& text) {
   if (path == std::vector<std::string>{"trajectory", "file"} ||
       path == std::vector<std::string>{"trajectory", "recording"}) {
     for (const char* other : {"points_mm", "file", "recording"}) table->erase(other);
+  }
+  if (path.size() == 2 && path[0] == "burr") {
+    if (path[1] == "iso") {
+      for (const char* said : {"shape", "file", "diameter_mm", "length_mm"}) table->erase(said);
+      // Its digits alone would be a whole number.
+      if (parsed["value"].is_integer()) {
+        std::string quoted("\"");
+        parsed = parse_override_value(quoted.append(value).append("\""));
+      }
+    } else if (path[1] == "shape" || path[1] == "file" || path[1] == "diameter_mm" ||
+               path[1] == "length_mm") {
+      spell_burr_number_out(*table);
+    }
   }
   // Insert the node itself, not a copy of its value: it carries where it came from.
   table->insert_or_assign(path.back(), std::move(*parsed.get("value")));

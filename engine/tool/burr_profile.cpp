@@ -40,11 +40,11 @@ HeadShape head_shape(BurrShape shape) {
     case BurrShape::kPear:
       return {1.8, 1.1, 5.0, 0.62, 0.5, 1.0};
     case BurrShape::kFissure:
-      return {3.0, 0.5, 7.0, 1.0, 0.62, 0.08};
+      return {3.0, 0.5, 8.0, 1.0, 0.62, 0.08};
     case BurrShape::kInvertedCone:
       return {0.9, 0.5, 3.0, 0.62, 0.5, 0.08};
     case BurrShape::kFlame:
-      return {3.2, 1.5, 7.0, 0.72, 0.6, 0.12};
+      return {3.2, 1.5, 10.0, 0.72, 0.6, 0.12};
     case BurrShape::kFile:
       break;
   }

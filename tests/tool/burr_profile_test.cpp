@@ -83,7 +83,7 @@ TEST(BurrProfile, EveryShapeIsWellFormedAtEverySize) {
 }
 
 TEST(BurrProfile, LengthOverridesTheRatio) {
-  const double ratios[][2] = {{0.75, 0.98}, {1.1, 5.0}, {0.5, 7.0}, {0.5, 3.0}, {1.5, 7.0}};
+  const double ratios[][2] = {{0.75, 0.98}, {1.1, 5.0}, {0.5, 8.0}, {0.5, 3.0}, {1.5, 10.0}};
   for (const BurrShape shape : kShapes) {
     for (const double mm : {0.3, 1.4, 5.0}) {
       for (const double ratio : ratios[static_cast<int>(shape)]) {
