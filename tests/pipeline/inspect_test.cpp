@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <regex>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -234,6 +235,32 @@ TEST(Inspect, TakesAMeshAsABurr) {
   EXPECT_NE(result.out.find("burr             block.stl, 2."), std::string::npos) << result.out;
   EXPECT_NE(result.out.find("at the mesh's vertices"), std::string::npos) << result.out;
   EXPECT_GT(find(test::read_png(scratch.path("b.png")), kBlack).count, 300);
+}
+
+TEST(Inspect, TellsShellsAndWhatIsSolidOfAMesh) {
+  // Two boxes of 2 mm that overlap by half: 16 mm3 of triangles, 12 mm3 of solid.
+  const ScratchFolder scratch;
+  std::ostringstream obj;
+  for (const int x : {0, 1}) {
+    for (int c = 0; c < 8; ++c) {
+      obj << "v " << x + 2 * (c & 1) << ' ' << 2 * (c >> 1 & 1) << ' ' << 2 * (c >> 2) << '\n';
+    }
+  }
+  const int quads[6][4] = {{1, 3, 4, 2}, {5, 6, 8, 7}, {1, 2, 6, 5},
+                           {3, 7, 8, 4}, {1, 5, 7, 3}, {2, 4, 8, 6}};
+  for (const int first : {0, 8}) {
+    for (const auto& quad : quads) {
+      obj << 'f';
+      for (const int v : quad) obj << ' ' << first + v;
+      obj << '\n';
+    }
+  }
+  const std::string out =
+      sulcus_command("inspect " + scratch.write("two.obj", obj.str()), scratch.path("err")).out;
+  EXPECT_NE(out.find("volume           16.000 mm3"), std::string::npos) << out;
+  EXPECT_NE(out.find("shells           2\n"), std::string::npos) << out;
+  EXPECT_NE(out.find("crowded edges    0 "), std::string::npos) << out;
+  EXPECT_NEAR(number(out, "solid +([0-9.]+) mm3"), 12.0, 0.5) << out;
 }
 
 TEST(Inspect, RefusesPicturesOfWhatItDoesNotDraw) {
