@@ -121,6 +121,7 @@ std::vector<LabelCount> label_counts(std::span<const float> values, const int (&
     }
   }
   std::vector<LabelCount> all;
+  all.reserve(counts.size());
   for (const auto& [value, count] : counts) all.push_back(count);
   return all;
 }
