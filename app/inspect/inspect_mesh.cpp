@@ -78,6 +78,7 @@ void inspect_mesh(const std::string& file) {
   std::printf("volume           %.3f mm3\n", volume_m3 * 1e9);
   std::printf("open edges       %td%s\n", open, open == 0 ? " (closed)" : "");
   std::vector<std::pair<std::uint32_t, std::uint32_t>> sides;
+  sides.reserve(edges.size());
   for (const auto& [a, b] : edges) sides.emplace_back(std::min(a, b), std::max(a, b));
   std::sort(sides.begin(), sides.end());
   std::size_t shared = 0;  // by more than two triangles
