@@ -7,6 +7,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "app/saved_scene.hpp"
+#include "engine/core/error.hpp"
+#include "engine/scene/scene_file.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
@@ -101,6 +104,21 @@ TEST_F(TissueMeshes, ATissuesNameNamesNoOtherFolder) {
   const std::string box = exported("box", scene);
   EXPECT_TRUE(std::filesystem::exists(box + "_.._.._out_up.stl"));
   EXPECT_FALSE(std::filesystem::exists(box + "_filling.stl")) << "no voxel is of it";
+}
+
+TEST(SavedScene, KeepsTheMeshesOfTissuesWhereTheyAre) {
+  const auto scene = [](const std::string& name) {
+    return parse_scene(
+        "[workpiece]\nfile = 'tooth.stl'\n[trajectory]\npoints_mm = [[0, 0, 9]]\n"
+        "[[tissue]]\nname = 'enamel'\n[[tissue]]\nname = '" +
+            name + "'\nfile = 'inner.stl'\n",
+        "/scenes/s.toml");
+  };
+  const Scene elsewhere =
+      parse_scene(saved_scene(scene("dentine"), "/out/recording.h5", {}), "/other/s.toml");
+  EXPECT_EQ(elsewhere.workpiece.file, "/scenes/tooth.stl");
+  EXPECT_EQ(elsewhere.tissues[1].file, "/scenes/inner.stl");
+  EXPECT_THROW((void)saved_scene(scene("a.b"), "/out/recording.h5", {}), InputError);
 }
 
 TEST_F(TissueMeshes, NeedAFileToBeNamedAfter) {
