@@ -8,8 +8,8 @@
 #include "app/tissue_meshes.hpp"
 #include "engine/core/error.hpp"
 #include "engine/graphics/surface_mesh.hpp"
-#include "engine/import/medical_volume.hpp"
 #include "engine/import/mesh_file.hpp"
+#include "engine/import/write_volume.hpp"
 
 namespace sulcus {
 
@@ -17,7 +17,8 @@ namespace {
 
 struct ExportOptions {
   std::string recording, mesh, volume, csv;
-  double at_s = -1.0;  // below 0: the end
+  std::string geometry;  // empty: file where the workpiece came from one, else scene
+  double at_s = -1.0;    // below 0: the end
   bool per_tissue = false;
 };
 
@@ -44,10 +45,39 @@ void write_csv(const std::string& file, std::span<const TickRecord> rows) {
   if (std::ferror(out.get())) throw std::runtime_error(file + ": cannot be written");
 }
 
+/// In which space the result is written; none: the scene's.
+std::optional<InputGeometry> wanted_space(const ExportOptions& options,
+                                          const RecordingReader& reader) {
+  std::optional<InputGeometry> input = reader.input();
+  if (options.geometry == "scene") return {};
+  if (!input && !options.geometry.empty()) {
+    throw InputError(options.recording, "/input", "none: a built-in shape, or an older recording",
+                     "--geometry scene");
+  }
+  if (options.geometry == "input" && !options.volume.empty() && !input->has_lattice()) {
+    throw InputError(options.recording, "/input", "a mesh, which has no voxels",
+                     "--geometry file or scene for a volume");
+  }
+  return input;
+}
+
+void export_volume(const ExportOptions& options, const VoxelModel& model,
+                   const std::optional<InputGeometry>& space) {
+  const VolumeContent content = model.tissues ? VolumeContent::kLabels : VolumeContent::kMask;
+  if (!space) {
+    write_volume(options.volume, model, content);
+  } else if (options.geometry == "input") {
+    write_volume_on_input(options.volume, model, content, *space);
+  } else {
+    write_volume_in_file_space(options.volume, model, content, *space);
+  }
+}
+
 void export_recording(const ExportOptions& options) {
   if (options.mesh.empty() && options.volume.empty() && options.csv.empty()) {
     throw InputError("", "export", "nothing to write", "--mesh, --volume or --csv");
   }
+  if (!options.volume.empty()) check_volume_name(options.volume);
   const RecordingReader reader(options.recording);
   if (reader.tick_count() == 0) {
     throw InputError(options.recording, "/ticks", "no rows", "at least one tick");
@@ -59,16 +89,19 @@ void export_recording(const ExportOptions& options) {
   const std::size_t row = options.at_s < 0.0 ? shape.rows().size() - 1 : shape.row_at(options.at_s);
   shape.seek_row(row);
   const VoxelModel& model = shape.model();
+  const std::optional<InputGeometry> space = wanted_space(options, reader);
+  const Eigen::Affine3d space_from_world =
+      space ? space->file_from_world : Eigen::Affine3d::Identity();
   if (scene) {
-    write_tissue_meshes(options.mesh, model, scene->tissues);
+    write_tissue_meshes(options.mesh, model, scene->tissues, space_from_world);
   } else if (!options.mesh.empty()) {
-    const TriangleMesh mesh = closed_surface(model);
+    TriangleMesh mesh = closed_surface(model);
+    transform(space_from_world, mesh);
     write_mesh(options.mesh, mesh);
     std::printf("%s: %zu triangles\n", options.mesh.c_str(), mesh.triangles.size());
   }
   if (!options.volume.empty()) {
-    write_volume_nrrd(options.volume, model,
-                      model.tissues ? VolumeContent::kLabels : VolumeContent::kMask);
+    export_volume(options, model, space);
     std::printf("%s: %llu solid voxels\n", options.volume.c_str(),
                 static_cast<unsigned long long>(model.solid_count()));
   }
@@ -96,8 +129,14 @@ void add_export_command(CLI::App& program) {
       ->needs(mesh);
   command
       ->add_option("--volume", options->volume,
-                   "Voxels, .nrrd: 0 empty, else 1 + tissue in the scene's order")
+                   "Voxels, .nrrd, .mha or .nii.gz: 0 empty, else 1 + tissue in the scene's order")
       ->type_name("FILE");
+  command
+      ->add_option("--geometry", options->geometry,
+                   "file: in the space of the workpiece's file, over the scan (the default where\n"
+                   "it came from one); input: on the scan's own voxels; scene: the scene's space")
+      ->type_name("SPACE")
+      ->check(CLI::IsMember({"file", "input", "scene"}));
   command->add_option("--csv", options->csv, "One row per tick up to then")->type_name("FILE");
   command->callback([options] { export_recording(*options); });
 }

@@ -25,7 +25,7 @@ LoadedRun load_run(const Scene& scene, const Pose& start, LoadCache& cache) {
   const bool burr_cached = cache.hits() > 0;
   run.loading.push_back({"burr", seconds_since(begin), burr.field.memory_bytes(), burr_cached});
   begin = steady_ns();
-  VoxelModel model = build_workpiece(scene, &cache);
+  VoxelModel model = build_workpiece(scene, &cache, &run.notes);
   const bool workpiece_cached = cache.hits() > (burr_cached ? 1 : 0);
   double workpiece_s = seconds_since(begin);
   const auto hits = cache.hits();
@@ -57,6 +57,9 @@ LoadedRun load_run(const Scene& scene, const Pose& start, LoadCache& cache) {
 
 void log_loading(const Scene& scene, const LoadedRun& run, const LoadCache& cache) {
   if (!cache.note().empty()) spdlog::info("{}", cache.note());
+  for (const std::string& warning : run.notes.warnings) {
+    spdlog::warn("{}: {}", scene.workpiece.file, warning);
+  }
   for (const auto& [name, solid] : run.clipped) {
     spdlog::warn(
         "{} reaches beyond the grid of {} x {} x {} voxels of {} mm and is cut flat at its faces",

@@ -11,6 +11,7 @@
 #include "engine/cache/load_cache.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/scene/trajectory.hpp"
+#include "engine/volume/import_notes.hpp"
 
 namespace sulcus {
 
@@ -18,6 +19,7 @@ namespace sulcus {
 struct LoadedRun {
   std::unique_ptr<Simulation> simulation;
   std::optional<VoxelModel> goal;  // what its file holds, where the scene names one
+  ImportNotes notes;               // of the workpiece's file
   std::vector<PartUse> loading;    // what that took
   // What reaches beyond its grid and is cut flat there: its name and grid.
   std::vector<std::pair<std::string, const WorkpieceSettings*>> clipped;

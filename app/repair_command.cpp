@@ -34,7 +34,8 @@ void copy_recording(const RecordingReader& reader, const std::string& missing,
   const std::vector<VoxelModel> bodies = reader.bodies();
   const std::optional<VoxelModel> goal = reader.goal();
   const std::optional<TriangleMesh> burr = reader.burr_mesh();
-  RecordedSolids others{{}, goal ? &*goal : nullptr};
+  const std::optional<InputGeometry> input = reader.input();
+  RecordedSolids others{{}, goal ? &*goal : nullptr, input ? &*input : nullptr};
   for (const VoxelModel& body : bodies) others.bodies.push_back(&body);
   const RecordingTables tables = reader.tables();
   RecordingWriter writer(file, header, start, burr ? &*burr : nullptr, tables, others);

@@ -86,6 +86,7 @@ void replay(const ReplayOptions& options) {
   }
   session.pace = options.pace == "real" ? Pace::kReal : Pace::kFast;
   session.goal = run.reader.goal();
+  session.input = run.reader.input();
   std::size_t first = 0;
   if (options.from_s) {
     session.parent = go_on_after(run, row, options.overrides);

@@ -73,6 +73,7 @@ void run(const RunOptions& options) {
   session.pace = options.pace == "real" ? Pace::kReal : Pace::kFast;
   session.render = !options.no_render;
   session.goal = std::move(loaded.goal);
+  session.input = loaded.notes.input;
   const double duration_s = options.duration_s > 0.0 ? options.duration_s : trajectory.duration_s();
   session.ticks = static_cast<std::uint64_t>(
       std::max(1.0, std::ceil(duration_s * scene.haptics.rate_hz - 1e-6)));

@@ -33,6 +33,7 @@ std::string saved_scene(const Scene& scene, const std::string& recording,
     }
     keep_path("tissue." + tissue.name + ".file", tissue.file);
   }
+  keep_path("workpiece.labels", scene.workpiece.labels);
   keep_path("burr.file", scene.burr.file);
   if (scene.goal) keep_path("goal.file", scene.goal->file);
   if (section) {

@@ -274,7 +274,8 @@ std::optional<RecordingWriter> open_recording(const Simulation& simulation,
   header.workpiece_hash = simulation.workpiece().hash_with_tissues();
   header.parent = options.parent;
   const bool from_file = scene.burr.shape == BurrShape::kFile;
-  RecordedSolids others{{}, options.goal ? &*options.goal : nullptr};
+  RecordedSolids others{
+      {}, options.goal ? &*options.goal : nullptr, options.input ? &*options.input : nullptr};
   for (const Neighbour& neighbour : simulation.state().neighbours) {
     others.bodies.push_back(&neighbour.solid.model());
   }

@@ -13,6 +13,7 @@
 #include "app/simulation.hpp"
 #include "app/statistics.hpp"
 #include "engine/outcome/preparation_outcome.hpp"
+#include "engine/volume/input_geometry.hpp"
 
 namespace sulcus {
 
@@ -25,6 +26,8 @@ struct SessionOptions {
   bool render = true;       // draw, where the scene has [render]
   /// What the file of the scene's goal holds, on the workpiece's grid, where it names one.
   std::optional<VoxelModel> goal = {};
+  /// Where the workpiece's file lies, for its recording; none of a built-in shape.
+  std::optional<InputGeometry> input = {};
   /// When answers of loose pieces were taken in the recording that is run again; none: a new run.
   std::optional<std::vector<TakenAnswer>> played_back = {};
   /// Called on the thread of run_session while the run lasts, with a feed of its own and the

@@ -25,9 +25,10 @@ std::string file_part(std::string name) {
 }  // namespace
 
 void write_tissue_meshes(const std::string& file, const VoxelModel& model,
-                         std::span<const TissueSettings> tissues) {
+                         std::span<const TissueSettings> tissues,
+                         const Eigen::Affine3d& space_from_world) {
   const std::filesystem::path path(file);
-  const std::vector<TriangleMesh> meshes = tissue_surfaces(model, tissues.size());
+  std::vector<TriangleMesh> meshes = tissue_surfaces(model, tissues.size());
   std::set<std::string> taken;
   for (std::size_t t = 0; t < meshes.size(); ++t) {
     std::string name = file_part(tissues[t].name);
@@ -39,6 +40,7 @@ void write_tissue_meshes(const std::string& file, const VoxelModel& model,
     }
     std::filesystem::path one = path;
     one.replace_filename(path.stem().string() + "_" + name + path.extension().string());
+    transform(space_from_world, meshes[t]);
     write_mesh(one.string(), meshes[t]);
     std::printf("%s: %zu triangles\n", one.string().c_str(), meshes[t].triangles.size());
   }

@@ -188,6 +188,7 @@ Part part_after(const std::string& recording, const GoOn& from, const std::strin
   Part part;
   part.session.parent = parent_of(run, row);
   part.session.goal = run.reader.goal();
+  part.session.input = run.reader.input();
   part.simulation = simulation_after(run, row, from.overrides, changed_burr(run, from.overrides));
   part.start = pose_of(run.rows[row].device_position_m, run.rows[row].device_orientation);
   part.session.folder = folder;
@@ -218,6 +219,7 @@ void view_scene(const ViewOptions& options) {
 
   part.simulation = std::move(loaded.simulation);
   part.session.goal = std::move(loaded.goal);
+  part.session.input = loaded.notes.input;
   part.loading = std::move(loaded.loading);
   part.session.folder = folder;
   open_log(folder);

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/volume/packed_model.hpp"
@@ -21,8 +23,9 @@ struct ModelHeader {
   std::uint32_t flags = 0;
   double voxel_m = 0.0;
   std::uint64_t leaves = 0, part_full = 0, mixed = 0;
+  std::uint64_t input_numbers = 0, warning_bytes = 0;
 };
-static_assert(sizeof(ModelHeader) == 48);
+static_assert(sizeof(ModelHeader) == 64);
 static_assert(sizeof(LeafBits) == 64 && sizeof(LabelBlock) == 512);
 
 bool is_full(const LeafBits& leaf) {
@@ -57,9 +60,39 @@ class Reader {
   std::span<const std::byte> left_;
 };
 
+constexpr std::uint64_t kMostWarningBytes = 1 << 16;
+
+bool take_notes(Reader& reader, const ModelHeader& header, ImportNotes& notes) {
+  std::vector<double> numbers;
+  std::vector<char> warnings;
+  if ((header.input_numbers != 0 && header.input_numbers != InputGeometry::kNumbers) ||
+      header.warning_bytes > kMostWarningBytes || !reader.take(numbers, header.input_numbers) ||
+      !reader.take(warnings, header.warning_bytes)) {
+    return false;
+  }
+  if (!numbers.empty()) {
+    notes.input = InputGeometry::of(
+        std::span<const double, InputGeometry::kNumbers>(numbers.data(), InputGeometry::kNumbers));
+    if (!notes.input) return false;
+  }
+  for (auto begin = warnings.begin(); begin != warnings.end();) {
+    const auto end = std::find(begin, warnings.end(), '\n');
+    if (end == warnings.end()) return false;
+    notes.warnings.emplace_back(begin, end);
+    begin = end + 1;
+  }
+  return true;
+}
+
+std::string text_of(const std::vector<std::string>& warnings) {
+  std::string text;
+  for (const std::string& warning : warnings) text.append(warning).append("\n");
+  return text;
+}
+
 /// The arrays of a payload as they were packed; empty where they do not fit one another.
 std::optional<PackedModel> parse(std::span<const std::byte> payload, const VoxelGrid& grid,
-                                 std::size_t tissues) {
+                                 std::size_t tissues, ImportNotes& notes) {
   Reader reader(payload);
   std::vector<ModelHeader> headers;
   if (!reader.take(headers, 1)) return std::nullopt;
@@ -76,7 +109,8 @@ std::optional<PackedModel> parse(std::span<const std::byte> payload, const Voxel
   packed.clipped = (header.flags & kClipped) != 0;
   packed.labelled = (header.flags & kLabelled) != 0;
   std::vector<LeafBits> part_full;
-  const bool whole = reader.take(packed.leaves, header.leaves) &&
+  const bool whole = take_notes(reader, header, notes) &&
+                     reader.take(packed.leaves, header.leaves) &&
                      reader.take(packed.mixed, header.mixed) &&
                      reader.take(packed.leaf_labels, packed.labelled ? header.leaves : 0) &&
                      reader.take(part_full, header.part_full) &&
@@ -109,27 +143,33 @@ std::optional<PackedModel> parse(std::span<const std::byte> payload, const Voxel
 }  // namespace
 
 std::optional<VoxelModel> read_cached_model(LoadCache& cache, const Hash128& key,
-                                            const VoxelGrid& grid, std::size_t tissues) {
+                                            const VoxelGrid& grid, std::size_t tissues,
+                                            ImportNotes* notes) {
   // What a grid's leaves take at most, all mixed and part full.
-  const std::uint64_t most = sizeof(ModelHeader) + std::uint64_t{grid.leaf_count()} *
-                                                       (2 * sizeof(std::uint32_t) + 1 +
-                                                        sizeof(LeafBits) + sizeof(LabelBlock));
+  const std::uint64_t most =
+      sizeof(ModelHeader) + sizeof(double) * InputGeometry::kNumbers + kMostWarningBytes +
+      std::uint64_t{grid.leaf_count()} *
+          (2 * sizeof(std::uint32_t) + 1 + sizeof(LeafBits) + sizeof(LabelBlock));
   std::vector<std::byte> payload;
   const bool read = cache.read(CacheKind::kModel, key, [&](std::uint64_t bytes) {
     if (bytes <= most) payload.resize(bytes);
     return std::span(payload);
   });
   if (!read) return std::nullopt;
-  const std::optional<PackedModel> packed = parse(payload, grid, tissues);
+  ImportNotes found;
+  const std::optional<PackedModel> packed = parse(payload, grid, tissues, found);
   if (!packed) {
     cache.refuse(key);
     return std::nullopt;
   }
+  if (notes) *notes = std::move(found);
   return unpack(*packed);
 }
 
-void write_cached_model(LoadCache& cache, const Hash128& key, const VoxelModel& model) {
-  if (!cache.keeps()) return;
+void write_cached_model(LoadCache& cache, const Hash128& key, const VoxelModel& model,
+                        const ImportNotes& notes) {
+  const std::string warnings = text_of(notes.warnings);
+  if (!cache.keeps() || warnings.size() > kMostWarningBytes) return;
   PackedModel packed = pack(model);
   std::vector<LeafBits> part_full;
   for (std::size_t row = 0; row < packed.leaves.size(); ++row) {
@@ -144,8 +184,14 @@ void write_cached_model(LoadCache& cache, const Hash128& key, const VoxelModel& 
   header.leaves = packed.leaves.size();
   header.part_full = part_full.size();
   header.mixed = packed.mixed.size();
+  const auto numbers =
+      notes.input ? notes.input->numbers() : std::array<double, InputGeometry::kNumbers>{};
+  header.input_numbers = notes.input ? numbers.size() : 0;
+  header.warning_bytes = warnings.size();
   cache.write(CacheKind::kModel, key,
-              {std::as_bytes(std::span(&header, 1)), std::as_bytes(std::span(packed.leaves)),
+              {std::as_bytes(std::span(&header, 1)),
+               std::as_bytes(std::span(numbers.data(), header.input_numbers)),
+               std::as_bytes(std::span(warnings)), std::as_bytes(std::span(packed.leaves)),
                std::as_bytes(std::span(packed.mixed)), std::as_bytes(std::span(packed.leaf_labels)),
                std::as_bytes(std::span(part_full)), std::as_bytes(std::span(packed.mixed_labels))});
 }

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace sulcus {
 
@@ -14,5 +14,12 @@ struct TriangleMesh {
   std::vector<Eigen::Vector3f> positions;
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
+
+/// Moves every vertex, reckoned in doubles.
+inline void transform(const Eigen::Affine3d& to_from_mesh, TriangleMesh& mesh) {
+  for (Eigen::Vector3f& p : mesh.positions) {
+    p = (to_from_mesh * p.cast<double>()).cast<float>();
+  }
+}
 
 }  // namespace sulcus

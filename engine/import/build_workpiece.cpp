@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "engine/import/input_files.hpp"
 #include "engine/import/medical_volume.hpp"
 #include "engine/import/mesh_file.hpp"
+#include "engine/import/volume_part.hpp"
 #include "engine/import/voxelise_mesh.hpp"
 #include "engine/import/voxelise_volume.hpp"
 #include "engine/shapes/build_shape.hpp"
@@ -21,7 +23,7 @@ namespace sulcus {
 namespace {
 
 /// The meshes of the workpiece and of the tissues that have one.
-VoxelModel voxelise_meshes(const Scene& scene, const VoxelGrid& grid) {
+VoxelModel import_meshes(const Scene& scene, const VoxelGrid& grid, ImportNotes& notes) {
   InputLimits left = scene.limits;  // they are all held at once
   std::vector<TissueSurface> surfaces;
   const auto add = [&](const std::string& file, std::size_t tissue) {
@@ -33,16 +35,42 @@ VoxelModel voxelise_meshes(const Scene& scene, const VoxelGrid& grid) {
   for (std::size_t t = 1; t < scene.tissues.size(); ++t) {
     if (!scene.tissues[t].file.empty()) add(scene.tissues[t].file, t);
   }
+  notes.input.emplace().file_from_world = world_from_surfaces(surfaces, scene.workpiece).inverse();
   return voxelise_surfaces(surfaces, grid, scene.workpiece);
 }
 
-VoxelModel make_model(const Scene& scene, std::string_view place, const VoxelGrid& grid) {
+VoxelModel import_volume(const Scene& scene, const VoxelGrid& grid, ImportNotes& notes) {
   const WorkpieceSettings& w = scene.workpiece;
-  VoxelModel model =
-      w.shape ? build_shape(scene)
-      : is_mesh_file(w.file)
-          ? voxelise_meshes(scene, grid)
-          : voxelise_volume(read_medical_volume(w.file, scene.limits), grid, w, scene.tissues);
+  MedicalVolume volume = read_medical_volume(w.file, scene.limits);
+  InputGeometry input;
+  input.sizes = volume.sizes;
+  input.spacing_m = w.spacing_m.value_or(volume.spacing_m);
+  input.origin_m = volume.origin_m;
+  input.direction = volume.direction;
+  std::optional<MedicalVolume> labels;
+  if (!w.labels.empty()) labels = read_medical_volume(w.labels, scene.limits);
+  volume =
+      take_part(std::move(volume), labels ? &*labels : nullptr, w, scene.tissues, notes.warnings);
+  VolumeImportReport report;
+  VoxelModel model = voxelise_volume(volume, grid, w, scene.tissues, &report);
+  input.file_from_world = report.file_from_world;
+  notes.input = input;
+  return model;
+}
+
+VoxelModel make_model(const Scene& scene, std::string_view place, const VoxelGrid& grid,
+                      ImportNotes& notes) {
+  const WorkpieceSettings& w = scene.workpiece;
+  const bool mesh = !w.shape && is_mesh_file(w.file);
+  if ((w.shape || mesh) && (w.box_file || w.label)) {
+    throw InputError(scene.file, place,
+                     std::string(w.box_file ? "box_mm" : "label") +
+                         (mesh ? " for a mesh" : " for a built-in shape"),
+                     "it beside a volume");
+  }
+  VoxelModel model = w.shape ? build_shape(scene)
+                     : mesh  ? import_meshes(scene, grid, notes)
+                             : import_volume(scene, grid, notes);
   const bool solid =
       std::ranges::any_of(model.leaves, [](const LeafBits& leaf) { return any(leaf); });
   if (!solid) {
@@ -57,7 +85,8 @@ std::optional<Hash128> key_of(const Scene& scene) {
   // A setting that is added does not compile until it has a place here.
   const auto& [shape, file, sphere_radius_m, box_size_m, plate_thickness_m, plate_tilt,
                torus_major_m, torus_minor_m, groove_angle, groove_depth_m, molar_caries_radius_m,
-               solid_above, spacing_m, voxel_m, cells, position_m, rotation] = scene.workpiece;
+               solid_above, spacing_m, box_file, labels, label, voxel_m, cells, position_m,
+               rotation] = scene.workpiece;
   Hash128Stream key = LoadCache::key_of(CacheKind::kModel);
   key.add(shape);
   if (shape) {
@@ -67,12 +96,23 @@ std::optional<Hash128> key_of(const Scene& scene) {
   } else {
     const std::optional<Hash128> contents = hash_input(file);
     if (!contents) return std::nullopt;
-    key.add(*contents).add(solid_above).add(spacing_m);
+    key.add(*contents).add(solid_above).add(spacing_m).add(label);
+    key.add(box_file.has_value());
+    if (box_file) {
+      const Eigen::Vector3d low = box_file->min(), high = box_file->max();
+      key.add(low).add(high);
+    }
+    key.add(!labels.empty());
+    if (!labels.empty()) {
+      const std::optional<Hash128> label_contents = hash_input(labels);
+      if (!label_contents) return std::nullopt;
+      key.add(*label_contents);
+    }
   }
   key.add(voxel_m).add(cells).add(position_m).add(rotation);
   for (const TissueSettings& tissue : scene.tissues) {
-    const auto& [name, above, surface_file, stiffness, specific_energy, colour] = tissue;
-    key.add(name).add(above).add(!surface_file.empty());
+    const auto& [name, above, value, surface_file, stiffness, specific_energy, colour] = tissue;
+    key.add(name).add(above).add(value).add(!surface_file.empty());
     if (surface_file.empty()) continue;
     const std::optional<Hash128> contents = hash_input(surface_file);
     if (!contents) return std::nullopt;
@@ -81,28 +121,37 @@ std::optional<Hash128> key_of(const Scene& scene) {
   return key.result();
 }
 
+/// A tissue that a solid is made of whatever its file says: no part of that is looked for.
+TissueSettings all_of(TissueSettings tissue) {
+  tissue.label.reset();
+  return tissue;
+}
+
 /// `place`: the table of `scene.workpiece` in the file, for messages.
-VoxelModel build(const Scene& scene, std::string_view place, LoadCache* cache) {
+VoxelModel build(const Scene& scene, std::string_view place, LoadCache* cache,
+                 ImportNotes* wanted = nullptr) {
   const VoxelGrid grid{scene.workpiece.cells, scene.workpiece.voxel_m};
   const std::optional<Hash128> key =
       cache && cache->keeps() ? key_of(scene) : std::optional<Hash128>();
   if (key) {
-    if (auto model = read_cached_model(*cache, *key, grid, scene.tissues.size())) {
+    if (auto model = read_cached_model(*cache, *key, grid, scene.tissues.size(), wanted)) {
       return std::move(*model);
     }
   }
-  VoxelModel model = make_model(scene, place, grid);
+  ImportNotes notes;
+  VoxelModel model = make_model(scene, place, grid, notes);
   // The file may have been written to since its contents were hashed.
   if (key && (scene.workpiece.shape || key_of(scene) == key)) {
-    write_cached_model(*cache, *key, model);
+    write_cached_model(*cache, *key, model, notes);
   }
+  if (wanted) *wanted = std::move(notes);
   return model;
 }
 
 }  // namespace
 
-VoxelModel build_workpiece(const Scene& scene, LoadCache* cache) {
-  return build(scene, "[workpiece]", cache);
+VoxelModel build_workpiece(const Scene& scene, LoadCache* cache, ImportNotes* notes) {
+  return build(scene, "[workpiece]", cache, notes);
 }
 
 std::vector<VoxelModel> build_bodies(const Scene& scene, LoadCache* cache) {
@@ -113,7 +162,7 @@ std::vector<VoxelModel> build_bodies(const Scene& scene, LoadCache* cache) {
     alone.limits = scene.limits;
     alone.workpiece = body.solid;
     alone.tissues = scene.tissues;
-    if (body.tissue) alone.tissues = {scene.tissues[*body.tissue]};
+    if (body.tissue) alone.tissues = {all_of(scene.tissues[*body.tissue])};
     for (TissueSettings& tissue : alone.tissues) tissue.file.clear();  // of the workpiece
     models.push_back(build(alone, "[[body]] '" + body.name + "'", cache));
   }
@@ -125,7 +174,7 @@ std::optional<VoxelModel> build_goal(const Scene& scene, LoadCache* cache) {
   Scene alone;
   alone.file = scene.file;
   alone.limits = scene.limits;
-  alone.tissues = {scene.tissues.front()};
+  alone.tissues = {all_of(scene.tissues.front())};
   WorkpieceSettings& solid = alone.workpiece;
   solid.file = scene.goal->file;
   solid.solid_above = scene.goal->solid_above;

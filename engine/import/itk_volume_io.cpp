@@ -23,10 +23,12 @@
 #include <itkNrrdImageIO.h>
 
 #include "engine/core/error.hpp"
+#include "engine/import/png_volume.hpp"
 #include "engine/import/tiff_volume.hpp"
 #include "engine/import/volume_header.hpp"
 
-// With itk_thresholds.cpp the only file that knows ITK. (TIFF goes by libtiff: tiff_volume.hpp.)
+// With itk_thresholds.cpp the only file that knows ITK. (TIFF and PNG go by their own libraries:
+// tiff_volume.hpp, png_volume.hpp.)
 
 namespace sulcus {
 namespace {
@@ -246,7 +248,7 @@ ItkVolume read_file(const std::string& path, const InputLimits& limits) {
   return volume;
 }
 
-/// Slices of a TIFF folder in the order of the numbers in their names: slice_9 before slice_10.
+/// Slices of a folder in the order of the numbers in their names: slice_9 before slice_10.
 bool natural_less(const std::string& a, const std::string& b) {
   const auto digit = [](char c) { return c >= '0' && c <= '9'; };
   std::size_t i = 0, j = 0;
@@ -277,7 +279,8 @@ std::vector<std::string> dicom_slices(const std::string& folder) {
   names->SetInputDirectory(folder);
   const std::vector<std::string>& series = names->GetSeriesUIDs();
   if (series.empty()) {
-    throw InputError(folder, "", "no DICOM series and no .tif slices", "a folder of slices");
+    throw InputError(folder, "", "no DICOM series and no .tif or .png slices",
+                     "a folder of slices");
   }
   if (series.size() > 1) {
     throw InputError(folder, "", std::to_string(series.size()) + " DICOM series",
@@ -287,12 +290,19 @@ std::vector<std::string> dicom_slices(const std::string& folder) {
 }
 
 ItkVolume read_folder(const std::string& folder, const InputLimits& limits) {
-  std::vector<std::string> slices;
+  std::vector<std::string> slices, png_slices;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.is_regular_file() && is_tiff(entry.path())) slices.push_back(entry.path().string());
+    if (!entry.is_regular_file()) continue;
+    if (is_tiff(entry.path())) slices.push_back(entry.path().string());
+    if (lower_extension(entry.path()) == ".png") png_slices.push_back(entry.path().string());
+  }
+  if (!slices.empty() && !png_slices.empty()) {
+    throw InputError(folder, "", "TIFF and PNG slices", "one of them");
   }
   std::ranges::sort(slices, natural_less);
   if (!slices.empty()) return read_tiff_volume(slices, limits);
+  std::ranges::sort(png_slices, natural_less);
+  if (!png_slices.empty()) return read_png_volume(png_slices, limits);
   slices = dicom_slices(folder);
 
   const itk::ImageIOBase::Pointer io = itk::GDCMImageIO::New().GetPointer();
@@ -343,10 +353,12 @@ ItkVolume read_volume_with_itk(const std::string& path, const InputLimits& limit
   }
 }
 
-void write_nrrd_with_itk(const std::string& path, const ItkMask& mask) {
+void write_volume_with_itk(const std::string& path, const ItkMask& mask) {
   const Silence silence;
   try {
-    auto io = itk::NrrdImageIO::New();
+    const std::optional<Format> format = format_of(lower_extension(path));
+    if (!format) throw std::logic_error(path + ": no format that is written");
+    const itk::ImageIOBase::Pointer io = format->io;
     io->SetFileName(path);
     io->SetFileTypeToBinary();
     io->SetUseCompression(true);
@@ -358,11 +370,9 @@ void write_nrrd_with_itk(const std::string& path, const ItkMask& mask) {
     for (unsigned d = 0; d < 3; ++d) {
       const auto size = static_cast<itk::SizeValueType>(mask.sizes[d]);
       io->SetDimensions(d, size);
-      io->SetSpacing(d, mask.spacing_m / kUnitOfItk);
+      io->SetSpacing(d, mask.spacing_m[d] / kUnitOfItk);
       io->SetOrigin(d, mask.origin_m[d] / kUnitOfItk);
-      std::vector<double> axis(3, 0.0);
-      axis[d] = 1.0;
-      io->SetDirection(d, axis);
+      io->SetDirection(d, std::vector<double>(mask.axes[d].begin(), mask.axes[d].end()));
       region.SetIndex(d, 0);
       region.SetSize(d, size);
     }

@@ -22,17 +22,18 @@ struct ItkVolume {
   std::vector<float> values;                    // x fastest
 };
 
-/// A uint8 volume of cubic voxels to be written, axes along the scene's.
+/// A uint8 volume to be written.
 struct ItkMask {
   std::array<int, 3> sizes{};
-  double spacing_m = 0.0;
-  std::array<double, 3> origin_m{};  // centre of the first voxel
-  std::vector<std::uint8_t> voxels;  // x fastest
+  std::array<double, 3> spacing_m{};
+  std::array<double, 3> origin_m{};             // centre of the first voxel
+  std::array<std::array<double, 3>, 3> axes{};  // axes[d]: unit vector along index d
+  std::vector<std::uint8_t> voxels;             // x fastest
 };
 
 /// @throws InputError, see read_medical_volume.
 ItkVolume read_volume_with_itk(const std::string& path, const InputLimits& limits);
-/// @throws std::runtime_error where the file cannot be written.
-void write_nrrd_with_itk(const std::string& path, const ItkMask& mask);
+/// Its name decides the format. @throws std::runtime_error where the file cannot be written.
+void write_volume_with_itk(const std::string& path, const ItkMask& mask);
 
 }  // namespace sulcus

@@ -58,33 +58,4 @@ MedicalVolume read_medical_volume(const std::string& path, const InputLimits& li
   return volume;
 }
 
-void write_volume_nrrd(const std::string& path, const VoxelModel& model, VolumeContent content) {
-  const VoxelGrid& grid = model.grid;
-  ItkMask mask;
-  mask.voxels.assign(grid.cell_count(), 0);
-  for (std::uint32_t leaf = 0; leaf < grid.leaf_count(); ++leaf) {
-    const LeafBits& bits = model.leaves[leaf];
-    if (bits == LeafBits{}) continue;
-    const Cell origin = grid.leaf_origin(leaf);
-    for (int k = 0; k < kLeafEdge; ++k) {
-      for (int j = 0; j < kLeafEdge; ++j) {
-        std::uint8_t* row = mask.voxels.data() + grid.linear(origin + Cell(0, j, k));
-        for (int i = 0; i < kLeafEdge; ++i) {
-          if ((bits.words[k] >> leaf_bit(i, j) & 1u) == 0) continue;
-          const bool labelled = content == VolumeContent::kLabels && model.tissues;
-          row[i] = static_cast<std::uint8_t>(
-              labelled ? 1 + model.tissues->label(leaf, origin + Cell(i, j, k)) : 1);
-        }
-      }
-    }
-  }
-  const Eigen::Vector3d origin_world = grid.centre_world(Cell::Zero());
-  for (int d = 0; d < 3; ++d) {
-    mask.sizes[d] = grid.cells[d];
-    mask.origin_m[d] = origin_world[d];
-  }
-  mask.spacing_m = grid.voxel_m;
-  write_nrrd_with_itk(path, mask);
-}
-
 }  // namespace sulcus

@@ -8,7 +8,6 @@
 #include <Eigen/Core>
 
 #include "engine/core/input_limits.hpp"
-#include "engine/volume/voxel_model.hpp"
 
 namespace sulcus {
 
@@ -35,26 +34,14 @@ struct MedicalVolume {
 
 /// Reads NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd; both with one data file), NIfTI-1 (.nii,
 /// .nii.gz, .hdr, .img), TIFF (.tif, .tiff: a stack of grey pages packed without loss, or a folder
-/// of slices in the order of their numbers) and DICOM (.dcm, or a folder that holds one series;
-/// grey values rescaled). Lengths in the file are mm unless an NRRD names its `space units`; a TIFF
-/// and a header without spacing leave `spacing_known` false. Values that are not finite become the
-/// smallest finite one.
-/// Announced sizes are checked, and compared with the length of the file, before memory is taken.
+/// of slices in the order of their numbers), PNG (a folder of grey slices of 8 or 16 bits) and
+/// DICOM (.dcm, or a folder that holds one series; grey values rescaled). Lengths in the file are
+/// mm unless an NRRD names its `space units`; TIFF, PNG and a header without spacing leave
+/// `spacing_known` false. Values that are not finite become the smallest finite one. Announced
+/// sizes are checked, and compared with the length of the file, before memory is taken.
 /// @throws InputError: missing, not of its format, truncated, not 3-dimensional, not scalar, larger
 /// than the limits allow, spacing not positive.
 /// Not to be called from two threads at once: it silences `std::cerr` while ITK reads.
 MedicalVolume read_medical_volume(const std::string& path, const InputLimits& limits = {});
-
-/// What the voxels of an exported volume say.
-enum class VolumeContent : std::uint8_t {
-  kMask,    // 1 where solid
-  kLabels,  // 1 + tissue where solid
-};
-
-/// Writes the voxels of `model` as NRRD: uint8, gzip, 0 where empty, spacing in mm, placed so that
-/// the file's coordinates are the scene's (in mm). Read back as a binary mask it holds as many
-/// voxels.
-/// @throws std::runtime_error where the file cannot be written.
-void write_volume_nrrd(const std::string& path, const VoxelModel& model, VolumeContent content);
 
 }  // namespace sulcus

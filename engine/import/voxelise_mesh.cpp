@@ -216,12 +216,17 @@ VoxelModel voxelise_mesh(const TriangleMesh& mesh, const VoxelGrid& grid,
   return model;
 }
 
+Eigen::Affine3d world_from_surfaces(std::span<const TissueSurface> surfaces,
+                                    const WorkpieceSettings& settings) {
+  Eigen::AlignedBox3d box_file;
+  for (const TissueSurface& surface : surfaces) extend(box_file, surface.mesh);
+  return placement(box_file.center(), settings);
+}
+
 VoxelModel voxelise_surfaces(std::span<const TissueSurface> surfaces, const VoxelGrid& grid,
                              const WorkpieceSettings& settings) {
   if (surfaces.size() == 1) return voxelise_mesh(surfaces.front().mesh, grid, settings);
-  Eigen::AlignedBox3d box_file;
-  for (const TissueSurface& surface : surfaces) extend(box_file, surface.mesh);
-  const Eigen::Affine3d world_from_file = placement(box_file.center(), settings);
+  const Eigen::Affine3d world_from_file = world_from_surfaces(surfaces, settings);
   VoxelModel model;
   model.grid = grid;
   model.leaves.resize(grid.leaf_count());

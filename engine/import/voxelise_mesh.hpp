@@ -4,6 +4,8 @@
 #include <span>
 #include <string>
 
+#include <Eigen/Geometry>
+
 #include "engine/core/triangle_mesh.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/volume/grid.hpp"
@@ -36,9 +38,13 @@ struct TissueSurface {
   std::uint8_t label = 0;  // of what lies within
 };
 
+/// Where meshes of one space come to lie: as `voxelise_mesh` says of one, by the box of them all.
+Eigen::Affine3d world_from_surfaces(std::span<const TissueSurface> surfaces,
+                                    const WorkpieceSettings& settings);
+
 /// Fills several meshes, each as `voxelise_mesh` does: solid is what lies within any of them, and
-/// a voxel is of the last one that it lies within. The centre of the box of all of them comes to
-/// the scene's origin. One alone has no labels. There must be one.
+/// a voxel is of the last one that it lies within. They are placed by `world_from_surfaces`. One
+/// alone has no labels. There must be one.
 /// @throws InputError: one of them encloses no voxel.
 VoxelModel voxelise_surfaces(std::span<const TissueSurface> surfaces, const VoxelGrid& grid,
                              const WorkpieceSettings& settings);

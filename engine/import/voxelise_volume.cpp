@@ -32,7 +32,8 @@ constexpr int kMargin = 4;
 struct SolidCut {
   Lattice<float> grey;  // dropped components, and what lies beyond the file: air
   Lattice<std::uint8_t> solid;
-  float level = 0.0f;  // solid at or above
+  float level = 0.0f;     // solid at or above
+  Eigen::Vector3i first;  // its first point in the file
 };
 
 std::string plain(double value) {
@@ -89,6 +90,7 @@ SolidCut cut_solid(const MedicalVolume& volume, const WorkpieceSettings& setting
   const Eigen::Vector3i sizes = high - low + Eigen::Vector3i::Constant(2 * kMargin);
   SolidCut cut;
   cut.level = mask ? 0.5f : level;
+  cut.first = first;
   cut.grey = Lattice<float>(sizes, mask ? 0.0f : air_value(volume, level));
   cut.solid = Lattice<std::uint8_t>(sizes, 0);
   if (!mask) {
@@ -171,16 +173,23 @@ class TissueSorter {
     std::optional<std::uint8_t> rest;
     for (std::size_t t = 0; t < tissues.size(); ++t) {
       const auto label = static_cast<std::uint8_t>(t);
-      if (tissues[t].above) {
+      if (tissues[t].label) {
+        named_.push_back({static_cast<float>(*tissues[t].label), label});
+      } else if (tissues[t].above) {
         steps_.push_back({static_cast<float>(*tissues[t].above), label});
       } else if (!rest) {
         rest = label;
       }
     }
     std::ranges::stable_sort(steps_, {}, &Step::above);
-    lowest_ = rest ? *rest : steps_.front().label;
+    lowest_ = rest ? *rest : steps_.empty() ? std::uint8_t{0} : steps_.front().label;
   }
+  /// Whether two values bracket nothing: what lies between names other tissues.
+  bool names() const { return !named_.empty(); }
   std::uint8_t label(float value) const {
+    for (const Step& name : named_) {
+      if (value == name.above) return name.label;
+    }
     std::uint8_t label = lowest_;
     for (const Step& step : steps_) {
       if (value >= step.above) label = step.label;
@@ -194,6 +203,7 @@ class TissueSorter {
     std::uint8_t label;
   };
   std::vector<Step> steps_;  // rising
+  std::vector<Step> named_;  // of a label map: the value itself
   std::uint8_t lowest_ = 0;
 };
 
@@ -237,7 +247,8 @@ class Sampler {
     if (labels != nullptr) {
       const Range grey = range_of(*tissue_, low, high + Eigen::Vector3i::Ones());
       uniform = sorter_->label(grey.least);
-      label_each = uniform != sorter_->label(grey.greatest);
+      label_each =
+          sorter_->names() ? grey.least < grey.greatest : uniform != sorter_->label(grey.greatest);
     }
     LabelBlock block;
     if (label_each) block.fill(0);
@@ -365,6 +376,16 @@ VoxelModel voxelise_volume(const MedicalVolume& volume, const VoxelGrid& grid,
   map.linear = cut_from_file * file_from_world.linear() * grid.voxel_m;
   map.offset = cut_from_file * (file_from_world * grid.world_from_index(Eigen::Vector3d::Zero()));
   found.resampled = !snap_to_lattice(map);
+
+  {
+    // By the rounded map, not by the placement that was asked for: the result lies over the file.
+    Eigen::Affine3d file_from_index = Eigen::Affine3d::Identity();
+    file_from_index.linear() = file_from_cut * map.linear;
+    file_from_index.translation() =
+        volume.origin_m + file_from_cut * (map.offset + cut.first.cast<double>());
+    found.file_from_world = file_from_index * Eigen::Translation3d(grid.origin_index()) *
+                            Eigen::Scaling(1.0 / grid.voxel_m);
+  }
 
   VoxelModel model;
   model.grid = grid;

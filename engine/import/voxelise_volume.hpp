@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <span>
 
+#include <Eigen/Geometry>
+
 #include "engine/import/medical_volume.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/volume/grid.hpp"
@@ -17,6 +19,8 @@ struct VolumeImportReport {
   std::uint32_t dropped_components = 0;  // specks beside the largest one
   std::uint64_t dropped_voxels = 0;
   bool resampled = true;  // false: the grid's voxels are the file's
+  // Rigid; the file's space is that of `origin_m`, its spacing what was used.
+  Eigen::Affine3d file_from_world = Eigen::Affine3d::Identity();
 };
 
 /// Resamples a volume to the cubic voxels of `grid`: solid is what is at or above
@@ -40,7 +44,8 @@ struct VolumeImportReport {
 /// Tissues: of each voxel the one with the highest `above` that is not above its grey value, else
 /// the first without `above`, else the one with the lowest. Grey values near the surface are those
 /// from under the partial-volume shell (tissue_values.hpp). A mask's voxels have the file's nearest
-/// value. One tissue: no labels.
+/// value; where tissues have a `label` it is that value itself (the others are taken out before,
+/// volume_part.hpp). One tissue: no labels.
 ///
 /// Parallel (oneTBB); the result does not depend on the number of threads.
 /// @throws InputError: no solid, none of it in the grid, spacing neither in the file nor in

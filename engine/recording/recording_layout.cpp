@@ -137,12 +137,20 @@ constexpr std::array<StoredField, 1> kMixed{{{"", kU32, 1, "", "place in leaves,
 constexpr std::array<StoredField, 1> kMixedLabels{
     {{"", kU8, 512, "", "tissues of its voxels, x + 8 y + 64 z"}}};
 
+constexpr std::array<StoredField, 6> kInput{{
+    {"file_from_scene", kF64, 12, "m", "three rows of four: turn and way"},
+    {"sizes", kF64, 3, "", "of a volume, voxels; 0 for a mesh"},
+    {"spacing_m", kF64, 3, "m", "of a volume's voxels"},
+    {"origin_m", kF64, 3, "m", "centre of a volume's first voxel"},
+    {"direction", kF64, 9, "", "three rows; the columns are a volume's axes"},
+    {"check", kU64, 1, "", "XXH3-64 over all of it"},
+}};
 constexpr std::array<StoredField, 1> kBurr{{{"check", kU64, 1, "", "XXH3-64 over all of it"}}};
 constexpr std::array<StoredField, 1> kPositions{{{"", kF32, 3, "m", "x, y, z; tool space"}}};
 constexpr std::array<StoredField, 1> kTriangles{
     {{"", kU32, 3, "", "positions, from 0 on, counter-clockwise from outside"}}};
 
-constexpr std::array<StoredPart, 24> kLayout{{
+constexpr std::array<StoredPart, 25> kLayout{{
     {"/", StoredKind::kGroup, "", "what the recording is", kRoot, {}},
     {"/ticks", StoredKind::kRows, "", "one row for each tick", kTicks, {}},
     {"/edits", StoredKind::kRows, "", "every voxel that changed, in order", kEdits, {}},
@@ -200,6 +208,12 @@ constexpr std::array<StoredPart, 24> kLayout{{
      "grid",
      {},
      "/workpiece"},
+    {"/input",
+     StoredKind::kGroup,
+     "with a file in [workpiece]",
+     "where that file lies: its space, and of a volume its voxels",
+     kInput,
+     {}},
     {"/burr", StoredKind::kGroup, "with a file in [burr]", "its surface", kBurr, {}},
     {"/burr/positions", StoredKind::kArray, "", "of its vertices", kPositions, {}},
     {"/burr/triangles", StoredKind::kArray, "", "of it", kTriangles, {}},

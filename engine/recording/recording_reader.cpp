@@ -462,6 +462,10 @@ std::optional<VoxelModel> RecordingReader::goal() const {
   return file_->guarded([this] { return read_goal(file_->file, file_->bytes); });
 }
 
+std::optional<InputGeometry> RecordingReader::input() const {
+  return file_->guarded([this] { return read_input(file_->file); });
+}
+
 VoxelModel RecordingReader::workpiece() const {
   return file_->guarded([this] { return read_workpiece(file_->file, file_->bytes); });
 }

@@ -10,6 +10,7 @@
 #include "engine/recording/recording_header.hpp"
 #include "engine/recording/tick_record.hpp"
 #include "engine/volume/edit.hpp"
+#include "engine/volume/input_geometry.hpp"
 #include "engine/volume/voxel_model.hpp"
 
 namespace sulcus {
@@ -44,6 +45,8 @@ class RecordingReader {
   std::vector<VoxelModel> bodies() const;
   /// What the file of its goal holds, on the workpiece's grid; none where no goal names one.
   std::optional<VoxelModel> goal() const;
+  /// Where the workpiece's file lies; none of a built-in shape, and in older recordings.
+  std::optional<InputGeometry> input() const;
   /// The burr in metres, tool space; empty where the scene alone gives it.
   std::optional<TriangleMesh> burr_mesh() const;
 

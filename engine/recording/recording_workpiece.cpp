@@ -207,6 +207,52 @@ std::optional<VoxelModel> read_goal(const Hdf5Handle& file, std::uint64_t file_b
   return goal;
 }
 
+namespace {
+
+/// The attributes of /input: where the numbers of each begin, and how many there are.
+struct InputPart {
+  const char* name;
+  std::size_t first;
+  hsize_t count;
+};
+constexpr std::array<InputPart, 5> kInputParts{{{"file_from_scene", 0, 12},
+                                                {"sizes", 12, 3},
+                                                {"spacing_m", 15, 3},
+                                                {"origin_m", 18, 3},
+                                                {"direction", 21, 9}}};
+static_assert(InputGeometry::kNumbers == 30);
+
+}  // namespace
+
+void write_input(const Hdf5Handle& file, const InputGeometry& input) {
+  const auto group = create_group(file, "input");
+  const auto numbers = input.numbers();
+  for (const InputPart& part : kInputParts) {
+    write_attribute(group, part.name, H5T_IEEE_F64LE, numbers.data() + part.first, part.count);
+  }
+  const std::uint64_t check = hash_bytes(numbers.data(), sizeof numbers);
+  write_attribute(group, "check", H5T_STD_U64LE, &check);
+}
+
+std::optional<InputGeometry> read_input(const Hdf5Handle& file) {
+  const htri_t exists = H5Lexists(file, "input", H5P_DEFAULT);
+  hdf5_check(exists, "input");
+  if (exists == 0) return std::nullopt;
+  const auto group = open_group(file, "input");
+  std::array<double, InputGeometry::kNumbers> numbers{};
+  for (const InputPart& part : kInputParts) {
+    read_attribute(group, part.name, H5T_NATIVE_DOUBLE, numbers.data() + part.first, part.count);
+  }
+  std::uint64_t check = 0;
+  read_attribute(group, "check", H5T_NATIVE_UINT64, &check);
+  if (check != hash_bytes(numbers.data(), sizeof numbers)) {
+    throw Hdf5Error("input: its check does not fit, it is damaged");
+  }
+  std::optional<InputGeometry> input = InputGeometry::of(numbers);
+  if (!input) throw Hdf5Error("input: numbers that are no geometry");
+  return input;
+}
+
 void write_burr(const Hdf5Handle& file, const TriangleMesh& mesh_tool) {
   const auto group = create_group(file, "burr");
   const std::uint64_t check = check_of(mesh_tool);

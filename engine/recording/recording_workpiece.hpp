@@ -7,6 +7,7 @@
 
 #include "engine/core/triangle_mesh.hpp"
 #include "engine/recording/hdf5_handle.hpp"
+#include "engine/volume/input_geometry.hpp"
 #include "engine/volume/voxel_model.hpp"
 
 namespace sulcus {
@@ -23,6 +24,9 @@ namespace sulcus {
 //   /bodies     only where the scene has others than the workpiece
 //     0, 1, ...     each as /workpiece
 //   /goal       as /workpiece, only where the goal comes from a file: what that holds, on its grid
+//   /input      where the workpiece's file lies, only where it comes from one: attributes
+//               file_from_scene f64[3][4] (m, rows), of a volume's lattice sizes f64[3] (of a mesh
+//               0), spacing_m, origin_m f64[3], direction f64[3][3] (rows), and check u64
 //   /burr       attribute check u64
 //     positions     f32[p][3]    m, tool space
 //     triangles     u32[t][3]
@@ -34,6 +38,7 @@ void write_workpiece(const Hdf5Handle& file, const VoxelModel& model);
 void write_bodies(const Hdf5Handle& file, std::span<const VoxelModel* const> models);
 /// What the file of a goal holds, on the workpiece's grid.
 void write_goal(const Hdf5Handle& file, const VoxelModel& model);
+void write_input(const Hdf5Handle& file, const InputGeometry& input);
 void write_burr(const Hdf5Handle& file, const TriangleMesh& mesh_tool);
 
 /// The grids alone, checked: the workpiece's, then those of the other bodies. Throws Hdf5Error.
@@ -45,6 +50,9 @@ std::vector<VoxelModel> read_bodies(const Hdf5Handle& file, std::uint64_t file_b
 /// None where no goal names a file. Throws Hdf5Error, also where it is on another grid than the
 /// workpiece.
 std::optional<VoxelModel> read_goal(const Hdf5Handle& file, std::uint64_t file_bytes);
+/// None where the workpiece is a built-in shape, and in a recording that was made before they had
+/// it. Throws Hdf5Error.
+std::optional<InputGeometry> read_input(const Hdf5Handle& file);
 /// Empty where the scene generates the burr. Throws Hdf5Error.
 std::optional<TriangleMesh> read_burr(const Hdf5Handle& file, std::uint64_t file_bytes);
 

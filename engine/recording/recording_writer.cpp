@@ -161,6 +161,7 @@ struct RecordingWriter::File {
     write_workpiece(file, start);
     write_bodies(file, others.bodies);
     if (others.goal) write_goal(file, *others.goal);
+    if (others.input) write_input(file, *others.input);
     if (burr_mesh_tool) write_burr(file, *burr_mesh_tool);
     edits.emplace(file, "edits", edit_type(), kEditChunk);
     ticks.emplace(file, "ticks", tick_type(), kTickChunk);

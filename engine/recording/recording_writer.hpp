@@ -11,14 +11,16 @@
 #include "engine/recording/recording_header.hpp"
 #include "engine/recording/tick_record.hpp"
 #include "engine/volume/edit.hpp"
+#include "engine/volume/input_geometry.hpp"
 #include "engine/volume/voxel_model.hpp"
 
 namespace sulcus {
 
-/// Voxels beside the workpiece's that a recording needs to be enough by itself.
+/// What beside the workpiece's voxels a recording needs to be enough by itself.
 struct RecordedSolids {
   std::vector<const VoxelModel*> bodies;  // in the order of the scene
   const VoxelModel* goal = nullptr;       // on the workpiece's grid, where it comes from a file
+  const InputGeometry* input = nullptr;   // where the workpiece's file lies, where it has one
 };
 
 /// Writes a recording that other processes may read while it grows, and that reads whole up to the

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "engine/core/input_limits.hpp"
 #include "engine/core/pose.hpp"
@@ -31,8 +32,11 @@ struct WorkpieceSettings {
   double groove_angle = 1.5707963267948966, groove_depth_m = 1e-3;  // a V along x in a flat face
   double molar_caries_radius_m = 0.0;  // lesion under the central pit; 0: none
 
-  std::optional<double> solid_above;         // grey value; none: binary mask
-  std::optional<Eigen::Vector3d> spacing_m;  // instead of what a volume file says
+  std::optional<double> solid_above;            // grey value; none: binary mask
+  std::optional<Eigen::Vector3d> spacing_m;     // instead of what a volume file says
+  std::optional<Eigen::AlignedBox3d> box_file;  // m: of a volume only what lies in there is taken
+  std::string labels;        // a label volume on the lattice of `file`; only with `label`
+  std::optional<int> label;  // only voxels with this value are taken: of `labels`, else of `file`
   double voxel_m = 34.8e-6;
   Eigen::Vector3i cells{512, 512, 512};
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  // of the solid in the grid
@@ -41,8 +45,9 @@ struct WorkpieceSettings {
 
 struct TissueSettings {
   std::string name;
-  std::optional<double> above;  // grey value from which a voxel is of this tissue
-  std::string file;  // mesh: what of the workpiece lies within is of it; only beside a mesh
+  std::optional<double> above;    // grey value from which a voxel is of this tissue
+  std::optional<int> label = {};  // value of its voxels in a label map; a scene has one of these
+  std::string file = {};  // mesh: what of the workpiece lies within is of it; only beside a mesh
   double stiffness_N_per_m = 30e3;
   double specific_energy_J_per_m3 = 3.5e9;
   std::array<float, 3> colour{0.9f, 0.88f, 0.82f};  // linear RGB

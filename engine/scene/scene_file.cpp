@@ -63,6 +63,25 @@ void read_shape_tables(SceneTable& table, WorkpieceSettings& w) {
   }
 }
 
+/// Which part of a volume is taken.
+void read_part(SceneTable& table, WorkpieceSettings& w) {
+  if (const std::vector<double> box = table.numbers_if("box_mm"); !box.empty()) {
+    const Eigen::Vector3d low(box[0], box[1], box[2]), high(box[3], box[4], box[5]);
+    if ((low.array() >= high.array()).any()) {
+      table.fail("box_mm", "a corner that is not below the other",
+                 "[x0, y0, z0, x1, y1, z1] with x0 < x1, y0 < y1, z0 < z1");
+    }
+    w.box_file = Eigen::AlignedBox3d(low * kMillimetre, high * kMillimetre);
+  }
+  w.labels = table.path("labels");
+  w.label = table.whole_if("label");
+  if (!w.labels.empty() && !w.label) table.fail("labels", "no label", "label = N beside it");
+  if (w.label && w.labels.empty() && w.solid_above) {
+    table.fail("label", "solid_above, and no labels",
+               "labels = \"FILE\", or a label map without solid_above");
+  }
+}
+
 /// What becomes voxels, of the workpiece or of another body.
 WorkpieceSettings read_solid(SceneTable& table) {
   WorkpieceSettings w;
@@ -77,6 +96,7 @@ WorkpieceSettings read_solid(SceneTable& table) {
   if (const std::vector<double> spacing = table.numbers_if("spacing_mm"); !spacing.empty()) {
     w.spacing_m = vector3(spacing) * kMillimetre;
   }
+  read_part(table, w);
   w.voxel_m = table.number("voxel_mm") * kMillimetre;
   const Eigen::Vector3d n = table.vector3("cells");
   for (int a = 0; a < 3; ++a) {
@@ -115,6 +135,7 @@ TissueSettings read_tissue(SceneTable& table, const std::vector<TissueSettings>&
     if (k.name == t.name) t = k;  // a known name brings its constants
   }
   t.above = table.number_if("above");
+  t.label = table.whole_if("label");
   t.file = table.path("file");
   t.stiffness_N_per_m =
       table.number("stiffness_N_per_mm", t.stiffness_N_per_m / kNewtonPerMillimetre) *
@@ -186,8 +207,15 @@ std::vector<TissueSettings> read_tissues(SceneTable& root, const WorkpieceSettin
       if (tissues[i].name == tissues[j].name) {
         root.fail("tissue", "'" + tissues[i].name + "' twice", "names that differ");
       }
+      if (tissues[i].label && tissues[i].label == tissues[j].label) {
+        root.fail("tissue", "label " + std::to_string(*tissues[i].label) + " twice",
+                  "labels that differ");
+      }
     }
   }
+  const bool labels = std::ranges::any_of(tissues, [](const auto& t) { return !!t.label; });
+  const bool greys = std::ranges::any_of(tissues, [](const auto& t) { return !!t.above; });
+  if (labels && greys) root.fail("tissue", "above and label in one scene", "one of them");
   return tissues;
 }
 
@@ -517,6 +545,11 @@ Scene parse_scene(const std::string& text, const std::string& file,
   scene.title = root.text("title", std::filesystem::path(file).stem().string());
   scene.workpiece = read_workpiece(root);
   scene.tissues = read_tissues(root, scene.workpiece);
+  if (scene.workpiece.solid_above &&
+      std::ranges::any_of(scene.tissues, [](const auto& t) { return !!t.label; })) {
+    root.fail("tissue", "label, and solid_above in [workpiece]",
+              "above for grey values, label for a label map");
+  }
   scene.burr = read_burr(root);
   scene.trajectory = read_trajectory(root);
   scene.haptics = read_haptics(root);

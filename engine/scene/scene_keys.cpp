@@ -16,6 +16,7 @@ constexpr Range kAnyLength_mm{-1e3, 1e3};
 constexpr Range kSize_mm{0.01, 1e3};
 constexpr Range kAngle_deg{-360, 360};
 constexpr Range kGrey{-1e9, 1e9};
+constexpr Range kLabel{1, 65535};
 constexpr Range kForce_N{0, 1e3};
 constexpr Range kTorque_mNm{0, 1e5};
 
@@ -61,10 +62,17 @@ constexpr std::array kTop{
 constexpr std::array kWorkpiece{
     choice("shape", kShapes, "", "a built-in shape; either this or file"),
     path("file",
-         "a volume (.nrrd .mha .mhd .nii .tif, a DICOM folder) or a mesh (.stl .obj .ply, mm); "
-         "relative to the scene file"),
+         "a volume (.nrrd .mha .mhd .nii .tif, a folder of DICOM, TIFF or PNG slices) or a mesh "
+         "(.stl .obj .ply, mm); relative to the scene file"),
     number("solid_above", kGrey, "(a binary mask: above 0)", "grey value from which it is solid"),
     numbers("spacing_mm", 3, {1e-4, 100}, "(the file's)", "of a volume's voxels"),
+    numbers(
+        "box_mm", 6, {-1e5, 1e5}, "(all of the volume)",
+        "x0, y0, z0, x1, y1, z1: only what of a volume lies in this box of the file's own space "
+        "is taken (+x left, +y posterior, +z superior)"),
+    path("labels", "a label volume on the lattice of file; with label"),
+    whole("label", kLabel, "",
+          "only voxels of this value are taken, of labels or else of file, then a label map"),
     number("voxel_mm", {1e-3, 10}, "0.0348", "edge of a voxel [Kim and Park 2019]"),
     numbers("cells", 3, {kLeafEdge, kMaxCellsPerAxis}, "[512, 512, 512]",
             "voxels along x, y, z, multiples of 8 [Kim and Park 2019]"),
@@ -93,6 +101,7 @@ constexpr std::array kGroove{
 constexpr std::array kTissue{
     text("name", "", "a name of one's own, or enamel, dentine, pulp or caries, which bring theirs"),
     number("above", kGrey, "", "grey value from which a voxel is of it; the highest that fits"),
+    whole("label", kLabel, "", "value of its voxels in a label map (a file without solid_above)"),
     path(
         "file",
         "a mesh in the space of workpiece.file, itself a mesh and the surface of the first tissue: "

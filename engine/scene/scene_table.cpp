@@ -70,8 +70,12 @@ double SceneTable::number(std::string_view key) {
   return *read_default(row, [&](TomlTable& table) { return read_number(table, row); });
 }
 
+std::optional<int> SceneTable::whole_if(std::string_view key) {
+  return read_whole(table_, key_of(key, KeyKind::kWhole));
+}
+
 int SceneTable::whole(std::string_view key, int otherwise) {
-  return read_whole(table_, key_of(key, KeyKind::kWhole)).value_or(otherwise);
+  return whole_if(key).value_or(otherwise);
 }
 
 int SceneTable::whole(std::string_view key) {

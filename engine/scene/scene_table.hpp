@@ -31,6 +31,7 @@ class SceneTable {
   int whole(std::string_view key, int otherwise);
   std::string text(std::string_view key, std::string otherwise);
   std::optional<double> number_if(std::string_view key);
+  std::optional<int> whole_if(std::string_view key);
   std::optional<std::size_t> choice_if(std::string_view key);
   std::optional<Eigen::Vector3d> direction_if(std::string_view key);
   std::vector<double> numbers_if(std::string_view key);

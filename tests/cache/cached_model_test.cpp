@@ -70,6 +70,33 @@ TEST(CachedModel, ComesBackBitForBit) {
   EXPECT_EQ(cache.note(), "");
 }
 
+TEST(CachedModel, KeepsWhatTheImportTold) {
+  const ScratchFolder scratch;
+  LoadCache cache(scratch.path(""));
+  const VoxelModel model = sample(true);
+  ImportNotes notes;
+  notes.warnings = {"values left out: 5", "", "another"};
+  InputGeometry& input = notes.input.emplace();
+  input.file_from_world =
+      Eigen::Translation3d(1, 2, 3) * Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 2).normalized());
+  input.sizes = {3, 4, 5};
+  input.spacing_m = {1e-4, 2e-4, 3e-4};
+  input.origin_m = {-1, 0.5, 0.25};
+  input.direction.col(0) *= -1.0;
+  write_cached_model(cache, {1, 3}, model, notes);
+  ImportNotes again;
+  const auto read = read_cached_model(cache, {1, 3}, model.grid, kTissues, &again);
+  ASSERT_TRUE(read);
+  expect_equal(model, *read);
+  EXPECT_EQ(again.warnings, notes.warnings);
+  ASSERT_TRUE(again.input);
+  EXPECT_EQ(again.input->numbers(), input.numbers());
+
+  input.direction.setZero();  // no geometry
+  write_cached_model(cache, {1, 4}, model, notes);
+  EXPECT_FALSE(read_cached_model(cache, {1, 4}, model.grid, kTissues, &again));
+}
+
 TEST(CachedModel, KeepsNoBitsOfFullLeavesNorAnythingOfEmptyOnes) {
   const ScratchFolder scratch;
   LoadCache cache(scratch.path(""));
@@ -77,7 +104,7 @@ TEST(CachedModel, KeepsNoBitsOfFullLeavesNorAnythingOfEmptyOnes) {
   const VoxelModel model = test::block({256, 256, 256}, 1e-4, {60, 60, 60}, {180, 180, 180});
   write_cached_model(cache, {1, 2}, model);
   const std::uint64_t shell = 16 * 16 * 16 - 14 * 14 * 14;
-  EXPECT_EQ(std::filesystem::file_size(cache.entry({1, 2})), 64 + 48 + 4096 * 4 + shell * 64);
+  EXPECT_EQ(std::filesystem::file_size(cache.entry({1, 2})), 64 + 64 + 4096 * 4 + shell * 64);
 }
 
 TEST(CachedModel, RefusesWhatNoWriterOfItsOwnWrote) {
@@ -92,7 +119,7 @@ TEST(CachedModel, RefusesWhatNoWriterOfItsOwnWrote) {
     write_cached_model(cache, {1, 1}, model);
     good = test::read_file(cache.entry({1, 1}).string()).substr(64);
   }
-  const std::size_t leaves = 48, mixed = leaves + 4 * n, labels = mixed + 4 * m, words = labels + n;
+  const std::size_t leaves = 64, mixed = leaves + 4 * n, labels = mixed + 4 * m, words = labels + n;
   const auto put = [](std::string& bytes, std::size_t at, auto value) {
     std::memcpy(bytes.data() + at, &value, sizeof value);
   };
@@ -105,6 +132,9 @@ TEST(CachedModel, RefusesWhatNoWriterOfItsOwnWrote) {
       {"leaves without end", [&](std::string& b) { put(b, 24, ~std::uint64_t{0}); }},
       {"no part-full leaves", [&](std::string& b) { put(b, 32, std::uint64_t{0}); }},
       {"more mixed leaves", [&](std::string& b) { put(b, 40, std::uint64_t{m + 1}); }},
+      {"numbers of an input", [&](std::string& b) { put(b, 48, std::uint64_t{29}); }},
+      {"an input that is not there", [&](std::string& b) { put(b, 48, std::uint64_t{30}); }},
+      {"warnings without end", [&](std::string& b) { put(b, 56, ~std::uint64_t{0}); }},
       {"mixed leaves without labels", [&](std::string& b) { put(b, 12, 1u); }},
       {"leaf beyond the grid",
        [&](std::string& b) { put(b, leaves + 4 * (n - 1), model.grid.leaf_count()); }},

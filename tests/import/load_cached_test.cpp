@@ -12,6 +12,7 @@
 #include "engine/import/load_burr.hpp"
 #include "engine/import/medical_volume.hpp"
 #include "engine/import/mesh_file.hpp"
+#include "engine/import/write_volume.hpp"
 #include "tests/import/mesh_fixtures.hpp"
 #include "tests/support/scratch_folder.hpp"
 
@@ -95,7 +96,7 @@ std::string ball_volume(const ScratchFolder& scratch, const std::string& name, d
     const Cell c = model.grid.cell_of_linear(v);
     if ((c.cast<double>() - model.grid.origin_index()).norm() < radius) model.set(c, true);
   }
-  write_volume_nrrd(scratch.path(name), model, VolumeContent::kMask);
+  write_volume(scratch.path(name), model, VolumeContent::kMask);
   return scratch.path(name);
 }
 
@@ -118,6 +119,30 @@ TEST(LoadCached, ABuiltInShapeIsTheSame) {
   EXPECT_TRUE(is_hit(felt, cache));
 }
 
+TEST(LoadCached, WhereTheFileLiesAndWhatIsSaidOfItComeFromTheCacheToo) {
+  const ScratchFolder scratch;
+  LoadCache cache(scratch.path("c"));
+  Scene scene = file_scene(ball_volume(scratch, "v.nrrd", 10.0));
+  scene.workpiece.labels = ball_volume(scratch, "l.nrrd", 8.0);
+  scene.workpiece.label = 1;
+  ImportNotes made, kept;
+  build_workpiece(scene, &cache, &made);
+  const VoxelModel model = build_workpiece(scene, &cache, &kept);
+  EXPECT_EQ(cache.hits(), 1);
+  ASSERT_TRUE(made.input && kept.input);
+  EXPECT_EQ(made.input->sizes, Vector3i(32, 32, 32));
+  EXPECT_EQ(made.input->numbers(), kept.input->numbers());
+  ball_volume(scratch, "l.nrrd", 6.0);
+  EXPECT_LT(build_workpiece(scene, &cache).solid_count(), model.solid_count());
+
+  scene.workpiece.labels.clear();
+  scene.workpiece.label.reset();
+  scene.workpiece.solid_above.reset();
+  write_volume(scene.workpiece.file, model, VolumeContent::kMask);
+  scene.tissues = {{.name = "a", .above = {}, .label = 2}};
+  EXPECT_THROW(build_workpiece(scene, &cache), InputError);  // there is only 1
+}
+
 TEST(LoadCached, AVolumeIsTheSameUntilItsContentsChange) {
   const ScratchFolder scratch;
   LoadCache cache(scratch.path("c"));
@@ -128,6 +153,12 @@ TEST(LoadCached, AVolumeIsTheSameUntilItsContentsChange) {
       {{"solid_above", [](Scene& s) { s.workpiece.solid_above = 0.5; }},
        {"spacing", [](Scene& s) { s.workpiece.spacing_m = Vector3d::Constant(0.11e-3); }},
        {"position", [](Scene& s) { s.workpiece.position_m.x() = 1e-4; }},
+       {"box",
+        [](Scene& s) {
+          s.workpiece.box_file = Eigen::AlignedBox3d(Vector3d::Constant(-1e-3), Vector3d::Zero());
+        }},
+       {"label", [](Scene& s) { s.workpiece.label = 1; }},
+       {"tissue's label", [](Scene& s) { s.tissues[0].label = 1; }},
        {"tissues", [](Scene& s) {
           s.tissues = {tissue("enamel", 0.5), tissue("dentine")};
         }}});

@@ -13,6 +13,7 @@
 #include <zlib.h>
 
 #include "engine/core/error.hpp"
+#include "engine/import/write_volume.hpp"
 #include "tests/support/scratch_folder.hpp"
 
 namespace sulcus {
@@ -272,7 +273,7 @@ TEST(MedicalVolume, WrittenVolumesComeBack) {
   model.tissues = tissues;
   for (const VolumeContent content : {VolumeContent::kMask, VolumeContent::kLabels}) {
     const std::string path = folder.path("out.nrrd");
-    write_volume_nrrd(path, model, content);
+    write_volume(path, model, content);
     const MedicalVolume read = read_medical_volume(path);
     ASSERT_EQ(read.sizes, model.grid.cells);
     EXPECT_TRUE(read.spacing_m.isApprox(Eigen::Vector3d::Constant(5e-5), 1e-9));
@@ -288,9 +289,8 @@ TEST(MedicalVolume, WrittenVolumesComeBack) {
       }
     }
   }
-  EXPECT_THROW(
-      write_volume_nrrd(folder.path("no/such/folder/out.nrrd"), model, VolumeContent::kMask),
-      std::runtime_error);
+  EXPECT_THROW(write_volume(folder.path("no/such/folder/out.nrrd"), model, VolumeContent::kMask),
+               std::runtime_error);
 }
 
 struct BadVolume {
@@ -449,7 +449,7 @@ TEST(MedicalVolume, TruncatedExportIsRefused) {
   model.grid.voxel_m = 1e-4;
   model.leaves.resize(model.grid.leaf_count());
   for (int i = 0; i < 30; ++i) model.set({i, i * i % 32, i * 7 % 32}, true);
-  write_volume_nrrd(folder.path("whole.nrrd"), model, VolumeContent::kMask);
+  write_volume(folder.path("whole.nrrd"), model, VolumeContent::kMask);
   std::ifstream in(folder.path("whole.nrrd"), std::ios::binary);
   std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
   bytes.resize(bytes.size() - 40);

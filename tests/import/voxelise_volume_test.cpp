@@ -13,6 +13,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
+#include "engine/import/write_volume.hpp"
 #include "tests/support/scratch_folder.hpp"
 
 namespace sulcus {
@@ -237,7 +238,7 @@ TEST(VoxeliseVolume, ExportsComeBackVoxelByVoxel) {
     }
   }
   const std::string path = folder.path("cut.nrrd");
-  write_volume_nrrd(path, model, VolumeContent::kLabels);
+  write_volume(path, model, VolumeContent::kLabels);
   std::vector<TissueSettings> tissues = enamel_and_dentine();
   tissues[1].above = 2.0;  // a label of the export
   VolumeImportReport report;

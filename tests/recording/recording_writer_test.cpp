@@ -79,6 +79,25 @@ TEST_F(RecordingWriterTest, AGoalOnTheWorkpiecesGridIsReadBack) {
   EXPECT_THROW((void)RecordingReader(path()).goal(), InputError);
 }
 
+TEST_F(RecordingWriterTest, WhereTheFileOfTheWorkpieceLiesIsReadBack) {
+  EXPECT_FALSE(RecordingReader(write_whole(10)).input());  // as in older recordings
+  InputGeometry input;
+  input.file_from_world = Eigen::Translation3d(0.1, -0.2, 0.3) *
+                          Eigen::AngleAxisd(1.1, Eigen::Vector3d(2, -1, 2).normalized());
+  input.sizes = {103, 94, 161};
+  input.spacing_m = {1e-4, 2e-4, 3e-4};
+  input.origin_m = {-0.01, 0.02, 0.5};
+  input.direction = Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  RecordingWriter(path(), header(), workpiece(), nullptr, {}, {{}, nullptr, &input}).close();
+  const auto read = RecordingReader(path()).input();
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->numbers(), input.numbers());
+
+  input.file_from_world.linear() *= 2.0;  // not rigid
+  RecordingWriter(path(), header(), workpiece(), nullptr, {}, {{}, nullptr, &input}).close();
+  EXPECT_THROW((void)RecordingReader(path()).input(), InputError);
+}
+
 TEST_F(RecordingWriterTest, AnEditOfABodyThatIsNotThereOrCannotBeLooseIsDamage) {
   const VoxelModel& other = workpiece();
   for (const Edit& wrong :

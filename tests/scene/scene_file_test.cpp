@@ -118,6 +118,35 @@ groove = { angle_deg = 60, depth_mm = 2.5 })")
   EXPECT_DOUBLE_EQ(w.groove_depth_m, 2.5e-3);
 }
 
+TEST(SceneFile, APartOfAVolume) {
+  const std::string rest = "\n[trajectory]\npoints_mm = [[0, 0, 9]]\n";
+  const auto scene = [&](const std::string& workpiece, const std::string& more = "") {
+    return "[workpiece]\nfile = 'a.nrrd'\n" + workpiece + rest + more;
+  };
+  const WorkpieceSettings w =
+      parse(scene("solid_above = 3\nbox_mm = [-10, 1, 2, -5, 6, 7.5]\nlabels = 'b.nrrd'\n"
+                  "label = 19"))
+          .workpiece;
+  ASSERT_TRUE(w.box_file);
+  EXPECT_TRUE(w.box_file->min().isApprox(Vector3d(-10e-3, 1e-3, 2e-3), 1e-14));
+  EXPECT_TRUE(w.box_file->max().isApprox(Vector3d(-5e-3, 6e-3, 7.5e-3), 1e-14));
+  EXPECT_EQ(w.labels, "/scenes/b.nrrd");
+  EXPECT_EQ(w.label, 19);
+  const std::string labels =
+      "[[tissue]]\nname = 'a'\nlabel = 2\n[[tissue]]\nname = 'b'\nlabel = 1\n";
+  EXPECT_EQ(parse(scene("", labels)).tissues[1].label, 1);
+
+  const auto refused = [&](const std::string& text, const std::string& expected) {
+    EXPECT_NE(error_of(text).find(expected), std::string::npos) << error_of(text);
+  };
+  refused(scene("box_mm = [0, 0, 5, 1, 1, 1]"), "expected [x0, y0, z0, x1, y1, z1] with x0 < x1");
+  refused(scene("labels = 'b.nrrd'"), "expected label = N");
+  refused(scene("solid_above = 3\nlabel = 1"), "solid_above, and no labels");
+  refused(scene("solid_above = 3", labels), "expected above for grey values, label for a label");
+  refused(scene("", labels + "[[tissue]]\nname = 'c'\nabove = 1\n"), "above and label");
+  refused(scene("", labels + "[[tissue]]\nname = 'c'\nlabel = 2\n"), "label 2 twice");
+}
+
 TEST(SceneFile, UnitsOfTheOtherTablesAreConverted) {
   const Scene s = parse(kLeast + R"(axis = [0, 3, 4]
 speed_mm_per_s = 2.5

@@ -216,6 +216,7 @@ void read_all(const std::string& path) {
   reads([&] { (void)reader.workpiece(); });
   reads([&] { (void)reader.bodies(); });
   reads([&] { (void)reader.goal(); });
+  reads([&] { (void)reader.input(); });
   reads([&] { (void)reader.burr_mesh(); });
   reads([&] { (void)parse_scene(reader.header().scene_toml, path); });
 }
