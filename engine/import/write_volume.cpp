@@ -65,10 +65,11 @@ class Resampler {
     const Eigen::Affine3d world_from_lattice =
         input.file_from_world.inverse() * input.file_from_lattice();
     index_from_lattice_ = world_from_index(model.grid).inverse() * world_from_lattice;
-    constexpr double kMostSamples = 8.0;  // along an axis
+    // Along an axis, an odd number: no voxel is half solid, which would be for one side only.
+    constexpr double kMostSamples = 9.0;
     for (int d = 0; d < 3; ++d) {
       const double voxels = input.spacing_m[d] / model.grid.voxel_m;
-      samples_[d] = static_cast<int>(std::clamp(std::ceil(voxels), 1.0, kMostSamples));
+      samples_[d] = static_cast<int>(std::clamp(2.0 * std::ceil(voxels) - 1.0, 1.0, kMostSamples));
     }
   }
 
