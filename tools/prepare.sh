@@ -1,7 +1,7 @@
 # Sourced by the scripts beside it. Installs the packages that are missing, where it may; where it may
 # not, says which to ask for. Needs nothing but Debian.
 
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+root=$(cd -P "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 # missing_packages FILE ...: of those that the files list, one a line
 missing_packages() {
