@@ -16,14 +16,14 @@ namespace sulcus {
 namespace {
 
 // What deflate makes of one byte at most.
-constexpr std::uint64_t kMaxRatio = 1032;
+constexpr std::uint64_t kMaxPngRatio = 1032;
 
 /// What must be the same of all slices.
-struct Form {
+struct PngForm {
   std::uint32_t width = 0, height = 0;
   int bits = 0;
 
-  bool operator==(const Form&) const = default;
+  bool operator==(const PngForm&) const = default;
   std::uint64_t row_bytes() const {
     return std::uint64_t{width} * static_cast<std::uint64_t>(bits / 8);
   }
@@ -48,7 +48,7 @@ class PngFile {
   PngFile& operator=(const PngFile&) = delete;
 
   /// Refuses what is no plain grey slice.
-  Form form() const {
+  PngForm form() const {
     const int depth = png_get_bit_depth(png_, info_), colours = png_get_color_type(png_, info_);
     if (colours != PNG_COLOR_TYPE_GRAY) {
       throw InputError(name_, "colour type", std::to_string(colours), "0: grey alone");
@@ -63,7 +63,7 @@ class PngFile {
   }
 
   /// All rows, big-endian; called once.
-  void read(const Form& form, std::vector<std::uint8_t>& bytes) {
+  void read(const PngForm& form, std::vector<std::uint8_t>& bytes) {
     if (!read_rows(bytes.data(), form.row_bytes(), form.height)) {
       throw InputError(name_, "data", "pixels that cannot be read", "a whole PNG file");
     }
@@ -96,9 +96,9 @@ class PngFile {
 }  // namespace
 
 ItkVolume read_png_volume(std::span<const std::string> files, const InputLimits& limits) {
-  Form form;
+  PngForm form;
   for (std::size_t f = 0; f < files.size(); ++f) {
-    const Form here = PngFile(files[f]).form();
+    const PngForm here = PngFile(files[f]).form();
     if (f == 0) form = here;
     if (here != form) {
       throw InputError(files[f], "", "a slice of another size or depth", "that of the first");
@@ -106,7 +106,7 @@ ItkVolume read_png_volume(std::span<const std::string> files, const InputLimits&
     const std::array<std::int64_t, 3> sizes{form.width, form.height,
                                             static_cast<std::int64_t>(files.size())};
     checked_voxel_count(files[f], "sizes", sizes, limits);
-    const std::uint64_t least = form.row_bytes() * form.height / kMaxRatio;
+    const std::uint64_t least = form.row_bytes() * form.height / kMaxPngRatio;
     if (const std::uint64_t held = std::filesystem::file_size(files[f]); held < least) {
       throw InputError(files[f], "data", std::to_string(held) + " bytes",
                        "at least " + std::to_string(least));

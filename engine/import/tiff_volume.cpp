@@ -18,20 +18,20 @@ namespace sulcus {
 namespace {
 
 // What LZW makes of one byte at most: codes of 12 bits for strings of up to 3,839.
-constexpr std::uint64_t kMaxRatio = 4096;
+constexpr std::uint64_t kMaxTiffRatio = 4096;
 constexpr std::array<int, 5> kLossless{COMPRESSION_NONE, COMPRESSION_LZW, COMPRESSION_ADOBE_DEFLATE,
                                        COMPRESSION_DEFLATE, COMPRESSION_PACKBITS};
 
 using Tiff = std::unique_ptr<TIFF, void (*)(TIFF*)>;
 
 /// What must be the same of all pages.
-struct Form {
+struct TiffForm {
   std::uint32_t width = 0, height = 0;
   std::uint16_t bits = 1, format = SAMPLEFORMAT_UINT;
   std::uint16_t compression = COMPRESSION_NONE;
   bool bottom_up = false;
 
-  bool operator==(const Form&) const = default;
+  bool operator==(const TiffForm&) const = default;
   std::uint64_t row_bytes() const { return std::uint64_t{width} * (bits / 8u); }
 };
 
@@ -47,11 +47,11 @@ Tiff open(const std::string& file) {
 std::string page_place(unsigned page) { return "page " + std::to_string(page); }
 
 /// Of the page at which `tiff` stands.
-Form form_of(const std::string& file, unsigned page, TIFF* tiff) {
+TiffForm form_of(const std::string& file, unsigned page, TIFF* tiff) {
   const auto refuse = [&](const std::string& found, const std::string& expected) {
     throw InputError(file, page_place(page), found, expected);
   };
-  Form form;
+  TiffForm form;
   TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &form.width);
   TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &form.height);
   TIFFGetFieldDefaulted(tiff, TIFFTAG_BITSPERSAMPLE, &form.bits);
@@ -94,12 +94,12 @@ Form form_of(const std::string& file, unsigned page, TIFF* tiff) {
 }
 
 /// Goes through the pages of a file; how many there are.
-unsigned check_pages(const std::string& file, const InputLimits& limits, Form& first,
+unsigned check_pages(const std::string& file, const InputLimits& limits, TiffForm& first,
                      bool is_first) {
   const Tiff tiff = open(file);
   unsigned pages = 0;
   do {
-    const Form form = form_of(file, pages, tiff.get());
+    const TiffForm form = form_of(file, pages, tiff.get());
     if (is_first && pages == 0) first = form;
     if (form != first) {
       throw InputError(file, page_place(pages), "a page of another form", "that of the first");
@@ -112,7 +112,7 @@ unsigned check_pages(const std::string& file, const InputLimits& limits, Form& f
     throw InputError(file, page_place(pages), "a page that cannot be read", "a whole TIFF file");
   }
   const std::uint64_t announced = first.row_bytes() * first.height * pages;
-  const std::uint64_t ratio = first.compression == COMPRESSION_NONE ? 1 : kMaxRatio;
+  const std::uint64_t ratio = first.compression == COMPRESSION_NONE ? 1 : kMaxTiffRatio;
   if (const std::uint64_t held = std::filesystem::file_size(file); held < announced / ratio) {
     throw InputError(file, "data", std::to_string(held) + " bytes",
                      "at least " + std::to_string(announced / ratio));
@@ -129,7 +129,7 @@ void convert(const std::vector<std::byte>& row, float* values) {
   }
 }
 
-void convert(const Form& form, const std::vector<std::byte>& row, float* values) {
+void convert(const TiffForm& form, const std::vector<std::byte>& row, float* values) {
   const bool whole = form.format == SAMPLEFORMAT_UINT;
   if (form.format == SAMPLEFORMAT_IEEEFP) return convert<float>(row, values);
   if (form.bits == 8) {
@@ -142,7 +142,7 @@ void convert(const Form& form, const std::vector<std::byte>& row, float* values)
 }
 
 /// All pages into `values`; where the next file's begin.
-float* read_pages(const std::string& file, const Form& form, unsigned pages, float* values) {
+float* read_pages(const std::string& file, const TiffForm& form, unsigned pages, float* values) {
   const Tiff tiff = open(file);
   std::vector<std::byte> row(form.row_bytes());
   for (unsigned page = 0; page < pages; ++page) {
@@ -167,7 +167,7 @@ float* read_pages(const std::string& file, const Form& form, unsigned pages, flo
 }  // namespace
 
 ItkVolume read_tiff_volume(std::span<const std::string> files, const InputLimits& limits) {
-  Form form;
+  TiffForm form;
   std::vector<unsigned> pages;
   std::int64_t all = 0;
   std::uint64_t voxels = 0;
