@@ -23,11 +23,11 @@ constexpr const char* kSolidColour = "#ff7f0e";
 constexpr const char* kEnamelColour = "#17becf";
 
 /// Across `normal` at voxel `at`; columns run along `u`, rows along `v`.
-struct Section {
+struct ShownPlane {
   int u, v, normal, at;
 };
 
-PlaneValues plane_of(const MedicalVolume& volume, const Section& section) {
+PlaneValues plane_of(const MedicalVolume& volume, const ShownPlane& section) {
   const int columns = volume.sizes[section.u], rows = volume.sizes[section.v];
   const int every_u = (columns + kMostPoints - 1) / kMostPoints;
   const int every_v = (rows + kMostPoints - 1) / kMostPoints;
@@ -98,7 +98,7 @@ bool draw_volume(const MedicalVolume& volume, const VolumeFacts& facts,
                  const std::string& file_png) {
   Eigen::Vector3i middle = volume.sizes / 2;
   if (facts.solid) middle = (facts.solid->box_index.min() + facts.solid->box_index.max()) / 2;
-  const std::array<Section, 3> sections{
+  const std::array<ShownPlane, 3> sections{
       {{0, 1, 2, middle.z()}, {0, 2, 1, middle.y()}, {1, 2, 0, middle.x()}}};
   const Eigen::Vector3d size_mm =
       volume.sizes.cast<double>().cwiseProduct(volume.spacing_m) / kMillimetre;
@@ -120,7 +120,7 @@ bool draw_volume(const MedicalVolume& volume, const VolumeFacts& facts,
         quoted_for_gnuplot(std::filesystem::path(volume.file).filename().string()).c_str());
     std::fprintf(gnuplot, "set palette gray\nset cbrange [%.8g:%.8g]\n", low, high);
     double left = 0.5 * (kWidth - (2.0 * size_mm.x() + size_mm.y()) * pixels_per_mm) - kGap;
-    for (const Section& section : sections) {
+    for (const ShownPlane& section : sections) {
       const PlaneValues plane = plane_of(volume, section);
       const PlotFrame frame{left, kHeight - kSectionsTop - plane.height() * pixels_per_mm,
                             plane.width() * pixels_per_mm, plane.height() * pixels_per_mm};
