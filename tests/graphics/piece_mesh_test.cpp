@@ -36,7 +36,7 @@ VoxelModel make_model(Inside inside) {
 double from_middle(const Cell& c) { return (c.cast<double>() - kMiddle).norm(); }
 
 /// A ball of 36 voxels' radius, of the inner tissue up to 24.
-VoxelModel layered_ball() {
+VoxelModel two_layer_ball() {
   VoxelModel model = make_model([](const Cell& c) { return from_middle(c) < 36.0; });
   auto tissues = std::make_shared<TissueMap>(model.grid.leaf_count());
   for (std::uint32_t leaf = 0; leaf < model.grid.leaf_count(); ++leaf) {
@@ -153,7 +153,7 @@ TEST(PieceMesh, AnyVoxelsAtTheBorderOfTheGridAreClosed) {
 }
 
 TEST(PieceMesh, SoundFacesStayWhereTheyWereAndFreshOnesAreCut) {
-  const VoxelModel model = layered_ball();
+  const VoxelModel model = two_layer_ball();
   for (const int cell_voxels : {1, 2, 4}) {
     DrawnSurface solid(model, kLooks, cell_voxels);
     std::vector<Eigen::Vector3d> before;
@@ -196,7 +196,7 @@ TEST(PieceMesh, SoundFacesStayWhereTheyWereAndFreshOnesAreCut) {
 }
 
 TEST(PieceMesh, FacesTowardsWhatIsStillSolidAreCutTooAndRemovingFirstChangesNothing) {
-  const VoxelModel model = layered_ball();
+  const VoxelModel model = two_layer_ball();
   DrawnSurface solid(model, kLooks);
   auto voxels = solid_where(model, [](const Cell& c) { return c.z() >= 56; });
   const DrawnMesh first = piece_mesh(solid, voxels);

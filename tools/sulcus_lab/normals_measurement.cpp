@@ -4,8 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include <time.h>
-
+#include "engine/core/realtime.hpp"
 #include "tools/sulcus_lab/error_stats.hpp"
 
 namespace sulcus::lab {
@@ -14,12 +13,6 @@ namespace {
 
 constexpr int kTimedPasses = 3;
 constexpr std::size_t kStretch = 50;  // neighbouring voxels that are timed in a row
-
-double thread_cpu_ns() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e9 * static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec);
-}
 
 /// What one run gathers in one zone, over all parts.
 struct Tally {
@@ -136,9 +129,9 @@ class PartMeasurement {
     for (int pass = 0; pass < kTimedPasses; ++pass) {
       for (std::size_t r = 0; r < runs_.size(); ++r) {
         for (Timed& t : timed[r]) {
-          const double begin = thread_cpu_ns();
+          const std::uint64_t begin = thread_cpu_ns();
           methods_.estimate(runs_[r].method, runs_[r].neighbourhood, t.sample, estimates);
-          t.best_ns = std::min(t.best_ns, thread_cpu_ns() - begin);
+          t.best_ns = std::min(t.best_ns, static_cast<double>(thread_cpu_ns() - begin));
         }
       }
     }
