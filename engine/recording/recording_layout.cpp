@@ -138,7 +138,7 @@ constexpr std::array<StoredField, 1> kMixedLabels{
     {{"", kU8, 512, "", "tissues of its voxels, x + 8 y + 64 z"}}};
 
 constexpr std::array<StoredField, 6> kInput{{
-    {"file_from_scene", kF64, 12, "m", "three rows of four: turn and way"},
+    {"file_from_scene", kF64, 12, "", "three rows of four: turn, and way in m"},
     {"sizes", kF64, 3, "", "of a volume, voxels; 0 for a mesh"},
     {"spacing_m", kF64, 3, "m", "of a volume's voxels"},
     {"origin_m", kF64, 3, "m", "centre of a volume's first voxel"},

@@ -150,9 +150,10 @@ class RecordingLayoutTest : public RecordingTest {
     goal.grid = workpiece().grid;
     goal.leaves.resize(goal.grid.leaf_count());
     goal.set({9, 10, 11}, true);
+    const InputGeometry input;
     RecordingWriter writer(path(), all, workpiece(), &mesh,
                            {.cutting = true, .port = true, .pieces = true},
-                           {{&workpiece(), &workpiece()}, &goal});
+                           {{&workpiece(), &workpiece()}, &goal, &input});
     writer.close();
     return path();
   }
