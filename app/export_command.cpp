@@ -102,8 +102,9 @@ void export_recording(const ExportOptions& options) {
   }
   if (!options.volume.empty()) {
     export_volume(options, model, space);
-    std::printf("%s: %llu solid voxels\n", options.volume.c_str(),
-                static_cast<unsigned long long>(model.solid_count()));
+    std::printf("%s: %llu solid voxels%s\n", options.volume.c_str(),
+                static_cast<unsigned long long>(model.solid_count()),
+                options.geometry == "input" ? " of the run's grid, resampled" : "");
   }
   if (!options.csv.empty()) {
     write_csv(options.csv, std::span(shape.rows()).first(row + 1));

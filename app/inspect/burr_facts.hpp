@@ -19,6 +19,10 @@ struct BurrFacts {
 /// vertices, where it should be 0.
 BurrFacts burr_facts(const Burr& burr, const BurrSettings& settings);
 
+/// Loads a scene's burr, prints size, field and error, and draws it where `picture_png` names a
+/// file. Errors as load_burr; std::runtime_error where gnuplot cannot.
+void show_burr(const Scene& scene, const std::string& picture_png);
+
 /// Size, field and error, on lines of their own.
 void print_burr(const Burr& burr, const BurrFacts& facts, const BurrSettings& settings);
 

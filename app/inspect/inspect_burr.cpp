@@ -88,11 +88,7 @@ void print_burr(const Burr& burr, const BurrFacts& facts, const BurrSettings& se
               settings.shape == BurrShape::kFile ? "at the mesh's vertices" : "near the surface");
 }
 
-void inspect_burr(const std::string& file_mesh, const std::string& picture_png) {
-  Scene scene;
-  scene.file = file_mesh;
-  scene.burr.shape = BurrShape::kFile;
-  scene.burr.file = file_mesh;
+void show_burr(const Scene& scene, const std::string& picture_png) {
   LoadCache cache = LoadCache::of_user();
   const Burr burr = load_burr(scene, &cache);
   const BurrFacts facts = burr_facts(burr, scene.burr);
@@ -100,6 +96,14 @@ void inspect_burr(const std::string& file_mesh, const std::string& picture_png) 
   if (!picture_png.empty() && !draw_burr(burr, facts, scene.burr, picture_png)) {
     throw std::runtime_error(picture_png + ": gnuplot could not draw it");
   }
+}
+
+void inspect_burr(const std::string& file_mesh, const std::string& picture_png) {
+  Scene scene;
+  scene.file = file_mesh;
+  scene.burr.shape = BurrShape::kFile;
+  scene.burr.file = file_mesh;
+  show_burr(scene, picture_png);
 }
 
 }  // namespace sulcus

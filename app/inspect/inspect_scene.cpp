@@ -1,12 +1,9 @@
 #include <cstdio>
-#include <stdexcept>
 
 #include "app/inspect/burr_facts.hpp"
 #include "app/inspect/inspect.hpp"
 #include "app/scene_trajectory.hpp"
-#include "engine/cache/load_cache.hpp"
 #include "engine/core/units.hpp"
-#include "engine/import/load_burr.hpp"
 #include "engine/scene/scene_file.hpp"
 
 namespace sulcus {
@@ -34,14 +31,7 @@ void inspect_scene(const std::string& file, const std::vector<std::string>& over
   std::printf("parts            %s%s%s%s%s\n", scene.device ? "device " : "",
               scene.coupling ? "coupling " : "", scene.cutting ? "cutting " : "",
               scene.render ? "render " : "", scene.record ? "record" : "");
-  if (picture_png.empty()) return;
-  LoadCache cache = LoadCache::of_user();
-  const Burr burr = load_burr(scene, &cache);
-  const BurrFacts facts = burr_facts(burr, scene.burr);
-  print_burr(burr, facts, scene.burr);
-  if (!draw_burr(burr, facts, scene.burr, picture_png)) {
-    throw std::runtime_error(picture_png + ": gnuplot could not draw it");
-  }
+  if (!picture_png.empty()) show_burr(scene, picture_png);
 }
 
 }  // namespace sulcus

@@ -2,11 +2,13 @@
 
 #include <array>
 #include <cmath>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "engine/core/hash.hpp"
 #include "engine/recording/hdf5_fixed.hpp"
+#include "engine/recording/recording_layout.hpp"
 #include "engine/volume/edit.hpp"
 #include "engine/volume/packed_model.hpp"
 
@@ -209,27 +211,27 @@ std::optional<VoxelModel> read_goal(const Hdf5Handle& file, std::uint64_t file_b
 
 namespace {
 
-/// The attributes of /input: where the numbers of each begin, and how many there are.
-struct InputPart {
-  const char* name;
-  std::size_t first;
-  hsize_t count;
-};
-constexpr std::array<InputPart, 5> kInputParts{{{"file_from_scene", 0, 12},
-                                                {"sizes", 12, 3},
-                                                {"spacing_m", 15, 3},
-                                                {"origin_m", 18, 3},
-                                                {"direction", 21, 9}}};
-static_assert(InputGeometry::kNumbers == 30);
+/// Calls `use(name, first, count)` for each attribute of /input that holds numbers of an
+/// InputGeometry, in the layout's order, which is theirs.
+template <class Use>
+void for_each_input_attribute(const Use& use) {
+  std::size_t first = 0;
+  for (const StoredField& field : find_stored_part("/input")->fields) {
+    if (field.type != StoredType::kF64) continue;  // the check
+    use(std::string(field.name).c_str(), first, hsize_t{field.count});
+    first += field.count;
+  }
+  if (first != InputGeometry::kNumbers) throw std::logic_error("/input: not as its numbers");
+}
 
 }  // namespace
 
 void write_input(const Hdf5Handle& file, const InputGeometry& input) {
   const auto group = create_group(file, "input");
   const auto numbers = input.numbers();
-  for (const InputPart& part : kInputParts) {
-    write_attribute(group, part.name, H5T_IEEE_F64LE, numbers.data() + part.first, part.count);
-  }
+  for_each_input_attribute([&](const char* name, std::size_t first, hsize_t count) {
+    write_attribute(group, name, H5T_IEEE_F64LE, numbers.data() + first, count);
+  });
   const std::uint64_t check = hash_bytes(numbers.data(), sizeof numbers);
   write_attribute(group, "check", H5T_STD_U64LE, &check);
 }
@@ -240,9 +242,9 @@ std::optional<InputGeometry> read_input(const Hdf5Handle& file) {
   if (exists == 0) return std::nullopt;
   const auto group = open_group(file, "input");
   std::array<double, InputGeometry::kNumbers> numbers{};
-  for (const InputPart& part : kInputParts) {
-    read_attribute(group, part.name, H5T_NATIVE_DOUBLE, numbers.data() + part.first, part.count);
-  }
+  for_each_input_attribute([&](const char* name, std::size_t first, hsize_t count) {
+    read_attribute(group, name, H5T_NATIVE_DOUBLE, numbers.data() + first, count);
+  });
   std::uint64_t check = 0;
   read_attribute(group, "check", H5T_NATIVE_UINT64, &check);
   if (check != hash_bytes(numbers.data(), sizeof numbers)) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 
 namespace sulcus::lab {
 
@@ -41,15 +40,6 @@ Style style_of(Method method) {
 
 }  // namespace
 
-std::string quoted_for_gnuplot(const std::string& text) {
-  std::string safe = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') safe += '\\';
-    safe += c;
-  }
-  return safe + "\"";
-}
-
 std::string number_for_gnuplot(double value) {
   if (!std::isfinite(value)) return "NaN";
   char text[32];
@@ -71,15 +61,9 @@ std::string line_style(Method method) {
 std::string colour_of(Method method) { return style_of(method).colour; }
 
 bool draw_chart(const std::string& commands, int width, int height, const std::string& file_png) {
-  std::filesystem::remove(file_png);
-  std::FILE* gnuplot = popen("gnuplot 2>/dev/null", "w");
-  if (!gnuplot) return false;
-  std::fprintf(gnuplot,
-               "set terminal pngcairo size %d,%d noenhanced font 'sans,11' background '#ffffff'\n"
-               "set output %s\n",
-               width, height, quoted_for_gnuplot(file_png).c_str());
-  std::fwrite(commands.data(), 1, commands.size(), gnuplot);
-  return pclose(gnuplot) == 0 && std::filesystem::exists(file_png);
+  return draw_with_gnuplot(file_png, width, height, [&](std::FILE* script) {
+    std::fwrite(commands.data(), 1, commands.size(), script);
+  });
 }
 
 }  // namespace sulcus::lab

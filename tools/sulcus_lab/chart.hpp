@@ -2,12 +2,10 @@
 
 #include <string>
 
+#include "app/gnuplot.hpp"
 #include "tools/sulcus_lab/normal_methods.hpp"
 
 namespace sulcus::lab {
-
-/// A text for gnuplot, between double quotes.
-std::string quoted_for_gnuplot(const std::string& text);
 
 /// A number for gnuplot's data; what is not finite becomes its "NaN".
 std::string number_for_gnuplot(double value);
