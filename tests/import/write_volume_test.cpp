@@ -60,23 +60,23 @@ class WriteVolume : public testing::TestWithParam<const char*> {};
 TEST_P(WriteVolume, InTheFilesSpaceItLiesOverAnObliqueScanVoxelForVoxel) {
   const ScratchFolder folder;
   test::write_with_itk(folder.path("in.nrrd"), test::plain(test::oblique_volume()));
-  const auto [model, input] =
+  const Imported scan =
       imported(scene_of(folder.path("in.nrrd"), test::kObliqueSolidAbove, 6e-5, 96));
   const std::string path = folder.path(std::string("out") + GetParam());
-  write_volume_in_file_space(path, model, VolumeContent::kMask, input);
+  write_volume_in_file_space(path, scan.model, VolumeContent::kMask, scan.input);
   const MedicalVolume out = read_medical_volume(path);
-  ASSERT_EQ(out.sizes, model.grid.cells);
+  ASSERT_EQ(out.sizes, scan.model.grid.cells);
   EXPECT_LT((out.spacing_m.array() - 6e-5).abs().maxCoeff(), 1e-10);
   // Every voxel as it is, and where the solid is in the patient, within half a voxel of the scan
   // (0.15 mm along its coarsest axis) and far less in the mean.
   double sum = 0.0;
   int surface = 0, solid = 0;
   for_each_voxel(out, [&](int i, int j, int k) {
-    ASSERT_EQ(out.at(i, j, k), model.solid({i, j, k}) ? 1.0f : 0.0f);
+    ASSERT_EQ(out.at(i, j, k), scan.model.solid({i, j, k}) ? 1.0f : 0.0f);
     const double d = test::oblique_distance_mm(centre_file_mm(out, i, j, k));
     ASSERT_LT(out.at(i, j, k) > 0 ? d : -d, 0.15) << i << " " << j << " " << k;
     solid += out.at(i, j, k) > 0;
-    if (model.solid({i, j, k}) && !model.solid({i + 1, j, k})) {
+    if (scan.model.solid({i, j, k}) && !scan.model.solid({i + 1, j, k})) {
       sum += test::oblique_distance_mm(centre_file_mm(out, i, j, k) +
                                        out.direction.col(0) * 0.5 * out.spacing_m.x() * 1e3);
       ++surface;

@@ -26,7 +26,7 @@
 namespace sulcus {
 namespace {
 
-#ifdef __SANITIZE_ADDRESS__
+#ifdef SULCUS_SANITIZED
 constexpr const char* kDuration = " --duration 1.3";  // ten times as slow: not the finished cavity
 #else
 constexpr const char* kDuration = "";

@@ -243,7 +243,8 @@ TEST_F(RecordingReaderTest, WhatIsNoRecordingIsRefused) {
 }
 
 TEST_F(RecordingReaderTest, ANewerVersionIsRefusedNamingBoth) {
-  change_number(open_to_change(), "version", (write_whole(5), 9));
+  write_whole(5);
+  change_number(open_to_change(), "version", 9);
   const std::string line = refusal(path());
   EXPECT_NE(line.find("version: found 9, expected 1 to 2"), std::string::npos) << line;
 }

@@ -277,7 +277,7 @@ TEST_F(RecordingWriterTest, ARunThatNeverBeganLeavesWhatWasThere) {
 }
 
 TEST_F(RecordingWriterTest, UnwritablePathsAreBadUsage) {
-  const auto message = [this](const std::string& where) -> std::string {
+  const auto message = [](const std::string& where) -> std::string {
     try {
       RecordingWriter writer(where, header(), workpiece(), nullptr);
     } catch (const InputError& error) {

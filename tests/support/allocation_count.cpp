@@ -16,13 +16,10 @@ std::uint64_t allocation_count() noexcept { return count; }
 
 }  // namespace sulcus::test
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef SULCUS_SANITIZED
 
-// A sanitizer has an allocator of its own, which tells whoever asks. GCC's package has the function
-// without its header.
-extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*on_malloc)(const volatile void*,
-                                                                           std::size_t),
-                                                         void (*on_free)(const volatile void*));
+// A sanitizer has an allocator of its own, which tells whoever asks.
+#include <sanitizer/allocator_interface.h>
 
 namespace {
 
