@@ -13,7 +13,7 @@ namespace sulcus {
 
 namespace {
 
-constexpr int kWidth = 1100, kHeight = 1000;
+constexpr int kBurrWidth = 1100, kBurrHeight = 1000;
 constexpr double kTop = 70.0, kBottom = 60.0;
 // Nothing else in the picture is quite black: the zero line can be found by its colour.
 constexpr const char* kCuttingColour = "#000000";
@@ -67,7 +67,7 @@ void put_outline(std::FILE* gnuplot, const TriangleMesh& mesh) {
 void put_window(std::FILE* gnuplot, const Burr& burr, const Window& window, const PlotFrame& frame,
                 double step_mm, bool lines) {
   const PlaneValues plane = plane_of(burr, window, step_mm);
-  put_frame(gnuplot, frame, kWidth, kHeight);
+  put_frame(gnuplot, frame, kBurrWidth, kBurrHeight);
   const double head = burr.head_length_m / kMillimetre;
   std::fprintf(
       gnuplot, "set xrange [%.8g:%.8g]\nset yrange [%.8g:%.8g]\nplot '-' using 1:2:3 with image",
@@ -100,7 +100,7 @@ bool draw_burr(const Burr& burr, const BurrFacts& facts, const BurrSettings& set
   const Eigen::Vector3d box_mm =
       (grid.samples - Eigen::Vector3i::Ones()).cast<double>() * grid.spacing_m / kMillimetre;
   const Eigen::Vector3d low_mm = grid.origin_tool / kMillimetre;
-  const double high = kHeight - kTop - kBottom;
+  const double high = kBurrHeight - kTop - kBottom;
   const double diameter = facts.diameter_m / kMillimetre;
   const double head = burr.head_length_m / kMillimetre;
 
@@ -112,11 +112,11 @@ bool draw_burr(const Burr& burr, const BurrFacts& facts, const BurrSettings& set
   const Window close{-0.5 * diameter - 1.6 * room, -room, diameter + 3.2 * room, head + 2.0 * room};
   const double left = all_frame.left + all_frame.width + 70.0;
   const double scale =
-      std::min((kWidth - left - 130.0) / close.width, (high - 50.0) / close.height);
+      std::min((kBurrWidth - left - 130.0) / close.width, (high - 50.0) / close.height);
   const PlotFrame frame{left, kBottom, close.width * scale, close.height * scale};
   const double radius = 0.5 * diameter;
 
-  return draw_with_gnuplot(file_png, kWidth, kHeight, [&](std::FILE* gnuplot) {
+  return draw_with_gnuplot(file_png, kBurrWidth, kBurrHeight, [&](std::FILE* gnuplot) {
     std::fprintf(gnuplot,
                  "set multiplot\nset label 9 %s at screen 0.5, 0.975 center textcolor rgb "
                  "'#444444'\nset key off\nunset colorbox\nunset tics\n"
@@ -125,10 +125,10 @@ bool draw_burr(const Burr& burr, const BurrFacts& facts, const BurrSettings& set
                  "1 '#a63603')\nset cbrange [%.6g:%.6g]\n",
                  quoted_for_gnuplot(burr_title(settings, facts)).c_str(), -radius, radius);
     put_outline(gnuplot, burr.mesh_tool);
-    put_scale_bar(gnuplot, 1, all_frame, all.width * 2.0, all_scale, kWidth, kHeight);
+    put_scale_bar(gnuplot, 1, all_frame, all.width * 2.0, all_scale, kBurrWidth, kBurrHeight);
     put_window(gnuplot, burr, all, all_frame, all.height / 700.0, false);
 
-    put_scale_bar(gnuplot, 1, frame, close.width, scale, kWidth, kHeight);
+    put_scale_bar(gnuplot, 1, frame, close.width, scale, kBurrWidth, kBurrHeight);
     std::fprintf(gnuplot,
                  "set arrow 1 from %.6g, %.6g to %.6g, %.6g heads size screen 0.008, 20 lc rgb "
                  "'#444444' front\nset label 2 '%.2f mm' at %.6g, %.6g center textcolor rgb "
@@ -144,21 +144,21 @@ bool draw_burr(const Burr& burr, const BurrFacts& facts, const BurrSettings& set
                  "set label 4 'black: what cuts' at screen %.6f, %.6f left textcolor rgb "
                  "'#444444'\nset label 5 'violet: neck and shank' at screen %.6f, %.6f left "
                  "textcolor rgb '%s'\n",
-                 frame.left / kWidth, (frame.bottom + frame.height + 32.0) / kHeight,
-                 (frame.left + 180.0) / kWidth, (frame.bottom + frame.height + 32.0) / kHeight,
-                 kShankColour);
+                 frame.left / kBurrWidth, (frame.bottom + frame.height + 32.0) / kBurrHeight,
+                 (frame.left + 180.0) / kBurrWidth,
+                 (frame.bottom + frame.height + 32.0) / kBurrHeight, kShankColour);
     const Eigen::Vector3i& n = grid.samples;
     std::fprintf(gnuplot,
                  "set label 6 'field of %d x %d x %d points, %.3g um apart; error at most %.3g um' "
                  "at screen %.6f, %.6f left textcolor rgb '#444444'\n",
                  n.x(), n.y(), n.z(), grid.spacing_m * 1e6, facts.field_error_m * 1e6,
-                 frame.left / kWidth, (frame.bottom + frame.height + 12.0) / kHeight);
+                 frame.left / kBurrWidth, (frame.bottom + frame.height + 12.0) / kBurrHeight);
     std::fprintf(gnuplot,
                  "set colorbox user origin %.6f, %.6f size %.6f, %.6f noborder\n"
                  "set cblabel 'distance, mm' textcolor rgb '#444444'\n"
                  "set cbtics textcolor rgb '#444444'\n",
-                 (frame.left + frame.width + 20.0) / kWidth, frame.bottom / kHeight, 16.0 / kWidth,
-                 std::min(frame.height, 500.0) / kHeight);
+                 (frame.left + frame.width + 20.0) / kBurrWidth, frame.bottom / kBurrHeight,
+                 16.0 / kBurrWidth, std::min(frame.height, 500.0) / kBurrHeight);
     put_window(gnuplot, burr, close, frame, std::max(close.width, close.height) / 420.0, true);
     std::fputs("unset multiplot\n", gnuplot);
   });

@@ -14,7 +14,7 @@ namespace sulcus {
 
 namespace {
 
-constexpr int kWidth = 1500, kHeight = 1000;
+constexpr int kVolumeWidth = 1500, kVolumeHeight = 1000;
 constexpr double kSide = 40.0, kGap = 40.0;                   // pixels
 constexpr double kSectionsTop = 60.0, kSectionsHigh = 540.0;  // from the top; of the tallest
 constexpr double kHistogramHigh = 230.0, kHistogramBottom = 60.0;
@@ -69,8 +69,8 @@ void put_histogram(std::FILE* gnuplot, const VolumeFacts& facts) {
     }
   }
   std::fputs("EOD\n", gnuplot);
-  const PlotFrame frame{90.0, kHistogramBottom, kWidth - 90.0 - kSide, kHistogramHigh};
-  put_frame(gnuplot, frame, kWidth, kHeight);
+  const PlotFrame frame{90.0, kHistogramBottom, kVolumeWidth - 90.0 - kSide, kHistogramHigh};
+  put_frame(gnuplot, frame, kVolumeWidth, kVolumeHeight);
   std::fprintf(gnuplot,
                "unset object\nunset label\nset border 3 lc rgb '#444444'\nset xtics nomirror "
                "out\nset ytics nomirror out\n"
@@ -103,7 +103,7 @@ bool draw_volume(const MedicalVolume& volume, const VolumeFacts& facts,
   const Eigen::Vector3d size_mm =
       volume.sizes.cast<double>().cwiseProduct(volume.spacing_m) / kMillimetre;
   const double pixels_per_mm =
-      std::min((kWidth - 2.0 * kSide - 2.0 * kGap) / (2.0 * size_mm.x() + size_mm.y()),
+      std::min((kVolumeWidth - 2.0 * kSide - 2.0 * kGap) / (2.0 * size_mm.x() + size_mm.y()),
                kSectionsHigh / std::max(size_mm.y(), size_mm.z()));
   double low = 0.0, high = 1.0;
   if (facts.labels.empty()) {
@@ -114,18 +114,19 @@ bool draw_volume(const MedicalVolume& volume, const VolumeFacts& facts,
     high = facts.labels.back().value;
   }
   if (!(high > low)) high = low + 1.0;
-  return draw_with_gnuplot(file_png, kWidth, kHeight, [&](std::FILE* gnuplot) {
+  return draw_with_gnuplot(file_png, kVolumeWidth, kVolumeHeight, [&](std::FILE* gnuplot) {
     std::fprintf(
         gnuplot, "set multiplot title %s\nset key off\nunset colorbox\n",
         quoted_for_gnuplot(std::filesystem::path(volume.file).filename().string()).c_str());
     std::fprintf(gnuplot, "set palette gray\nset cbrange [%.8g:%.8g]\n", low, high);
-    double left = 0.5 * (kWidth - (2.0 * size_mm.x() + size_mm.y()) * pixels_per_mm) - kGap;
+    double left = 0.5 * (kVolumeWidth - (2.0 * size_mm.x() + size_mm.y()) * pixels_per_mm) - kGap;
     for (const ShownPlane& section : sections) {
       const PlaneValues plane = plane_of(volume, section);
-      const PlotFrame frame{left, kHeight - kSectionsTop - plane.height() * pixels_per_mm,
+      const PlotFrame frame{left, kVolumeHeight - kSectionsTop - plane.height() * pixels_per_mm,
                             plane.width() * pixels_per_mm, plane.height() * pixels_per_mm};
-      put_frame(gnuplot, frame, kWidth, kHeight);
-      put_scale_bar(gnuplot, 1, frame, size_mm.maxCoeff(), pixels_per_mm, kWidth, kHeight);
+      put_frame(gnuplot, frame, kVolumeWidth, kVolumeHeight);
+      put_scale_bar(gnuplot, 1, frame, size_mm.maxCoeff(), pixels_per_mm, kVolumeWidth,
+                    kVolumeHeight);
       const double at_mm = (section.at + 0.5) * volume.spacing_m[section.normal] / kMillimetre;
       std::fprintf(gnuplot,
                    "set title '%c right, %c up, at %c = %.2f mm' offset 0, -0.5\nunset tics\n"

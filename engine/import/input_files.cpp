@@ -1,7 +1,6 @@
 #include "engine/import/input_files.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
@@ -10,25 +9,13 @@
 
 #include <tbb/parallel_for.h>
 
+#include "engine/core/ascii.hpp"
+#include "engine/import/volume_header.hpp"
+
 namespace sulcus {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 20;  // as the checks of headers have it
-
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
-std::string trimmed(std::string_view text) {
-  constexpr std::string_view kSpace = " \t\r";
-  const auto first = text.find_first_not_of(kSpace);
-  if (first == std::string_view::npos) return {};
-  return std::string(text.substr(first, text.find_last_not_of(kSpace) - first + 1));
-}
 
 /// Values of the fields of an NRRD or MetaImage header that name its data.
 std::vector<std::string> data_names(const fs::path& header) {
@@ -43,7 +30,7 @@ std::vector<std::string> data_names(const fs::path& header) {
     begin = end + 1;
     const std::size_t colon = line.find_first_of(":=");
     if (colon == std::string_view::npos) continue;
-    const std::string key = lower(trimmed(line.substr(0, colon)));
+    const std::string key = lower_case(trimmed(line.substr(0, colon)));
     if (key == "data file" || key == "datafile" || key == "elementdatafile") {
       names.push_back(trimmed(line.substr(colon + 1)));
     }
@@ -70,11 +57,11 @@ std::optional<std::vector<fs::path>> input_files(const fs::path& path) {
   }
   if (!is_file(path)) return std::nullopt;  // a pipe or a device, which may never end
   files.push_back(path);
-  const std::string name = lower(path.filename().string());
+  const std::string name = lower_case(path.filename().string());
   const auto ends = [&](std::string_view extension) { return name.ends_with(extension); };
   if (ends(".nrrd") || ends(".nhdr") || ends(".mha") || ends(".mhd")) {
     for (const std::string& data : data_names(path)) {
-      if (lower(data) == "local") continue;
+      if (lower_case(data) == "local") continue;
       if (!is_file(path.parent_path() / data)) return std::nullopt;
       files.push_back(path.parent_path() / data);
     }
@@ -106,7 +93,7 @@ std::optional<Hash128> hash_input(const std::string& path) {
     const fs::path& file = (*files)[f];
     // The name of a single file says no more than its format; slices are put in order by theirs.
     const std::string name = file.filename().string();
-    stream.add(folder ? name : lower(name.substr(std::min(name.find('.'), name.size()))));
+    stream.add(folder ? name : lower_case(name.substr(std::min(name.find('.'), name.size()))));
     stream.add(*hashes[f]);
   }
   return stream.result();

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -22,6 +21,7 @@
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
 
+#include "engine/core/ascii.hpp"
 #include "engine/core/error.hpp"
 #include "engine/import/png_volume.hpp"
 #include "engine/import/tiff_volume.hpp"
@@ -86,9 +86,7 @@ std::string one_line(const itk::ExceptionObject& error) {
 std::string lower_extension(const fs::path& path) {
   std::string extension = path.extension().string();
   if (extension == ".gz") extension = path.stem().extension().string() + extension;
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
+  return lower_case(extension);
 }
 
 bool is_tiff(const fs::path& path) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -19,6 +18,7 @@
 
 #include <zlib.h>
 
+#include "engine/core/ascii.hpp"
 #include "engine/core/error.hpp"
 
 namespace sulcus {
@@ -28,21 +28,8 @@ namespace {
 constexpr double kLeastSpacing = 1e-9, kMostSpacing = 1e9;
 constexpr std::int64_t kMaxVoxelsPerAxis = 1 << 24;
 constexpr std::size_t kNiftiHeaderBytes = 348;
-constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 20;
 // No deflate stream expands by more than this [zlib, "Maximum Compression Factor": 1032].
 constexpr std::uint64_t kMaxDeflateRatio = 1032;
-
-std::string trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return std::string(text.substr(first, text.find_last_not_of(" \t\r") - first + 1));
-}
-
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 std::vector<std::string> words(const std::string& text) {
   std::istringstream in(text);
@@ -113,7 +100,7 @@ TextHeader read_text_header(const std::string& path, char separator, bool empty_
     if (line.front() == '#') continue;
     const auto colon = line.find(separator);
     if (colon == std::string::npos) continue;
-    const std::string key = lower(trimmed(std::string_view(line).substr(0, colon)));
+    const std::string key = lower_case(trimmed(std::string_view(line).substr(0, colon)));
     const auto [field, first] =
         header.fields.try_emplace(key, trimmed(std::string_view(line).substr(colon + 1)));
     // The library may take the other one.
@@ -243,7 +230,7 @@ double nrrd_length_unit(const std::string& path, const std::string& text) {
   for (std::size_t open = text.find('"'); open != std::string::npos;) {
     const std::size_t close = text.find('"', open + 1);
     if (close == std::string::npos) break;
-    const auto found = kUnits.find(lower(trimmed(text.substr(open + 1, close - open - 1))));
+    const auto found = kUnits.find(lower_case(trimmed(text.substr(open + 1, close - open - 1))));
     if (found != kUnits.end()) {
       if (unit && *unit != found->second) {
         throw InputError(path, "space units", text, "the same unit along each axis");
@@ -259,7 +246,7 @@ void check_nrrd_data(const std::string& path, const TextHeader& header, std::uin
                      std::uint64_t announced) {
   const auto field = [&](const char* name) {
     const auto found = header.fields.find(name);
-    return found == header.fields.end() ? std::string{} : lower(found->second);
+    return found == header.fields.end() ? std::string{} : lower_case(found->second);
   };
   std::string data_path = path;
   std::uint64_t held = 0;
@@ -267,7 +254,7 @@ void check_nrrd_data(const std::string& path, const TextHeader& header, std::uin
     const auto found = header.fields.find(name);
     if (found == header.fields.end()) continue;
     // A list of files or a numbered pattern has no length that could be checked.
-    if (words(found->second).size() != 1 || lower(found->second) == "list") {
+    if (words(found->second).size() != 1 || lower_case(found->second) == "list") {
       throw InputError(path, "data file", "\"" + found->second + "\"", "one file");
     }
     data_path = beside(path, found->second);
@@ -347,7 +334,7 @@ VolumeHeaderFacts check_nrrd_header(const std::string& path, const InputLimits& 
                      "as many as dimension says (" + field("dimension") + ")");
   }
   const std::uint64_t voxels = checked_voxel_count(path, "sizes", sizes, limits);
-  const std::string type = lower(field("type"));
+  const std::string type = lower_case(field("type"));
   const auto type_bytes = nrrd_type_bytes(type);
   if (!type_bytes) throw InputError(path, "type", "\"" + type + "\"", "a number type");
 
@@ -356,7 +343,7 @@ VolumeHeaderFacts check_nrrd_header(const std::string& path, const InputLimits& 
   if (const auto found = header.fields.find("spacings"); found != header.fields.end()) {
     for (const std::string& word : words(found->second)) {
       // NaN marks an axis that is not spatial.
-      if (lower(word) == "nan" && sizes.size() > 3) continue;
+      if (lower_case(word) == "nan" && sizes.size() > 3) continue;
       check_spacing(path, "spacings", number<double>(word).value_or(std::nan("")));
     }
     facts.spacing_known = true;
@@ -414,10 +401,10 @@ VolumeHeaderFacts check_meta_image_header(const std::string& path, const InputLi
     }
   }
   const std::string data = field("elementdatafile");
-  const bool local = lower(data) == "local";
+  const bool local = lower_case(data) == "local";
   // One file a slice has no length that could be checked.
-  if (!local &&
-      (words(data).size() != 1 || lower(data) == "list" || data.find('%') != std::string::npos)) {
+  if (!local && (words(data).size() != 1 || lower_case(data) == "list" ||
+                 data.find('%') != std::string::npos)) {
     throw InputError(path, "ElementDataFile", "\"" + data + "\"", "LOCAL or one file");
   }
   const std::string data_path = local ? path : beside(path, data);
@@ -427,7 +414,7 @@ VolumeHeaderFacts check_meta_image_header(const std::string& path, const InputLi
   const std::uint64_t bytes = file_bytes(data_path);
   const std::uint64_t held = local ? bytes - std::min(bytes, header.bytes) : bytes;
   const std::uint64_t announced = voxels * type->second;
-  if (lower(field("compresseddata")).starts_with("t")) {
+  if (lower_case(field("compresseddata")).starts_with("t")) {
     // The stream's own length, where it is said, shows a file that was cut off.
     const std::string said = field("compresseddatasize");
     const auto stream = number<std::uint64_t>(said);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -17,6 +18,9 @@ struct VolumeHeaderFacts {
 // Light checks of headers that announce more than the file holds, made before anybody takes memory
 // for the voxels. They look only at sizes, type and length; everything else is the library's.
 // All throw InputError.
+
+/// What of a text header is read.
+inline constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 20;
 
 /// NRRD: sizes, type, spacings, and the length of raw or gzip data [teem, NRRD format 5].
 VolumeHeaderFacts check_nrrd_header(const std::string& path, const InputLimits& limits);

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <vector>
 
 #include <Eigen/Geometry>
 #include <tbb/parallel_for.h>
 
+#include "engine/core/ascii.hpp"
 #include "engine/core/error.hpp"
 #include "engine/import/itk_volume_io.hpp"
 #include "engine/import/volume_header.hpp"
@@ -121,9 +121,7 @@ class Resampler {
 }  // namespace
 
 void check_volume_name(const std::string& path) {
-  std::string name = path;
-  std::ranges::transform(name, name.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string name = lower_case(path);
   if (name.ends_with(".nrrd") || name.ends_with(".mha") || name.ends_with(".nii.gz")) return;
   throw InputError(path, "", "a name of no volume that is written", ".nrrd, .mha or .nii.gz");
 }

@@ -47,6 +47,14 @@ std::string number_for_gnuplot(double value) {
   return text;
 }
 
+std::string point_for_gnuplot(double x, double y) {
+  return number_for_gnuplot(x) + " " + number_for_gnuplot(y) + "\n";
+}
+
+std::string block_for_gnuplot(const std::string& name, const std::string& points) {
+  return "$" + name + " << EOD\n" + points + "EOD\n";
+}
+
 std::string spaced_name(std::string name) {
   std::replace(name.begin(), name.end(), '_', ' ');
   return name;

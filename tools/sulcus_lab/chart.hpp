@@ -10,6 +10,11 @@ namespace sulcus::lab {
 /// A number for gnuplot's data; what is not finite becomes its "NaN".
 std::string number_for_gnuplot(double value);
 
+/// A line of two numbers.
+std::string point_for_gnuplot(double x, double y);
+/// `$name << EOD` with the points.
+std::string block_for_gnuplot(const std::string& name, const std::string& points);
+
 /// A name of the command line as words.
 std::string spaced_name(std::string name);
 

@@ -26,15 +26,6 @@ std::string style_of(const TickSetting& setting) {
          look.dash + " pt " + std::to_string(look.mark) + " ps 1.1";
 }
 
-std::string point(double x, double y) {
-  return number_for_gnuplot(x) + " " + number_for_gnuplot(y) + "\n";
-}
-
-/// `$name << EOD` with the points.
-std::string block(const std::string& name, const std::string& points) {
-  return "$" + name + " << EOD\n" + points + "EOD\n";
-}
-
 std::vector<NormalMethod> methods_in(std::span<const TickRow> rows) {
   std::vector<NormalMethod> methods;
   for (const TickRow& row : rows) {
@@ -57,7 +48,7 @@ struct Curve {
   std::string name, style, title;
 };
 
-const char* kFrame =
+const char* kTicksFrame =
     "set border 3 lc rgb '#666666'\nset tics nomirror tc rgb '#222222'\n"
     "set grid xtics ytics lc rgb '#c8c8c8' lw 1\n";
 
@@ -73,12 +64,12 @@ bool draw_ticks(std::span<const TickRow> rows, std::span<const TickPlace> places
       std::string points;
       for (const TickRow& row : rows) {
         if (row.setting.method != method || row.setting.cache != cache) continue;
-        points += point(row.summary.contacts, row.summary.us_mean);
+        points += point_for_gnuplot(row.summary.contacts, row.summary.us_mean);
       }
       if (points.empty()) continue;
       const std::string name =
           std::string(method_name(setting)) + "_" + std::string(cache_name(setting));
-      text += block(name, points);
+      text += block_for_gnuplot(name, points);
       curves.push_back({name, " with linespoints " + style_of(setting),
                         with_slope(spaced_name(name), growth_exponent(rows, setting))});
     }
@@ -87,7 +78,7 @@ bool draw_ticks(std::span<const TickRow> rows, std::span<const TickPlace> places
   std::vector<std::pair<double, double>> pca_points, fresh_points, kept_points;
   const auto add = [](std::string& block_points, std::vector<std::pair<double, double>>& list,
                       double x, double y) {
-    block_points += point(x, y);
+    block_points += point_for_gnuplot(x, y);
     list.emplace_back(x, y);
   };
   for (const TickPlace& place : places) {
@@ -97,7 +88,8 @@ bool draw_ticks(std::span<const TickRow> rows, std::span<const TickPlace> places
     add(fresh, fresh_points, place.contacts, place.fresh.us);
     add(kept, kept_points, place.contacts, place.kept.us);
   }
-  text += block("pca", pca) + block("floor_fresh", fresh) + block("floor_kept", kept);
+  text += block_for_gnuplot("pca", pca) + block_for_gnuplot("floor_fresh", fresh) +
+          block_for_gnuplot("floor_kept", kept);
   if (!pca.empty()) {
     curves.push_back(
         {"pca", " with linespoints lw 1.8 lc rgb '" + colour_of(Method::kPca) + "' pt 13 ps 1.1",
@@ -119,7 +111,7 @@ bool draw_ticks(std::span<const TickRow> rows, std::span<const TickPlace> places
     fewest = std::min(fewest, row.summary.contacts);
     greatest = std::max(greatest, row.summary.contacts);
   }
-  text += kFrame;
+  text += kTicksFrame;
   text += "set xrange [" + number_for_gnuplot(fewest / 1.3) + ":" +
           number_for_gnuplot(greatest * 1.3) + "]\n";
   text +=
@@ -152,7 +144,7 @@ bool draw_tick_stages(std::span<const TickRow> rows, const std::string& file_png
   constexpr const char* kColours[kStageCount] = {"#56b4e9", "#0072b2", "#e69f00", "#009e73",
                                                  "#cc79a7"};
   const std::vector<NormalMethod> methods = methods_in(rows);
-  std::string text = kFrame;
+  std::string text = kTicksFrame;
   text +=
       "set grid noxtics\nset boxwidth 0.86\nset style fill solid 1 noborder\n"
       "set yrange [0:*]\nset xtics rotate by 90 right font 'sans,9' scale 0\n"
@@ -192,7 +184,7 @@ bool draw_tick_stages(std::span<const TickRow> rows, const std::string& file_png
       ++bar;
     }
     close_group(-1);
-    text += block(name, points) + labels + "set xtics (" + tics +
+    text += block_for_gnuplot(name, points) + labels + "set xtics (" + tics +
             ")\nset xrange [-1:" + std::to_string(bar - 1) + "]\nset title " +
             quoted_for_gnuplot("Where the time of a tick goes, " + spaced_name(name) +
                                ": stages, by voxels in contact") +
@@ -210,7 +202,7 @@ bool draw_tick_stages(std::span<const TickRow> rows, const std::string& file_png
 
 bool draw_tick_sweeps(std::span<const SweepRow> cells, std::span<const SweepRow> bodies,
                       const std::string& file_png) {
-  std::string text = kFrame;
+  std::string text = kTicksFrame;
   text +=
       "set logscale x 2\nset yrange [0:1.6]\nset multiplot layout 1,2\n"
       "set ylabel 'time of a tick, to the first' tc rgb '#222222'\n"
@@ -234,11 +226,11 @@ bool draw_tick_sweeps(std::span<const SweepRow> cells, std::span<const SweepRow>
             row.setting.cache != first.setting.cache) {
           continue;
         }
-        points += point(row.size, row.summary.us_mean / first.summary.us_mean);
+        points += point_for_gnuplot(row.size, row.summary.us_mean / first.summary.us_mean);
         tics.append(tics.empty() ? "" : ", ").append(std::to_string(row.size));
       }
       const std::string id = name + std::to_string(f);
-      text += block(id, points);
+      text += block_for_gnuplot(id, points);
       char label[96];
       std::snprintf(label, sizeof label, "%s, %s, %d contacts: %.0f us",
                     spaced_name(std::string(method_name(first.setting))).c_str(),

@@ -19,6 +19,7 @@ namespace sulcus::lab {
 inline constexpr double kCaseVoxel_m = 34.8e-6;
 inline constexpr double kCaseVoxel_mm = kCaseVoxel_m / kMillimetre;
 inline constexpr double kCaseRadius_m = 0.5e-3;  // of the burr
+inline constexpr double kCaseRadius_mm = kCaseRadius_m / kMillimetre;
 // Of [coupling] where no device is named.
 inline constexpr double kCaseForceLimit_N = CouplingSettings{}.force_limit_N;
 inline constexpr double kCaseSpring_N_per_mm =

@@ -22,8 +22,6 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double kRadius_mm = kCaseRadius_m / kMillimetre;
-
 /// Stiffer than the default coupling: a Falcon's.
 constexpr const char* kStiffCoupling =
     "[coupling]\nstiffness_N_per_mm = 3.0\nforce_limit_N = 8.0\n";
@@ -36,7 +34,7 @@ struct EdgeWay {
 
   /// Down to the first face, along it, round the edge, and along the second, so deep all the way.
   std::vector<Vector3d> round_it(double step_mm) const {
-    const double r = kRadius_mm - depth_mm, quarter = 0.25 * std::numbers::pi;
+    const double r = kCaseRadius_mm - depth_mm, quarter = 0.25 * std::numbers::pi;
     const double face_mm = 0.5;
     const auto on_arc = [&](double angle) -> Vector3d {
       return r * (std::cos(angle) * up + std::sin(angle) * across);
@@ -52,7 +50,7 @@ struct EdgeWay {
   }
   /// Straight across, the tip so deep below the edge.
   std::vector<Vector3d> level() const {
-    const Vector3d over = (kRadius_mm - depth_mm) * up;
+    const Vector3d over = (kCaseRadius_mm - depth_mm) * up;
     return {over - 0.5 * across, over + 0.5 * across};
   }
 };
@@ -109,7 +107,7 @@ CaseResult edge_normals(const CaseOptions& options) {
           const double off_mm = ridge.name == std::string("ridge off the grid") ? 0.25 : 0.0;
           for (Vector3d& corner : corners) {
             corner += Vector3d(off_mm * kCaseVoxel_mm, 0.3 * kCaseVoxel_mm, 0.0);
-            corner -= kRadius_mm * ridge.up;
+            corner -= kCaseRadius_mm * ridge.up;
           }
           std::vector<Pose> path = case_path({corners.front()}, kSpeed_mm_per_s);
           for (std::size_t c = 1; c < corners.size(); ++c) {
@@ -171,7 +169,7 @@ CaseResult tilted_planes(const CaseOptions& options) {
           // From where the burr touches to its tip.
           const Vector3d touching = method == ContactMethod::kSinglePoint
                                         ? Vector3d(Vector3d::Zero())
-                                        : Vector3d(kRadius_mm * (normal - Vector3d::UnitZ()));
+                                        : Vector3d(kCaseRadius_mm * (normal - Vector3d::UnitZ()));
           const auto tip = [&](double way_mm, double deep_mm) -> Vector3d {
             return way_mm * along - deep_mm * normal + touching;
           };

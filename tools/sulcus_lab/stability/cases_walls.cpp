@@ -17,8 +17,6 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double kRadius_mm = kCaseRadius_m / kMillimetre;
-
 /// Where over a voxel the tool comes down.
 std::vector<Vector3d> places_mm(bool brief) {
   if (brief) return {kCaseVoxel_mm * Vector3d(0.23, 0.41, 0.0)};
@@ -216,7 +214,8 @@ CaseResult deep_inside(const CaseOptions& options) {
     };
     for (const double depth : depths) {
       const std::string setting = with_number("%g R deep", depth);
-      std::vector<Pose> path = case_path({up(0.1), -up(depth * kRadius_mm)}, kSpeed_mm_per_s, 100);
+      std::vector<Pose> path =
+          case_path({up(0.1), -up(depth * kCaseRadius_mm)}, kSpeed_mm_per_s, 100);
       const std::size_t in = path.size();
       go_on(path, up(0.1), kSpeed_mm_per_s, 20);
       const std::vector<Felt> ticks = judge(setting, path, in, in - 1);
@@ -225,13 +224,13 @@ CaseResult deep_inside(const CaseOptions& options) {
       }
     }
     if (method == ContactMethod::kSinglePoint) continue;  // refused as a burr, or not at all
-    judge("started 0.5 R deep", case_path({-up(0.5 * kRadius_mm)}, 1.0, 200), 1, 200);
+    judge("started 0.5 R deep", case_path({-up(0.5 * kCaseRadius_mm)}, 1.0, 200), 1, 200);
     int refused = 0, starts = 0;
     const Burr burr = load_burr(scene);
     for (const double depth : {1.1, 1.5, 2.0, 3.0}) {
       ++starts;
       try {
-        check_start(scene, block, {}, burr, case_path({-up(depth * kRadius_mm)}, 1.0).front());
+        check_start(scene, block, {}, burr, case_path({-up(depth * kCaseRadius_mm)}, 1.0).front());
       } catch (const InputError&) {
         ++refused;
       }

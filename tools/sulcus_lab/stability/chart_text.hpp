@@ -38,13 +38,6 @@ inline std::string title_of(ContactMethod method) {
   return spaced_name(std::string(kContactMethodNames[static_cast<std::size_t>(method)]));
 }
 
-inline std::string point(double x, double y) {
-  return number_for_gnuplot(x) + " " + number_for_gnuplot(y) + "\n";
-}
-/// `$name << EOD` with the points.
-inline std::string block(const std::string& name, const std::string& points) {
-  return "$" + name + " << EOD\n" + points + "EOD\n";
-}
 inline std::string range(const char* axis, double low, double high) {
   return std::string("set ") + axis + "range [" + number_for_gnuplot(low) + ":" +
          number_for_gnuplot(high) + "]\n";

@@ -33,7 +33,7 @@ std::string thinned(const std::vector<float>& values, double dt, std::size_t par
     auto [low, high] = std::minmax_element(first, last);
     if (high < low) std::swap(low, high);
     for (const auto at : {low, high}) {
-      points += point(dt * static_cast<double>(at - values.begin()), *at);
+      points += point_for_gnuplot(dt * static_cast<double>(at - values.begin()), *at);
       if (low == high) break;
     }
   }
@@ -176,8 +176,9 @@ std::string force_blocks(const ForcePicture& p) {
   std::string text;
   for (std::size_t t = 0; t < p.traces.size(); ++t) {
     const double dt = p.traces[t].dt_s * p.per_second();
-    text += block("force" + std::to_string(t), thinned(p.traces[t].force_N, dt, kParts)) +
-            block("depth" + std::to_string(t), thinned(p.traces[t].depth_mm, dt, kParts));
+    text +=
+        block_for_gnuplot("force" + std::to_string(t), thinned(p.traces[t].force_N, dt, kParts)) +
+        block_for_gnuplot("depth" + std::to_string(t), thinned(p.traces[t].depth_mm, dt, kParts));
   }
   return text;
 }

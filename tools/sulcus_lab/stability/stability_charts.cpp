@@ -85,8 +85,8 @@ bool draw_frontier(std::span<const FrontierPoint> points, const std::string& fil
     bool exists = false, everywhere = true;
     for (std::size_t i = 0; i < line.size(); ++i) {
       const FrontierPoint& p = line[i];
-      hold += point(p.contacts, p.felt_hold_N_per_mm);
-      buzz += point(p.contacts, p.felt_buzz_N_per_mm);
+      hold += point_for_gnuplot(p.contacts, p.felt_hold_N_per_mm);
+      buzz += point_for_gnuplot(p.contacts, p.felt_buzz_N_per_mm);
       const bool usable = p.felt_hold_N_per_mm < p.felt_buzz_N_per_mm;
       exists = exists || usable;
       everywhere = everywhere && usable;
@@ -114,7 +114,8 @@ bool draw_frontier(std::span<const FrontierPoint> points, const std::string& fil
       if (usable) fill += "\n";  // the next piece is one of its own
     }
     const std::string id = std::to_string(m);
-    text += block("hold" + id, hold) + block("buzz" + id, buzz) + block("fill" + id, fill);
+    text += block_for_gnuplot("hold" + id, hold) + block_for_gnuplot("buzz" + id, buzz) +
+            block_for_gnuplot("fill" + id, fill);
     titles.push_back(title_of(methods[m]) + (!exists      ? ": nowhere"
                                              : everywhere ? ": everywhere"
                                                           : ": where filled"));
@@ -185,8 +186,8 @@ bool draw_damping(std::span<const DampingPoint> points, const std::string& file_
     std::string inside, edge;
     for (const auto& [damping, largest] : line) {
       const double y = stiffness.inside(largest);
-      inside += point(damping, y);
-      if (y != largest) edge += point(damping, y);
+      inside += point_for_gnuplot(damping, y);
+      if (y != largest) edge += point_for_gnuplot(damping, y);
     }
     const auto method =
         std::find(kContactMethodNames.begin(), kContactMethodNames.end(), labels[l]);
@@ -196,7 +197,7 @@ bool draw_damping(std::span<const DampingPoint> points, const std::string& file_
     }
     const std::string id = std::to_string(l);
     const std::string colour = std::string(" lc rgb '") + look.colour + "'";
-    text += block("line" + id, inside) + block("edge" + id, edge);
+    text += block_for_gnuplot("line" + id, inside) + block_for_gnuplot("edge" + id, edge);
     plot +=
         (plot.empty() ? "plot $line" : ", $line") + id + " using 1:2 with linespoints lw " +
         number_for_gnuplot(look.width) + " pt " + std::to_string(look.mark) + " ps 1.2 dt " +
@@ -242,10 +243,10 @@ bool draw_speed_error(std::span<const SpeedErrorPoint> points, const std::string
     }
     std::sort(line.begin(), line.end());
     std::string marks;
-    for (const auto& [x, y] : line) marks += point(x, y);
+    for (const auto& [x, y] : line) marks += point_for_gnuplot(x, y);
     const Look& look = look_of(methods[m]);
     const std::string id = std::to_string(m);
-    text += block("line" + id, marks);
+    text += block_for_gnuplot("line" + id, marks);
     plot += (plot.empty() ? "plot $line" : ", $line") + id +
             " using 1:2 with linespoints lw 1.4 pt " + std::to_string(look.mark) +
             " ps 1.8 lc rgb '" + look.colour + "' title " +
