@@ -98,11 +98,10 @@ TriangleMesh handpiece_mesh(const TriangleMesh& mesh_tool, double head_length_m)
   outline.emplace_back(0.0, end);
   add_rod(mesh, outline, Eigen::Isometry3d::Identity());
 
-  const Eigen::Vector3d along(std::cos(kNeckRise), std::sin(kNeckRise), 0.0);
   Eigen::Isometry3d tool_from_neck = Eigen::Isometry3d::Identity();
   tool_from_neck.translation() = Eigen::Vector3d(0.0, head + 0.5 * kHeadLength, 0.0);
-  tool_from_neck.linear() =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitY(), along).toRotationMatrix();
+  tool_from_neck.rotate(
+      Eigen::AngleAxisd(kNeckRise - 0.5 * std::numbers::pi, Eigen::Vector3d::UnitZ()));
   Outline neck{{0.0, 0.0}, {kNeckRadius, 0.0}, {kNeckRadius, 0.4 * kNeckLength}};
   neck.emplace_back(kHandleRadius, 0.75 * kNeckLength);
   neck.emplace_back(kHandleRadius, kNeckLength);

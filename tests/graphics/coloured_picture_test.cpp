@@ -11,6 +11,7 @@
 
 #include "engine/graphics/drawn_surface.hpp"
 #include "engine/graphics/renderer.hpp"
+#include "engine/scene/trajectory.hpp"
 
 namespace sulcus {
 namespace {
@@ -166,8 +167,7 @@ TEST(ColouredPicture, AHandpieceIsDrawnWhereItIsNotInTheWay) {
   without->set_handpiece(false);
   FrameState state;
   state.world_from_tool.position = {0, 0, 2.4e-3};
-  state.world_from_tool.orientation =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ());
+  state.world_from_tool.orientation = orientation_along(Eigen::Vector3d::UnitZ());
   const auto difference = [&](const Viewpoint& from) {
     with->set_viewpoint(from);
     without->set_viewpoint(from);

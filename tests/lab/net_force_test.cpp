@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "engine/scene/trajectory.hpp"
 #include "engine/shapes/voxelise_implicit.hpp"
 
 namespace sulcus::lab {
@@ -41,7 +42,7 @@ class NetForce : public ::testing::Test {
         burr_(round_burr()),
         scratch_(settings_) {
     const Vector3d centre = (kBall + kHead - kDepth) * outward_;
-    pose_.orientation = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitY(), outward_);
+    pose_.orientation = orientation_along(outward_);
     pose_.position = centre - kHead * outward_;
     truth_ = true_force(surface_, burr_, pose_, settings_, scratch_);
   }

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "engine/core/units.hpp"
+#include "engine/scene/trajectory.hpp"
 
 namespace sulcus::lab {
 
@@ -81,8 +82,7 @@ std::vector<PressedPose> pressed_poses(KnownSurface& surface, const Burr& burr,
     const Vector3d axis = tilted(foot.normal, random);
     const auto pose_at = [&](double lift_m) {
       const Vector3d centre = foot.point + (head_radius_m - depth_m + lift_m) * foot.normal;
-      return Pose{centre - head_radius_m * axis,
-                  Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitY(), axis)};
+      return Pose{centre - head_radius_m * axis, orientation_along(axis)};
     };
     PressedPose pressed{pose_at(0.0), {}};
     // Lifting by what is too deep is never too much, and nearly enough where the walls are not
