@@ -25,7 +25,7 @@ struct NotRun {
   std::string_view begins, why;
 };
 constexpr std::array kNotRun{
-    NotRun{"tools/run", "builds what is being tested"},
+    NotRun{"tools/run", "builds what is being tested; tools/test runs it first"},
     NotRun{"tools/test", "runs this"},
     NotRun{"tools/lab", "installs PCL; lab/documented_lab_commands_test.cpp begins each"},
     NotRun{"tools/package",
