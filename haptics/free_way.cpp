@@ -11,10 +11,8 @@ namespace {
 
 constexpr double kNear = 8.0;  // voxels: so far every voxel's distance is asked for
 
-}  // namespace
-
-double free_way(const Workpiece& workpiece, const Burr& burr, const Pose& world_from_tool,
-                double wanted_m, ContactScratch& scratch) noexcept {
+double way_to(const Workpiece& workpiece, const Burr& burr, const Pose& world_from_tool,
+              double wanted_m, ContactScratch& scratch) noexcept {
   // Depth is measured at surface points, up to 0.87 voxel beyond the voxels' centres.
   const double skin_m = workpiece.grid().voxel_m;
   const double near_m = std::min(wanted_m, kNear * workpiece.grid().voxel_m);
@@ -36,6 +34,15 @@ double free_way(const Workpiece& workpiece, const Burr& burr, const Pose& world_
     }
     way_m = further_m;
   }
+  return way_m;
+}
+
+}  // namespace
+
+double free_way(const Workpiece& workpiece, const Burr& burr, const Pose& world_from_tool,
+                double wanted_m, ContactScratch& scratch) noexcept {
+  const double way_m = way_to(workpiece, burr, world_from_tool, wanted_m, scratch);
+  scratch.forget();  // what is near is not in contact: removal would take it for that
   return way_m;
 }
 

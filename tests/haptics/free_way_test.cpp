@@ -42,6 +42,16 @@ TEST(FreeWay, IsNoLongerThanAskedForAndThatIsFoundAtOnce) {
   EXPECT_EQ(free_way(flat_block(), burr(), test::upright({0, 0, 1e-3}), 0.1e-3, scratch), 0.1e-3);
 }
 
+TEST(FreeWay, WhatIsNearIsLeftAsNoContact) {
+  // What is in the scratch at the end of a tick is cut.
+  ContactScratch scratch{HapticsSettings{}};
+  for (const double gap_m : {-0.1e-3, 0.06e-3, 0.2e-3}) {
+    free_way(flat_block(), burr(), test::upright({0, 0, gap_m}), 5e-3, scratch);
+    EXPECT_TRUE(scratch.contacts.empty()) << gap_m;
+    EXPECT_TRUE(scratch.queries.empty()) << gap_m;
+  }
+}
+
 TEST(FreeWay, NoWayOfThatLengthEndsInContact) {
   const Workpiece blobs(test::random_blobs({64, 64, 64}, 5));
   ContactScratch scratch{HapticsSettings{}};
