@@ -28,8 +28,7 @@ constexpr std::array kNotRun{
     NotRun{"tools/run", "builds what is being tested; tools/test runs it first"},
     NotRun{"tools/test", "runs this"},
     NotRun{"tools/lab", "installs PCL; lab/documented_lab_commands_test.cpp begins each"},
-    NotRun{"tools/package",
-           "what it packs is what `cmake --install` writes: installation_test.cpp"},
+    NotRun{"tools/package", "packs what is being tested; tools/test runs it first"},
     NotRun{"sudo apt", "changes the machine"},
     NotRun{"cmake --preset", "makes what is tested here"},
 };
