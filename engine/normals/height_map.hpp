@@ -34,7 +34,10 @@ struct HeightMap {
   alignas(32) std::array<signed char, (kMaxRows + 1) * kMaxLanes> height;
 
   int place(int i, int j) const { return (ns + j) * lanes + lanes / 2 + i; }
-  int at(int i, int j) const { return height[static_cast<std::size_t>(place(i, j))]; }
+  // In place even where little is optimised: a kernel's copy is compiled for its instruction set.
+  [[gnu::always_inline]] int at(int i, int j) const {
+    return height[static_cast<std::size_t>(place(i, j))];
+  }
 };
 
 /// Lanes of a map's rows: as few as hold its columns and the one before them.

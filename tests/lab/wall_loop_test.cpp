@@ -45,8 +45,8 @@ TEST(WallLoop, WithoutAWallTheSlowestPoleIsThatOfDeviceAndHand) {
 }
 
 TEST(WallLoop, TheSimulatedDeviceIsStableUpToTheSpectralLimit) {
-  // Each hand, with damping and delay and without. All: sulcus-lab stability --case harness.
-  const WallLoop loops[] = {omni_loop("light", 1, 20.0), omni_loop("firm", 0, 40.0),
+  const WallLoop loops[] = {omni_loop("light", 0, 0.0), omni_loop("light", 1, 20.0),
+                            omni_loop("firm", 0, 40.0), omni_loop("firm", 1, 8.0),
                             omni_loop("arm", 1, 0.0)};
   for (const WallLoop& loop : loops) {
     const double limit = spectral_limit(loop);

@@ -25,7 +25,7 @@ std::string data_of(const std::vector<ParetoRow>& rows, NormalMethod method) {
       (row.setting.field == 0 ? first : others) += point(row) + "\n";
   }
   const std::string name = name_of(method);
-  return "$" + name + " << EOD\n" + first + "EOD\n$others_" + name + " << EOD\n" + others + "EOD\n";
+  return block_for_gnuplot(name, first) + block_for_gnuplot("others_" + name, others);
 }
 
 /// Least and greatest of a column.
