@@ -1,7 +1,6 @@
 #include "engine/graphics/egl_context.hpp"
 
 #include <cstdio>
-#include <cstdlib>
 #include <stdexcept>
 #include <string_view>
 #include <vector>
@@ -158,10 +157,6 @@ void EglContext::make_current() const {
     throw std::runtime_error("the OpenGL context could not be made current (" + last_error() +
                              "); it belongs to the thread that made it");
   }
-}
-
-void limit_software_threads(int threads) {
-  setenv("LP_NUM_THREADS", std::to_string(threads).c_str(), 0);
 }
 
 }  // namespace sulcus

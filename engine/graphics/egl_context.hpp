@@ -36,9 +36,4 @@ class EglContext {
   std::string description_;
 };
 
-/// Threads that Mesa's software rasteriser starts beside the drawing one; 0: it draws on that
-/// thread alone, which then can be kept to a core. Only before the first context of the process is
-/// made and while no other thread reads the environment; a value that the user has set stays.
-void limit_software_threads(int threads);
-
 }  // namespace sulcus

@@ -20,8 +20,8 @@ constexpr std::size_t kBatch = 64;  // bricks meshed before they are handed over
 constexpr double kShadedFrom = 10.0;
 // In a hurry: updates from one in which light some way off is seen to to the next, and bricks whose
 // normals are found anew then.
-constexpr int kLightAfter = 8;
-constexpr std::size_t kLitAtOnce = 8;
+constexpr int kLightAfter = 4;
+constexpr std::size_t kLitAtOnce = 4;
 
 bool meet(const PixelRect& a, const PixelRect& b) {
   return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;

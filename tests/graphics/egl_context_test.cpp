@@ -1,6 +1,5 @@
 #include "engine/graphics/egl_context.hpp"
 
-#include <cstdlib>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -26,16 +25,6 @@ TEST(EglContext, SaysWhatWasTried) {
           << what;
     }
   }
-}
-
-TEST(SoftwareThreads, TheUsersOwnSettingStays) {
-  setenv("LP_NUM_THREADS", "3", 1);
-  limit_software_threads(1);
-  EXPECT_STREQ(std::getenv("LP_NUM_THREADS"), "3");
-  unsetenv("LP_NUM_THREADS");
-  limit_software_threads(1);
-  EXPECT_STREQ(std::getenv("LP_NUM_THREADS"), "1");
-  unsetenv("LP_NUM_THREADS");
 }
 
 }  // namespace

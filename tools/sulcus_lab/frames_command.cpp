@@ -54,6 +54,7 @@ void draw(const Simulation& simulation, std::vector<RenderedBody> bodies,
   GlScene drawing(settings, std::move(bodies), simulation.burr().mesh_tool,
                   simulation.burr().head_length_m);
   drawing.set_hurried(true);
+  drawing.set_handpiece(false);
   double azimuth_deg = 0.0;
   std::uint64_t last_ns = 0, shown_before = 0;
   while (!feed.ended) {
