@@ -59,7 +59,7 @@ struct RecordFeed : Feed {
   Queue<StateHash> hashes;
   Queue<TakenAnswer> taken;
   Queue<Keyframe> keyframes;
-  Queue<Keyframe> spare_keyframes;  // the other way: their memory, to be used again
+  Queue<Keyframe> spare_keyframes;  // the other way: their memory, to be used again; none: wait
 };
 
 }  // namespace sulcus

@@ -200,7 +200,9 @@ class HapticLoop {
     if (next % kHashEvery == 0) hash_state();
     since_kept_us_ += static_cast<double>(report.record.step_us);
     const bool due = next % kKeyframeEvery == 0 || since_kept_us_ >= kKeyframeEvery_us;
-    if (due && next >= keep_next_) keep_state();
+    // Where the disk has yet to take those before it, the next one waits: else each pause of it
+    // would cost memory for good.
+    if (due && next >= keep_next_ && record_->spare_keyframes.peek() != nullptr) keep_state();
   }
 
   void wait_for_room(const TickReport& report) {
@@ -340,7 +342,8 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
   if (writer) {
     record_feed.emplace(scene.haptics.rate_hz, scene.record->queue_s);
     // Room that is not used takes no memory; a state that needs more takes it once.
-    for (int spare = 0; spare < 3; ++spare) {
+    constexpr int kKeyframesOnTheWay = 4;
+    for (int spare = 0; spare < kKeyframesOnTheWay; ++spare) {
       Keyframe keyframe;
       keyframe.state.reserve(std::size_t{1} << 20);
       record_feed->spare_keyframes.enqueue(std::move(keyframe));

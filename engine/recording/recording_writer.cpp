@@ -17,7 +17,7 @@ namespace sulcus {
 namespace {
 
 // Beyond these a caller who does not flush is helped: memory stays bounded.
-constexpr std::size_t kMetadataBytes = 2 << 20;  // of HDF5's, in memory
+constexpr std::size_t kMetadataBytes = 1 << 19;  // of HDF5's, in memory
 constexpr std::size_t kMaxWaitingTicks = 4096;
 constexpr std::size_t kMaxWaitingEdits = 1 << 16;
 constexpr std::size_t kMaxWaitingStateBytes = 1 << 24;

@@ -320,15 +320,15 @@ TEST_F(Recording, RepairSaysWhichStatesAreDamaged) {
   EXPECT_EQ(RecordingReader(scratch_.path("repaired.h5")).keyframes().size(), states - 1);
 }
 
-/// A disk that stalls once, for 0.3 s.
+/// A disk that stalls once: after so many seconds, for so many.
 class StallingDisk : public Recording {
  protected:
-  void run(const std::string& options) {
+  void run(const std::string& options, const std::string& stall_s = "0.15,0.3") {
     const std::string scene = scratch_.write("s.toml", test::kCutScene);
     const auto result =
         command("run " + scene + " --pace real -o " + scratch_.path("out") + " " + options,
-                "SULCUS_CACHE=off SULCUS_STALL=0.15,0.3 ASAN_OPTIONS=verify_asan_link_order=0 "
-                "LD_PRELOAD=" SULCUS_STALLING_DISK);
+                "SULCUS_CACHE=off SULCUS_STALL=" + stall_s +
+                    " ASAN_OPTIONS=verify_asan_link_order=0 LD_PRELOAD=" SULCUS_STALLING_DISK);
     ASSERT_EQ(result.status, 0) << result.err;
   }
   std::string file() const { return scratch_.path("out/recording.h5"); }
@@ -339,6 +339,19 @@ TEST_F(StallingDisk, LosesNothingAsLongAsTheQueueLasts) {
   const RecordingReader whole(record("whole")), reader(file());
   EXPECT_EQ(reader.tick_count(), whole.tick_count());
   EXPECT_TRUE(reader.gaps().empty());
+  EXPECT_EQ(command("replay --verify " + file()).status, 0);
+}
+
+TEST_F(StallingDisk, KeepsStatesWaitingSoThatTheyTakeNoMoreMemory) {
+  run(std::string("--set haptics.rate_hz=4000 --set ") + kSlowly, "0.15,0.8");
+  const auto states = RecordingReader(file()).keyframes();
+  std::vector<std::uint64_t> apart;
+  for (std::size_t i = 1; i < states.size(); ++i) {
+    apart.push_back(states[i].tick - states[i - 1].tick);
+  }
+  std::ranges::sort(apart);
+  ASSERT_GE(apart.size(), 8u);
+  EXPECT_GT(apart.back(), 3 * apart[apart.size() / 2]);
   EXPECT_EQ(command("replay --verify " + file()).status, 0);
 }
 
