@@ -42,6 +42,13 @@ struct ContactResult {
   std::uint32_t faults = 0;    // bits of Fault
 };
 
+/// What is wanted of a contact.
+enum class Asked {
+  kForce,
+  kStiffness,  // and how it resists the tool's motion
+  kCoupled,    // both, for a tool that hangs on a coupling: over edges forces turn with it
+};
+
 /// All the memory a contact evaluation uses, taken once when the scene loads. One per thread.
 struct ContactScratch {
   explicit ContactScratch(const HapticsSettings& settings, StageClock stage_clock = StageClock{});

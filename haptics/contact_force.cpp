@@ -40,16 +40,31 @@ void grade_stiffness(const ForceSums& sums, double per_weight, Matrix6d& stiffne
 
 }  // namespace
 
+double contact_reach_m(const Workpiece& workpiece, Scaling scaling, Asked asked) noexcept {
+  if (scaling != Scaling::kSmooth) return 0.0;
+  return (asked == Asked::kCoupled ? 2.0 : 1.0) * workpiece.grid().voxel_m;
+}
+
 void contact_force(const Workpiece& workpiece, std::span<const TissueSettings> tissues,
                    const Burr& burr, const Pose& world_from_tool, const Twist* twist,
                    Scaling scaling, ContactScratch& scratch, ContactResult& result,
-                   bool with_stiffness) noexcept {
+                   Asked asked) noexcept {
   if (scratch.contacts.empty()) return;
   const ContactKernels& kernels = contact_kernels();
   const ContactArrays contacts = arrays_of(scratch.contacts);
   const ContactFrame frame(workpiece.grid(), burr.field, world_from_tool, burr.reference_m);
-  const ForceSettings settings{scaling == Scaling::kSmooth, kFadeBelow};
-  const double weights = kernels.measure(frame, settings, contacts, result.contacts);
+  const bool over_edges = asked == Asked::kCoupled && scaling == Scaling::kSmooth;
+  const ForceSettings settings{
+      scaling == Scaling::kSmooth, kFadeBelow,
+      over_edges ? static_cast<float>(contact_reach_m(workpiece, scaling, asked)) : 0.0f};
+  const MeasureSums measured = kernels.measure(frame, settings, contacts);
+  const double weights = measured.weights;
+  result.contacts = measured.counted;
+  if (over_edges) {
+    const Eigen::Matrix3f turn = edge_gain(measured.spread).cast<float>();
+    kernels.turn({turn(0, 0), turn(0, 1), turn(0, 2), turn(1, 1), turn(1, 2), turn(2, 2)},
+                 contacts);
+  }
   double divisor = 1.0;
   if (scaling == Scaling::kCount) divisor = std::max<double>(1.0, result.contacts);
   if (scaling == Scaling::kMcNeely) divisor = std::max(1.0, result.contacts / kFewContacts);
@@ -70,7 +85,7 @@ void contact_force(const Workpiece& workpiece, std::span<const TissueSettings> t
     terms.tangential_ratio = static_cast<float>(burr.tangential_ratio);
     terms.slow_edge_m_per_s = kSlowEdge;
   }
-  terms.with_stiffness = with_stiffness;
+  terms.with_stiffness = asked != Asked::kForce;
   ForceSums sums;
   kernels.forces(terms, contacts, sums);
   result.wrench = wrench_of(sums.wrench);
@@ -81,7 +96,7 @@ void contact_force(const Workpiece& workpiece, std::span<const TissueSettings> t
       result.stiffness(a, b) = result.stiffness(b, a) = sums.stiffness[entry++];
     }
   }
-  if (with_stiffness && scaling == Scaling::kSmooth) {
+  if (terms.with_stiffness && scaling == Scaling::kSmooth) {
     grade_stiffness(sums, weights > kFullWeights ? 1.0 / weights : 0.0, result.stiffness);
   }
 }

@@ -8,6 +8,11 @@
 
 namespace sulcus {
 
+/// How far from the burr a voxel's centre still takes part. Where depth is measured at the fitted
+/// surface point, that lies up to half a diagonal (0.87 voxel) further out; behind a coupling both
+/// faces of an edge are to be known before the tool goes over it.
+double contact_reach_m(const Workpiece& workpiece, Scaling scaling, Asked asked) noexcept;
+
 /// Penalty forces [Kim and Park 2019, eq. 1] and, with `twist`, the tangential forces of cutting
 /// [eq. 7], summed to force and torque about the burr's reference point.
 ///
@@ -27,9 +32,10 @@ namespace sulcus {
 /// burr's surface there, spindle and tool together, along the tooth's. The paper takes v as it is,
 /// which is not tangential, and divides by |v|, which vanishes on the axis. v0 = 10 mm/s. Its power
 /// beta |F_n| |v_t|^2 / max(|v_t|, v0) is left with the contact for the removal.
+/// Under `smooth` and Asked::kCoupled forces turn with the tool over edges: `edge_gain`.
 void contact_force(const Workpiece& workpiece, std::span<const TissueSettings> tissues,
                    const Burr& burr, const Pose& world_from_tool, const Twist* twist,
                    Scaling scaling, ContactScratch& scratch, ContactResult& result,
-                   bool with_stiffness = false) noexcept;
+                   Asked asked = Asked::kForce) noexcept;
 
 }  // namespace sulcus

@@ -5,6 +5,7 @@
 
 #include "haptics/contact_frame.hpp"
 #include "haptics/contacts.hpp"
+#include "haptics/edge_gain.hpp"
 
 namespace sulcus {
 
@@ -22,6 +23,15 @@ ContactArrays arrays_of(Contacts& contacts) noexcept;
 struct ForceSettings {
   bool at_surface = false;  // depth at the fitted surface point, and weights: Scaling::kSmooth
   float fade_below = 0.0f;  // cosine between the normal and the tool's
+  // Distance from the burr within which normals count for the spread; 0: it is not wanted. Only
+  // with `at_surface`.
+  float spread_reach_m = 0.0f;
+};
+
+struct MeasureSums {
+  double weights = 0.0;
+  std::uint32_t counted = 0;  // contacts with weight
+  NormalSpread spread;
 };
 
 /// What every contact's force needs, and the tool's motion, single precision, world.
@@ -62,10 +72,14 @@ struct ContactKernels {
   void (*leaf_distances)(const ContactFrame& frame, const std::uint32_t* keys, std::size_t count,
                          float* distance_m) noexcept;
 
-  /// Arm, depth and weight of every contact, and a normal for those without; returns the sum of the
-  /// weights, and the contacts that count.
-  double (*measure)(const ContactFrame& frame, const ForceSettings& settings,
-                    const ContactArrays& contacts, std::uint32_t& counted) noexcept;
+  /// Arm, depth and weight of every contact, and a normal for those without. Where the spread is
+  /// wanted, the outward direction becomes that of the tool where depth is measured, unit.
+  MeasureSums (*measure)(const ContactFrame& frame, const ForceSettings& settings,
+                         const ContactArrays& contacts) noexcept;
+
+  /// Turns every normal N towards the tool's outward direction g: N + gain (g - N), unit. `gain`:
+  /// symmetric, xx, xy, xz, yy, yz, zz.
+  void (*turn)(const float (&gain)[6], const ContactArrays& contacts) noexcept;
 
   /// Normal force and power of every contact, and the sums.
   void (*forces)(const ForceTerms& terms, const ContactArrays& contacts, ForceSums& sums) noexcept;

@@ -10,7 +10,8 @@ namespace sulcus {
 
 namespace {
 
-constexpr ContactKernels kAvx2{"avx2", find_near, leaf_distances_of, measure_all, forces_of};
+constexpr ContactKernels kAvx2{"avx2",      find_near, leaf_distances_of,
+                               measure_all, turn_all,  forces_of};
 
 }  // namespace
 

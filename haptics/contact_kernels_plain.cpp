@@ -5,7 +5,8 @@ namespace sulcus {
 
 namespace {
 
-constexpr ContactKernels kPlain{"plain", find_near, leaf_distances_of, measure_all, forces_of};
+constexpr ContactKernels kPlain{"plain",     find_near, leaf_distances_of,
+                                measure_all, turn_all,  forces_of};
 
 }  // namespace
 

@@ -231,11 +231,12 @@ inline void store3(const Lanes3& v, const ContactArrays& contacts, Contacts::Qua
 
 inline DoubleLanes to_double(const Lanes& v) { return __builtin_convertvector(v, DoubleLanes); }
 
-inline double measure_all(const ContactFrame& frame, const ForceSettings& settings,
-                          const ContactArrays& contacts, std::uint32_t& counted) noexcept {
+inline MeasureSums measure_all(const ContactFrame& frame, const ForceSettings& settings,
+                               const ContactArrays& contacts) noexcept {
   const float voxel_m = frame.voxel_m, half_voxel_m = 0.5f * voxel_m, per_voxel = 1.0f / voxel_m;
   const float full_cosine = 1.0f / settings.fade_below;
-  DoubleLanes weights{};
+  const bool spreads = settings.at_surface && settings.spread_reach_m > 0.0f;
+  DoubleLanes weights{}, near_sum{}, normal_sums[3] = {}, product_sums[6] = {};
   IntLanes counts{};
   for (std::size_t k = 0; k < contacts.size; k += kLaneCount) {
     const Lanes3 d = voxels(frame, contacts.keys + k);
@@ -268,8 +269,24 @@ inline double measure_all(const ContactFrame& frame, const ForceSettings& settin
       depth = where(known | tells, depth);
       along = where(known | tells, along);
       if (settings.at_surface) {
-        weight = depth * per_voxel * smaller(Lanes{} + 1.0f, cosine * full_cosine);
-        weight = where((depth > 0.0f) & (cosine > 0.0f), weight);
+        const Lanes fade = smaller(Lanes{} + 1.0f, cosine * full_cosine);
+        weight = where((depth > 0.0f) & (cosine > 0.0f), depth * per_voxel * fade);
+        if (spreads) {
+          store3(away * where(tells, -1.0f / length), contacts, Contacts::kOutward, k);
+          constexpr IntLanes kLane = {0, 1, 2, 3, 4, 5, 6, 7};
+          const IntLanes there =
+              (kLane < static_cast<std::int32_t>(contacts.size - k)) & (known | tells);
+          const Lanes reached =
+              larger(Lanes{}, smaller(Lanes{} + 1.0f, 1.0f + depth / settings.spread_reach_m));
+          const Lanes near = where(there & (cosine > 0.0f), reached * fade);
+          near_sum += to_double(near);
+          const Lanes along_axes[3] = {normal.x, normal.y, normal.z};
+          for (int a = 0, entry = 0; a < 3; ++a) {
+            const Lanes scaled = near * along_axes[a];
+            normal_sums[a] += to_double(scaled);
+            for (int b = a; b < 3; ++b) product_sums[entry++] += to_double(scaled * along_axes[b]);
+          }
+        }
       } else {
         weight = where(depth > 0.0f, Lanes{} + 1.0f);
       }
@@ -284,9 +301,31 @@ inline double measure_all(const ContactFrame& frame, const ForceSettings& settin
     weights += to_double(weight);
     counts -= weight > 0.0f;
   }
-  counted = 0;
-  for (int lane = 0; lane < kLaneCount; ++lane) counted += static_cast<std::uint32_t>(counts[lane]);
-  return sum_of(weights);
+  MeasureSums sums;
+  for (int lane = 0; lane < kLaneCount; ++lane) {
+    sums.counted += static_cast<std::uint32_t>(counts[lane]);
+  }
+  sums.weights = sum_of(weights);
+  sums.spread.weight = sum_of(near_sum);
+  for (int a = 0; a < 3; ++a) sums.spread.normal[a] = sum_of(normal_sums[a]);
+  for (int entry = 0; entry < 6; ++entry) sums.spread.products[entry] = sum_of(product_sums[entry]);
+  return sums;
+}
+
+inline void turn_all(const float (&gain)[6], const ContactArrays& contacts) noexcept {
+  for (std::size_t k = 0; k < contacts.size; k += kLaneCount) {
+    const Lanes3 normal = load3(contacts, Contacts::kNormal, k);
+    const Lanes3 way = load3(contacts, Contacts::kOutward, k) + normal * (Lanes{} - 1.0f);
+    const Lanes3 turned =
+        normal + Lanes3{way.x * gain[0] + way.y * gain[1] + way.z * gain[2],
+                        way.x * gain[1] + way.y * gain[3] + way.z * gain[4],
+                        way.x * gain[2] + way.y * gain[4] + way.z * gain[5]};
+    const Lanes length = square_root(dot(turned, turned));
+    const IntLanes has = length > 0.1f;  // else the two are opposed
+    store3({has ? turned.x / length : normal.x, has ? turned.y / length : normal.y,
+            has ? turned.z / length : normal.z},
+           contacts, Contacts::kNormal, k);
+  }
 }
 
 template <bool kCutting, bool kStiffness>

@@ -11,11 +11,9 @@ namespace sulcus {
 ContactResult evaluate_contact(const Workpiece& workpiece, std::span<const TissueSettings> tissues,
                                const Burr& burr, const Pose& world_from_tool, const Twist* twist,
                                const HapticsSettings& settings, const KeptNormals* kept,
-                               ContactScratch& scratch, bool with_stiffness) noexcept {
+                               ContactScratch& scratch, Asked asked) noexcept {
   ContactResult result;
-  // Where depth is measured at the fitted surface point, a voxel takes part before its centre is
-  // inside: that point lies up to half a diagonal (0.87 voxel) further out.
-  const double reach_m = settings.scaling == Scaling::kSmooth ? workpiece.grid().voxel_m : 0.0;
+  const double reach_m = contact_reach_m(workpiece, settings.scaling, asked);
   {
     const auto timed = scratch.clock.time(Stage::kBroadPhase);
     if (!broad_phase(workpiece, burr.capsule, world_from_tool, reach_m, scratch)) {
@@ -34,7 +32,7 @@ ContactResult evaluate_contact(const Workpiece& workpiece, std::span<const Tissu
   {
     const auto timed = scratch.clock.time(Stage::kContactForce);
     contact_force(workpiece, tissues, burr, world_from_tool, twist, settings.scaling, scratch,
-                  result, with_stiffness);
+                  result, asked);
   }
   return result;
 }

@@ -18,6 +18,6 @@ namespace sulcus {
 ContactResult evaluate_contact(const Workpiece& workpiece, std::span<const TissueSettings> tissues,
                                const Burr& burr, const Pose& world_from_tool, const Twist* twist,
                                const HapticsSettings& settings, const KeptNormals* kept,
-                               ContactScratch& scratch, bool with_stiffness = false) noexcept;
+                               ContactScratch& scratch, Asked asked = Asked::kForce) noexcept;
 
 }  // namespace sulcus

@@ -71,7 +71,7 @@ MovedTool follow_coupling(const TickContext& context, const Workpiece& workpiece
       device.pose, tool,
       [&](const Pose& pose) noexcept {
         const ContactResult contact =
-            contact_with_bodies(context, workpiece, state, pose, true, scratch);
+            contact_with_bodies(context, workpiece, state, pose, Asked::kCoupled, scratch);
         keep_found(context.scene.haptics, state, scratch);
         return contact;
       },
@@ -94,7 +94,8 @@ MovedTool follow_load(const TickContext& context, const Workpiece& workpiece, co
   const auto evaluate = [&](double offset_m, bool with_stiffness) {
     tool.position = device.position + offset_m * along;
     const ContactResult& contact = moved.contact =
-        contact_with_bodies(context, workpiece, state, tool, with_stiffness, scratch);
+        contact_with_bodies(context, workpiece, state, tool,
+                            with_stiffness ? Asked::kStiffness : Asked::kForce, scratch);
     ++moved.evaluations;
     return Resistance{-along.dot(contact.wrench.force_N),
                       along.dot(contact.stiffness.topLeftCorner<3, 3>() * along)};
@@ -112,8 +113,8 @@ double spindle_speed_now(const TickContext& context, const SimulationState& stat
 }
 
 ContactResult contact_with_bodies(const TickContext& context, const Workpiece& workpiece,
-                                  const SimulationState& state, const Pose& tool,
-                                  bool with_stiffness, TickScratch& scratch) noexcept {
+                                  const SimulationState& state, const Pose& tool, Asked asked,
+                                  TickScratch& scratch) noexcept {
   const double dt_s = 1.0 / context.scene.haptics.rate_hz;
   const Twist twist = motion_between(state.has_pose ? state.tool : tool, tool, dt_s,
                                      spindle_speed_now(context, state));
@@ -128,12 +129,12 @@ ContactResult contact_with_bodies(const TickContext& context, const Workpiece& w
     if (body == 0) {
       add(sum, evaluate_contact(workpiece, context.scene.tissues, context.burr, tool, cutting,
                                 context.scene.haptics, state.kept ? &*state.kept : nullptr,
-                                scratch.contact, with_stiffness));
+                                scratch.contact, asked));
       continue;
     }
     auto& [contact, found] = scratch.neighbours[body - 1u];
     found = evaluate_neighbour(state.neighbours[body - 1u], context.scene.tissues, context.burr,
-                               tool, cutting, context.scene.haptics, contact, with_stiffness);
+                               tool, cutting, context.scene.haptics, contact, asked);
     add(sum, found);
   }
   return sum;
@@ -148,7 +149,8 @@ MovedTool move_tool(const TickContext& context, const Workpiece& workpiece,
   } else if (context.scene.coupling) {
     moved = follow_coupling(context, workpiece, device, state, scratch);
   } else {
-    moved.contact = contact_with_bodies(context, workpiece, state, device.pose, false, scratch);
+    moved.contact =
+        contact_with_bodies(context, workpiece, state, device.pose, Asked::kForce, scratch);
     moved.asked = moved.contact.wrench;
     moved.evaluations = 1;
     state.tool = device.pose;

@@ -13,8 +13,8 @@ double spindle_speed_now(const TickContext& context, const SimulationState& stat
 /// Contact of the burr at a pose with the bodies that it is near, and what it drags along on the
 /// way from where the tool was. Changes no state.
 ContactResult contact_with_bodies(const TickContext& context, const Workpiece& workpiece,
-                                  const SimulationState& state, const Pose& tool,
-                                  bool with_stiffness, TickScratch& scratch) noexcept;
+                                  const SimulationState& state, const Pose& tool, Asked asked,
+                                  TickScratch& scratch) noexcept;
 
 /// What a tick did with the tool.
 struct MovedTool {

@@ -52,7 +52,7 @@ ContactResult evaluate_neighbour(const Neighbour& neighbour,
                                  std::span<const TissueSettings> tissues, const Burr& burr,
                                  const Pose& world_from_tool, const Twist* twist_world,
                                  const HapticsSettings& settings, ContactScratch& scratch,
-                                 bool with_stiffness) noexcept {
+                                 Asked asked) noexcept {
   const Pose& place = neighbour.world_from_grid;
   Twist twist;
   // What holds against everything is not rubbed at either.
@@ -65,10 +65,10 @@ ContactResult evaluate_neighbour(const Neighbour& neighbour,
   ContactResult result =
       evaluate_contact(neighbour.solid, tissues.subspan(neighbour.first_tissue), burr,
                        inverse(place) * world_from_tool, rubbed ? &twist : nullptr, settings,
-                       neighbour.kept ? &*neighbour.kept : nullptr, scratch, with_stiffness);
+                       neighbour.kept ? &*neighbour.kept : nullptr, scratch, asked);
   result.wrench = turned(result.wrench, place);
   result.tangential = turned(result.tangential, place);
-  if (with_stiffness) result.stiffness = turned(result.stiffness, place);
+  if (asked != Asked::kForce) result.stiffness = turned(result.stiffness, place);
   return result;
 }
 

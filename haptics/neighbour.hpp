@@ -45,7 +45,7 @@ ContactResult evaluate_neighbour(const Neighbour& neighbour,
                                  std::span<const TissueSettings> tissues, const Burr& burr,
                                  const Pose& world_from_tool, const Twist* twist_world,
                                  const HapticsSettings& settings, ContactScratch& scratch,
-                                 bool with_stiffness) noexcept;
+                                 Asked asked) noexcept;
 
 /// What two bodies do to the tool together.
 void add(ContactResult& sum, const ContactResult& other) noexcept;

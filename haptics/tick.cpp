@@ -147,7 +147,8 @@ TickRecord make_record(const SimulationState& state, const Pose& device_pose, do
 void rehearse(const TickContext& context, const Workpiece& workpiece, const SimulationState& state,
               TickScratch& scratch) noexcept {
   if (!state.has_pose) return;
-  contact_with_bodies(context, workpiece, state, state.tool, false, scratch);
+  contact_with_bodies(context, workpiece, state, state.tool,
+                      context.scene.coupling ? Asked::kCoupled : Asked::kForce, scratch);
 }
 
 TickRecord tick(const TickContext& context, Device& device, Workpiece& workpiece,

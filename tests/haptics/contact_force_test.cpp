@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
+#include "engine/core/units.hpp"
 #include "haptics/broad_phase.hpp"
 #include "haptics/evaluate_contact.hpp"
 #include "haptics/narrow_phase.hpp"
@@ -21,7 +23,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr double kVoxel = 50e-6;
+constexpr double kVoxel = 50e-6, kRadius = 0.7e-3;  // of the round burr
 constexpr double kFloat = 3e-7;      // what single precision leaves of a sum, relative
 constexpr double kStiffness = 30e3;  // N/m, of test::one_tissue()
 
@@ -55,10 +57,10 @@ Probe probe(const Burr& burr, const Pose& pose, const Vector3d& p_world) {
 /// Contacts of a pose with their normals, and what contact_force makes of them.
 struct Evaluation {
   Evaluation(const Workpiece& workpiece, const Burr& burr, const Pose& pose, Scaling scaling,
-             const Twist* twist = nullptr)
+             const Twist* twist = nullptr, Asked asked = Asked::kStiffness)
       : scratch(with(scaling)) {
     result = evaluate_contact(workpiece, test::one_tissue(), burr, pose, twist, with(scaling),
-                              nullptr, scratch, true);
+                              nullptr, scratch, asked);
   }
   ContactScratch scratch;
   ContactResult result;
@@ -321,6 +323,48 @@ TEST(ContactForce, SlidingOverAPlaneRipplesLittleUnderSmooth) {
 
 // --- Thin walls ---------------------------------------------------------------------------------
 
+TEST(ContactForce, BehindACouplingTheForceTurnsWithTheToolRoundAnEdge) {
+  // An edge of 90 degrees along y at the origin; the ball's middle goes round it, a voxel deep.
+  const Workpiece edge(test::block({64, 64, 64}, kVoxel, {0, 0, 0}, {32, 64, 32}));
+  const auto turn_deg = [](const Vector3d& v) { return std::atan2(v.x(), v.z()) / kDegree - 45.0; };
+  double largest_deg[2] = {}, off_deg[2] = {};  // plain, coupled
+  for (const bool coupled : {false, true}) {
+    std::optional<double> before_deg;
+    for (double at_deg = -40.0; at_deg <= 40.0; at_deg += 1.0) {
+      const double a = (45.0 + at_deg) * kDegree, r = kRadius - 50e-6;
+      const Vector3d middle(r * std::sin(a), 0.3 * kVoxel, r * std::cos(a));
+      const Evaluation e(edge, round_burr(), test::upright(middle - kRadius * Vector3d::UnitZ()),
+                         Scaling::kSmooth, nullptr, coupled ? Asked::kCoupled : Asked::kStiffness);
+      ASSERT_GT(e.result.contacts, 0u) << at_deg;
+      const double now_deg = turn_deg(e.result.wrench.force_N);
+      off_deg[coupled] = std::max(off_deg[coupled], std::abs(now_deg - at_deg));
+      if (before_deg) {
+        largest_deg[coupled] = std::max(largest_deg[coupled], std::abs(now_deg - *before_deg));
+      }
+      before_deg = now_deg;
+    }
+  }
+  std::printf("round an edge, degrees off the tool's: %.1f, coupled %.1f; in 1 degree %.1f, %.1f\n",
+              off_deg[0], off_deg[1], largest_deg[0], largest_deg[1]);
+  EXPECT_GT(off_deg[0], 30.0) << "else there is nothing to be mended";
+  EXPECT_LT(off_deg[1], 8.0);
+  EXPECT_LT(largest_deg[1], 5.0);
+}
+
+TEST(ContactForce, AwayFromEdgesACouplingChangesNoDirection) {
+  for (const Vector3d& out : {Vector3d(0, 0, 1), Vector3d(0.2, 0.1, 1), Vector3d(0.5, -0.4, 1)}) {
+    const Vector3d n = out.normalized();
+    const Workpiece plane(test::half_space({64, 64, 64}, kVoxel, n, Vector3d::Constant(31.5)));
+    const Vector3d tip = (kRadius - 20e-6) * n - kRadius * Vector3d::UnitZ();
+    const Evaluation plain(plane, round_burr(), test::upright(tip), Scaling::kSmooth),
+        coupled(plane, round_burr(), test::upright(tip), Scaling::kSmooth, nullptr,
+                Asked::kCoupled);
+    const Vector3d a = plain.result.wrench.force_N, b = coupled.result.wrench.force_N;
+    ASSERT_GT(a.norm(), 0.01);
+    EXPECT_LT((a - b).norm(), 2e-3 * a.norm()) << n.transpose();
+  }
+}
+
 TEST(ContactForce, AThinWallPushesBackLikeAThickOne) {
   const Burr burr = make_burr(test::small_burr(BurrShape::kRound, 1.0e-3), kVoxel);
   for (const Vector3d& towards :
@@ -362,7 +406,7 @@ TEST(ContactForce, StiffnessIsTheDerivativeOfTheWrenchOnAFlatFace) {
       scratch.contacts.set_vector(Contacts::kNormal, i, Vector3f(0, 0, 1));
     }
     contact_force(pillar, test::one_tissue(), burr, pose, nullptr, Scaling::kNone, scratch, result,
-                  true);
+                  Asked::kStiffness);
     return result;
   };
   const Pose pose = test::upright({0.3e-3, 0.2e-3, -0.06e-3});
@@ -416,7 +460,7 @@ TEST(ContactForce, UnderSmoothTheStiffnessHasTheDerivativesOfTheWeights) {
       scratch.contacts.set(i, contact);
     }
     contact_force(pillar, test::one_tissue(), burr, pose, nullptr, Scaling::kSmooth, scratch,
-                  result, true);
+                  result, Asked::kStiffness);
     return result;
   };
   // The sum of weights, 256 d / voxel, divides from 2 um on.

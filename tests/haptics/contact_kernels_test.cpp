@@ -137,13 +137,21 @@ TEST_F(ContactKernelsTest, ForcesAreTheSameBitForBit) {
         Contacts a = contacts(count);
         random_.seed(seed);
         Contacts b = contacts(count);
-        std::uint32_t counted_a = 0, counted_b = 0;
-        const ForceSettings settings{at_surface, 0.2f};
-        const double weights_a =
-            plain_contact_kernels().measure(frame, settings, arrays_of(a), counted_a);
-        const double weights_b = fast_->measure(frame, settings, arrays_of(b), counted_b);
-        ASSERT_EQ(weights_a, weights_b);
-        ASSERT_EQ(counted_a, counted_b);
+        const ForceSettings settings{at_surface, 0.2f, cutting ? 2e-4f : 0.0f};
+        const MeasureSums measured_a =
+            plain_contact_kernels().measure(frame, settings, arrays_of(a));
+        const MeasureSums measured_b = fast_->measure(frame, settings, arrays_of(b));
+        ASSERT_EQ(measured_a.weights, measured_b.weights);
+        ASSERT_EQ(measured_a.counted, measured_b.counted);
+        const NormalSpread &spread_a = measured_a.spread, &spread_b = measured_b.spread;
+        ASSERT_EQ(std::memcmp(&spread_a, &spread_b, sizeof spread_a), 0);
+        if (count == 1000) {
+          ASSERT_EQ(spread_a.weight > 0.0, at_surface && cutting);
+        }
+        expect_equal(a, b);
+        const float gain[6] = {0.9f, 0.1f, -0.05f, 0.3f, 0.0f, 0.6f};
+        plain_contact_kernels().turn(gain, arrays_of(a));
+        fast_->turn(gain, arrays_of(b));
         expect_equal(a, b);
         ForceTerms terms;
         terms.stiffness_N_per_m = stiffness;

@@ -30,7 +30,7 @@ class EvaluateContact : public ::testing::Test {
 
   ContactResult evaluate(const Pose& pose, const Twist* twist = nullptr) {
     return evaluate_contact(workpiece_, tissues_, burr_, pose, twist, settings_, nullptr, scratch_,
-                            true);
+                            Asked::kStiffness);
   }
   /// Everything a caller sees of an evaluation.
   struct Seen {

@@ -49,14 +49,16 @@ TEST(Neighbour, ItsContactIsThatOfTheSameSolidMovedAndTurned) {
   const Workpiece same(ball());
   ContactScratch scratch(scene.haptics);
   const Twist twist{{2e-3, -1e-3, 3e-3}, {0.1, 0.2, -0.3}, 700.0};
-  const ContactResult at_origin = evaluate_contact(same, scene.tissues, burr(), on_top(), &twist,
-                                                   scene.haptics, nullptr, scratch, true);
+  const ContactResult at_origin =
+      evaluate_contact(same, scene.tissues, burr(), on_top(), &twist, scene.haptics, nullptr,
+                       scratch, Asked::kStiffness);
   ASSERT_GT(at_origin.contacts, 20u);
 
   const Twist twist_world{place.direction(twist.linear_m_per_s),
                           place.direction(twist.angular_rad_per_s), twist.spindle_rad_per_s};
-  const ContactResult found = evaluate_neighbour(neighbour, scene.tissues, burr(), place * on_top(),
-                                                 &twist_world, scene.haptics, scratch, true);
+  const ContactResult found =
+      evaluate_neighbour(neighbour, scene.tissues, burr(), place * on_top(), &twist_world,
+                         scene.haptics, scratch, Asked::kStiffness);
   EXPECT_EQ(found.contacts, at_origin.contacts);
   const double force_N = at_origin.wrench.force_N.norm();
   expect_near(found.wrench.force_N, place.direction(at_origin.wrench.force_N), 1e-5 * force_N);
@@ -79,7 +81,7 @@ TEST(Neighbour, WhatHoldsIsNotRubbedAt) {
   ContactScratch scratch(scene.haptics);
   const Twist twist{{}, {}, 700.0};
   const ContactResult found = evaluate_neighbour(neighbour, scene.tissues, burr(), on_top(), &twist,
-                                                 scene.haptics, scratch, false);
+                                                 scene.haptics, scratch, Asked::kForce);
   EXPECT_GT(found.wrench.force_N.norm(), 0.01);
   EXPECT_TRUE(found.tangential.force_N.isZero(0.0));
 }
@@ -94,7 +96,7 @@ TEST(Neighbour, OfOneTissueItHasThatTissuesStiffness) {
   ContactScratch scratch(scene.haptics);
   const auto force_N = [&](const Neighbour& neighbour) {
     return evaluate_neighbour(neighbour, scene.tissues, burr(), on_top(), nullptr, scene.haptics,
-                              scratch, false)
+                              scratch, Asked::kForce)
         .wrench.force_N.norm();
   };
   EXPECT_NEAR(force_N(second), 3.0 * force_N(first), 1e-5 * force_N(second));
