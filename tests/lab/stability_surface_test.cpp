@@ -17,15 +17,12 @@ struct KnownMiss {
   std::string_view case_name, quantity;
 };
 constexpr KnownMiss kKnownMisses[] = {
-    // A voxel on an edge has one of the two faces' normals; few contacts jump from one to the
-    // other.
+    // The force turns with the tool, but by a step where it goes from one row of voxels to two.
     {"edge_normals", "turn_deg_per_tick: ridge round it 0.2 mm deep"},
     {"edge_normals", "turn_deg_per_tick: ridge level 0.2 mm deep"},
     {"edge_normals", "turn_deg_per_tick: ridge round it 0.1 mm deep coupling of 3 N/mm"},
     {"edge_normals", "turn_deg_per_tick: ridge level 0.1 mm deep coupling of 3 N/mm"},
     {"edge_normals", "turn_deg_per_tick: ridge round it 0.1 mm deep tool put there"},
-    // The gradient of the burr's field steps by two degrees from cell to cell, whatever the count.
-    {"count_steps", "jump_share: over pins 12 voxels apart 1 to 2 contacts"},
 };
 
 bool is_known_miss(const StabilityRow& row) {
