@@ -23,7 +23,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr double kVoxel = 50e-6, kRadius = 0.7e-3;  // of the round burr
+constexpr double kVoxel = 50e-6;
 constexpr double kFloat = 3e-7;      // what single precision leaves of a sum, relative
 constexpr double kStiffness = 30e3;  // N/m, of test::one_tissue()
 
@@ -36,6 +36,7 @@ const Burr& round_burr() {
   static const Burr burr = make_burr(test::small_burr(), kVoxel);
   return burr;
 }
+const double kRadius = 0.5 * test::small_burr().diameter_m;
 HapticsSettings with(Scaling scaling) {
   HapticsSettings settings;
   settings.scaling = scaling;
@@ -321,7 +322,7 @@ TEST(ContactForce, SlidingOverAPlaneRipplesLittleUnderSmooth) {
   EXPECT_LT(most - least, 0.06 * most);
 }
 
-// --- Thin walls ---------------------------------------------------------------------------------
+// --- Edges --------------------------------------------------------------------------------------
 
 TEST(ContactForce, BehindACouplingTheForceTurnsWithTheToolRoundAnEdge) {
   // An edge of 90 degrees along y at the origin; the ball's middle goes round it, a voxel deep.
@@ -331,7 +332,7 @@ TEST(ContactForce, BehindACouplingTheForceTurnsWithTheToolRoundAnEdge) {
   for (const bool coupled : {false, true}) {
     std::optional<double> before_deg;
     for (double at_deg = -40.0; at_deg <= 40.0; at_deg += 1.0) {
-      const double a = (45.0 + at_deg) * kDegree, r = kRadius - 50e-6;
+      const double a = (45.0 + at_deg) * kDegree, r = kRadius - kVoxel;
       const Vector3d middle(r * std::sin(a), 0.3 * kVoxel, r * std::cos(a));
       const Evaluation e(edge, round_burr(), test::upright(middle - kRadius * Vector3d::UnitZ()),
                          Scaling::kSmooth, nullptr, coupled ? Asked::kCoupled : Asked::kStiffness);
@@ -364,6 +365,8 @@ TEST(ContactForce, AwayFromEdgesACouplingChangesNoDirection) {
     EXPECT_LT((a - b).norm(), 2e-3 * a.norm()) << n.transpose();
   }
 }
+
+// --- Thin walls ---------------------------------------------------------------------------------
 
 TEST(ContactForce, AThinWallPushesBackLikeAThickOne) {
   const Burr burr = make_burr(test::small_burr(BurrShape::kRound, 1.0e-3), kVoxel);

@@ -25,6 +25,14 @@ namespace fs = std::filesystem;
 struct NotRun {
   std::string_view begins, why;
 };
+constexpr std::array kNotRun{
+    NotRun{"tools/run", "builds what is being tested; tools/test runs it first"},
+    NotRun{"tools/test", "runs this"},
+    NotRun{"tools/lab", "installs PCL; lab/documented_lab_commands_test.cpp begins each"},
+    NotRun{"tools/package", "packs what is being tested; tools/test runs it first"},
+    NotRun{"cmake --preset", "makes what is tested here"},
+};
+
 // In place of sudo: apt may only look whether the machine could, and dpkg works in a folder.
 constexpr const char* kSudo = R"(#!/bin/sh -e
 root="$(dirname "$0")/../root"
@@ -40,14 +48,6 @@ case "$*" in
   *) echo "not known here: $*" && exit 1 ;;
 esac
 )";
-
-constexpr std::array kNotRun{
-    NotRun{"tools/run", "builds what is being tested; tools/test runs it first"},
-    NotRun{"tools/test", "runs this"},
-    NotRun{"tools/lab", "installs PCL; lab/documented_lab_commands_test.cpp begins each"},
-    NotRun{"tools/package", "packs what is being tested; tools/test runs it first"},
-    NotRun{"cmake --preset", "makes what is tested here"},
-};
 
 /// A folder with what the documents say is there, and a shell in it.
 class Documented : public testing::Test {

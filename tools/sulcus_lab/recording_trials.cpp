@@ -413,7 +413,7 @@ std::vector<TrialRow> trial_of_reach(const TrialSetting& setting, const std::str
 namespace {
 
 /// Poses over the middle of a crown, 8 mm up and then 10 um deeper each time: 130 million ticks at
-/// 1 kHz, half an hour at 70,000 ticks a second. Their recording is 430 bytes a tick.
+/// 1 kHz.
 void write_soak_poses(const std::string& file) {
   std::ofstream out(file);
   out.precision(12);
