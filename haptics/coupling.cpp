@@ -40,6 +40,8 @@ CouplingSprings::CouplingSprings(const CouplingSettings& settings, const Burr& b
   const double to_ends_m =
       std::max((capsule.a_tool - middle_tool).norm(), (capsule.b_tool - middle_tool).norm());
   reach_m = to_ends_m + capsule.radius_m;
+  const float inside_m = -burr.field.sample(burr.field.field_from_tool(middle_tool).cast<float>());
+  radius_m = std::max<double>(inside_m, burr.field.spacing_m());
 }
 
 SpringPull pull(const CouplingSprings& springs, const Pose& device, const Pose& tool) noexcept {
@@ -102,6 +104,48 @@ double part_within(const Eigen::Vector3d& gone_m, const Eigen::Vector3d& step_m,
   const double square = step_m.squaredNorm(), along = gone_m.dot(step_m);
   const double room = std::max(0.0, longest_m * longest_m - gone_m.squaredNorm());
   return std::clamp((-along + std::sqrt(along * along + square * room)) / square, 0.0, 1.0);
+}
+
+ForceTurn::ForceTurn(const CouplingSprings& springs, const Pose& device_before, const Pose& device,
+                     const Pose& tool_before) noexcept {
+  constexpr double kLeast_N = 0.05, kLargestTurn = 0.005;
+  constexpr double kLeastArc = 0.25;  // of the burr's radius
+  const Eigen::Vector3d from_m = device_before.point(springs.middle_tool);
+  const Eigen::Vector3d stretch_m = from_m - tool_before.point(springs.middle_tool);
+  const double length_m = stretch_m.norm();
+  if (springs.stiffness_N_per_m * length_m < kLeast_N) return;
+  felt = stretch_m / length_m;
+  // Of the device's middle about the edge.
+  const double arc_m = std::max(kLeastArc * springs.radius_m, springs.radius_m - length_m);
+  const double tangent = kLargestTurn +
+                         (device.point(springs.middle_tool) - from_m).norm() / arc_m +
+                         small_turn(device_before.orientation, device.orientation).norm();
+  cosine = 1.0 / std::sqrt(1.0 + tangent * tangent);
+}
+
+double part_in_cone(const Eigen::Vector3d& stretch_m, const Eigen::Vector3d& step_m,
+                    const Eigen::Vector3d& axis, double cosine) noexcept {
+  const auto is_in = [&](double part) {
+    const Eigen::Vector3d rest_m = stretch_m - part * step_m;
+    return rest_m.dot(axis) >= cosine * rest_m.norm();
+  };
+  if (is_in(1.0)) return 1.0;
+  // (rest . axis)^2 = cosine^2 rest . rest, for part: the parts within are one interval.
+  const double c2 = cosine * cosine;
+  const double along = stretch_m.dot(axis), step_along = step_m.dot(axis);
+  const double a = step_along * step_along - c2 * step_m.squaredNorm();
+  const double b = along * step_along - c2 * stretch_m.dot(step_m);
+  const double c = along * along - c2 * stretch_m.squaredNorm();
+  const double root2 = b * b - a * c;
+  if (a == 0.0 || root2 < 0.0) return 1.0;
+  // Of the cone's two borders the one behind which the step ends, if it has passed any.
+  const double root = std::sqrt(root2);
+  double last = 2.0;
+  for (const double part : {(b - root) / a, (b + root) / a}) {
+    const bool here = along - part * step_along > 0.0;  // and not on the opposite cone
+    if (here && part < 1.0 && (last > 1.0 || part > last)) last = part;
+  }
+  return last > 1.0 ? 1.0 : std::max(0.0, last);
 }
 
 Pose moved(const Pose& tool, const Eigen::Vector3d& middle_tool, const Vector6d& step) noexcept {

@@ -23,6 +23,7 @@ struct CouplingSprings {
   double force_limit_N, torque_limit_Nm;
   Eigen::Vector3d middle_tool;  // where they are attached
   double reach_m;               // of the burr's surface from there, at most
+  double radius_m;              // from there to its nearest point
 };
 
 /// What the springs do to the tool: force and torque about its middle, world axes; no more than
@@ -69,6 +70,23 @@ struct CoupledResult {
   bool balanced = false;  // else it goes on in the next tick
 };
 
+/// How far one tick may turn a force that is felt: as far as the device's way turns it where the
+/// burr goes round a sharp edge, since nothing that bulges turns it faster, and 0.3 degrees. What
+/// is hardly felt turns as it likes.
+struct ForceTurn {
+  ForceTurn(const CouplingSprings& springs, const Pose& device_before, const Pose& device,
+            const Pose& tool_before) noexcept;
+
+  Eigen::Vector3d felt = Eigen::Vector3d::Zero();  // unit: from tool to device in the last tick
+  double cosine = -1.0;                            // of the angle to it, at least
+};
+
+/// The longest part of a step, all of it at most, that leaves the stretch, device from tool, within
+/// an angle of `axis` (unit), whose cosine is given. Outside of that: none of a step that leads
+/// away from there, all of one that leads there or never comes near.
+double part_in_cone(const Eigen::Vector3d& stretch_m, const Eigen::Vector3d& step_m,
+                    const Eigen::Vector3d& axis, double cosine) noexcept;
+
 /// Takes the tool towards where springs and contact balance: a quasi-static virtual coupling [Wan
 /// and McNeely 2003; Barbic and James 2008]. We iterate where they take one linear step, so that a
 /// contact hundreds of times as stiff as the springs is met without crossing it:
@@ -76,10 +94,11 @@ struct CoupledResult {
 ///  - Newton steps with the contact's own stiffness; the springs regularise.
 ///  - In contact a step takes no point of the burr further than half a voxel; in free space no
 ///    further than `free_way`, so that nothing is crossed without being felt, at any speed.
-///  - In a tick the tool goes no further than the device has gone since the last,
-///    `device_way_m`, and what changes the springs' force by kLargestChange_N, and what changes it
-///    by nothing while they are at their limit: when the tool slips off an edge the force falls
-///    over ticks, not in one.
+///  - In a tick the tool goes no further than the device has gone since `device_before`, and what
+///    changes the springs' force by kLargestChange_N, and what changes it by nothing while they are
+///    at their limit: when the tool slips off an edge the force falls over ticks, not in one.
+///  - Nor does it turn the force further than `ForceTurn` has it: from one row of an edge's voxels
+///    to the next the force goes steadily.
 ///  - A step after which the residual has turned round and grown is gone back on by a secant.
 ///  - Ends within kClose_m of where it would go and kLittle of its force, or when the evaluations
 ///    or the contacts of a tick are used up, counted and never timed; the next tick goes on from
@@ -90,17 +109,18 @@ struct CoupledResult {
 /// `free_way(pose, wanted_m) -> m`: how far any point of a burr without contact can go for certain.
 template <class Evaluate, class FreeWay>
 CoupledResult couple(const CouplingSprings& springs, const CouplingSettings& settings,
-                     double reference_m, double longest_step_m, double device_way_m,
+                     double reference_m, double longest_step_m, const Pose& device_before,
                      const Pose& device, Pose& tool, const Evaluate& evaluate,
                      const FreeWay& free_way) noexcept {
-  constexpr double kClose_m = 1e-6;
+  constexpr double kClose_m = 0.5e-6;
   constexpr double kLittle_N = 5e-3, kLittle = 0.01;  // of what the springs pull with
   constexpr int kFreeEvaluations = 16;                // without contact they cost little
   constexpr double kLargestChange_N = 0.15;
-  const Pose begin = tool;
-  const double beyond_limit_m =
-      (device.point(springs.middle_tool) - begin.point(springs.middle_tool)).norm() -
-      springs.force_limit_N / springs.stiffness_N_per_m;
+  const ForceTurn turn(springs, device_before, device, tool);
+  const Eigen::Vector3d begin = tool.point(springs.middle_tool);
+  const double device_way_m = (device.position - device_before.position).norm();
+  const double beyond_limit_m = (device.point(springs.middle_tool) - begin).norm() -
+                                springs.force_limit_N / springs.stiffness_N_per_m;
   const double longest_way_m =
       device_way_m + std::max(0.0, beyond_limit_m) + kLargestChange_N / springs.stiffness_N_per_m;
   CoupledResult result;
@@ -151,7 +171,9 @@ CoupledResult couple(const CouplingSprings& springs, const CouplingSettings& set
                                  ? longest_step_m
                                  : std::max(longest_step_m, free_way(tool, way_m));
     if (way_m > longest_m) step *= longest_m / way_m;
-    step *= part_within(middle - begin.point(springs.middle_tool), step.head<3>(), longest_way_m);
+    step *= part_within(middle - begin, step.head<3>(), longest_way_m);
+    step *= part_in_cone(device.point(springs.middle_tool) - middle, step.head<3>(), turn.felt,
+                         turn.cosine);
     if (way_of(step, springs.reach_m) == 0.0) break;  // as far as it may go in this tick
     from = tool;
     residual_there = residual;

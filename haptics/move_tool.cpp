@@ -67,7 +67,7 @@ MovedTool follow_coupling(const TickContext& context, const Workpiece& workpiece
   const CouplingSprings springs(settings, context.burr);
   Pose tool = state.has_pose ? state.tool : device.pose;
   const CoupledResult coupled = couple(
-      springs, settings, context.burr.reference_m, 0.5 * workpiece.grid().voxel_m, device.way_m,
+      springs, settings, context.burr.reference_m, 0.5 * workpiece.grid().voxel_m, device.before,
       device.pose, tool,
       [&](const Pose& pose) noexcept {
         const ContactResult contact =

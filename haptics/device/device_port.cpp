@@ -63,14 +63,13 @@ DeviceReading read_pose(const TickContext& context, Device& device, std::uint64_
   if (!reading.answered) reading.faults |= kFaultDeviceSilent;
   if (!is_finite(reading.pose)) {
     reading.faults |= kFaultNotFinite;
-    reading.pose = state.pose;
+    reading.pose = reading.before = state.pose;
     return reading;
   }
-  if (state.has_pose) {
-    reading.way_m = (reading.pose.position - state.pose.position).norm();
-    const double fastest_m = kFastestHandle_m_per_s / context.scene.haptics.rate_hz;
-    reading.jumped = context.scene.device && reading.way_m > fastest_m;
-  }
+  reading.before = state.has_pose ? state.pose : reading.pose;
+  const double way_m = (reading.pose.position - reading.before.position).norm();
+  const double fastest_m = kFastestHandle_m_per_s / context.scene.haptics.rate_hz;
+  reading.jumped = context.scene.device && way_m > fastest_m;
   if (reading.jumped) reading.faults |= kFaultDeviceJumped;
   state.has_pose |= reading.answered;
   state.pose = reading.pose;

@@ -24,8 +24,8 @@ struct DevicePortState {
 
 /// A pose as the tick takes it.
 struct DeviceReading {
-  Pose pose;           // the last one while the device is silent
-  double way_m = 0.0;  // of the tip since the last pose
+  Pose pose;    // the last one while the device is silent
+  Pose before;  // the last one; at first the same
   bool answered = true;
   bool jumped = false;       // further from the last than a hand moves a handle: 5 m/s
   std::uint32_t faults = 0;  // bits of Fault

@@ -50,11 +50,11 @@ struct CoupledRun {
 
   template <class Contact>
   CoupledResult tick(const Pose& device, const Contact& contact, double free_m = 0.0) {
-    const double way_m = device_before ? (device.position - device_before->position).norm() : 0.0;
+    const Pose before = device_before.value_or(device);
     device_before = device;
     Pose from = tool;
     return couple(
-        springs, settings, burr().reference_m, kHalf, way_m, device, tool,
+        springs, settings, burr().reference_m, kHalf, before, device, tool,
         [&](const Pose& pose) {
           ContactResult found = contact(pose);
           const double step_m = (pose.position - from.position).norm();
@@ -223,6 +223,77 @@ TEST(Coupling, GoesOnInTheNextTickWhenTheContactsOfATickAreUsedUp) {
   EXPECT_EQ(more.evaluations, 3);
   EXPECT_FALSE(more.balanced);
   EXPECT_GT((run.tool.position - first).norm(), 1.5 * kHalf);
+}
+
+/// A bump across x, on whose other side, from x = 0 on, the contact pushes another way at once.
+struct Ridge {
+  ContactResult operator()(const Pose& tool) const {
+    const Vector3d middle = tool.point({0.0, 0.5 * burr().head_length_m, 0.0});
+    const Vector3d normal = Vector3d(middle.x() < 0.0 ? -0.3 : 0.3, 0.0, 1.0).normalized();
+    ContactResult contact;
+    const double depth_m = kRadius - normal.dot(middle);
+    if (depth_m <= 0.0) return contact;
+    constexpr double kStiffness = 50e3;
+    contact.contacts = 1;
+    const Vector3d reference = tool.point({0.0, burr().reference_m, 0.0});
+    contact.wrench.force_N = kStiffness * depth_m * normal;
+    contact.wrench.torque_Nm = (middle - reference).cross(contact.wrench.force_N);
+    Vector6d row;
+    row << normal, (middle - reference).cross(normal);
+    contact.stiffness = kStiffness * row * row.transpose();
+    return contact;
+  }
+};
+
+TEST(Coupling, OverAnEdgeTheForceTurnsALittleATickAndByWhatTheWayMakesOfIt) {
+  constexpr double kStep_m = 5e-6;
+  CoupledRun run(test::upright({-0.3e-3, 0.0, 0.2e-3}));
+  EXPECT_NEAR(run.springs.radius_m, kRadius, kVoxel);
+  Vector3d before = Vector3d::Zero();
+  double turned = 0.0;
+  for (int i = 0; i < 120; ++i) {
+    const Pose device = test::upright({-0.3e-3 + i * kStep_m, 0.0, -0.2e-3});
+    run.tick(device, Ridge{}, 10e-6);
+    const Vector3d now = felt(run, device).force_N;
+    if (i > 60) {  // it has come down
+      const double turn = std::atan2(before.cross(now).norm(), before.dot(now));
+      const double arc_m = run.springs.radius_m - before.norm() / run.settings.stiffness_N_per_m;
+      EXPECT_LT(turn, 0.005 + kStep_m / arc_m + 1e-9) << i;
+      turned += turn;
+    }
+    before = now;
+  }
+  EXPECT_GT(turned, 0.2) << "over the edge";
+}
+
+TEST(Coupling, ASmallForceTurnsAsItLikes) {
+  const CouplingSprings springs(CouplingSettings{}, burr());
+  const Pose tool = test::upright({0, 0, 0});
+  const Pose near = test::upright({0, 0, -50e-6}), far = test::upright({0, 0, -100e-6});
+  EXPECT_EQ(ForceTurn(springs, near, near, tool).cosine, -1.0);
+  const ForceTurn turn(springs, far, far, tool);
+  EXPECT_LT((turn.felt + Vector3d::UnitZ()).norm(), 1e-9);
+  EXPECT_NEAR(std::acos(turn.cosine), 0.005, 1e-5);
+}
+
+TEST(Coupling, AStepEndsAtTheBorderOfTheConeThatItWouldPass) {
+  const Vector3d axis = Vector3d::UnitZ();
+  const double cosine = std::cos(0.1);
+  const auto part = [&](const Vector3d& stretch, const Vector3d& step) {
+    return part_in_cone(stretch, step, axis, cosine);
+  };
+  const auto angle_after = [&](const Vector3d& stretch, const Vector3d& step) {
+    const Vector3d rest = stretch - part(stretch, step) * step;
+    return std::atan2(rest.head<2>().norm(), rest.z());
+  };
+  EXPECT_EQ(part({0, 0, 1}, {0.05, 0, 0}), 1.0) << "stays within";
+  EXPECT_NEAR(angle_after({0, 0, 1}, {0.5, 0, 0}), 0.1, 1e-9) << "from within";
+  EXPECT_NEAR(angle_after({0.3, 0, 1}, {0.5, 0, 0}), 0.1, 1e-9) << "all through it";
+  EXPECT_GT(part({0.3, 0, 1}, {0.5, 0, 0}), 0.5) << "to the far side";
+  EXPECT_EQ(part({0.3, 0, 1}, {0.1, 0, 0}), 1.0) << "towards it";
+  EXPECT_EQ(part({-0.3, 0, 1}, {0.1, 0, 0}), 0.0) << "away from it";
+  EXPECT_EQ(part({0, 0.5, 1}, {0.1, 0, 0}), 1.0) << "past it";
+  EXPECT_EQ(part({0, 0, -1}, {0, 0, 0.5}), 1.0) << "in the opposite one";
 }
 
 TEST(Coupling, AContactThatIsNotFiniteMovesNothing) {
