@@ -126,7 +126,10 @@ inline constexpr std::array<std::string_view, 4> kScalingNames{"none", "count", 
 struct HapticsSettings {
   double rate_hz = 1000.0;
   NormalMethod normals = NormalMethod::kLdm;
-  int neighbourhood = 6;                   // NS, voxels
+  /// NS, voxels. 10 on a coupling under `ldm` and `ldm_fast`: a stiff contact on a soft spring
+  /// rests on a few voxels, so that no mean over many evens out what a window of 6 leaves of the
+  /// steps of a gentle slope.
+  int neighbourhood = 6;
   int trace = 12;                          // alpha, voxels; 5 under ldm_paper
   std::optional<double> normal_error_deg;  // asked for; the three above are what meets it
   bool keep_normals = true;                // from tick to tick, under ldm and ldm_fast

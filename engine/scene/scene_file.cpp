@@ -368,12 +368,17 @@ void read_normal_error(SceneTable& table, HapticsSettings& h) {
 }
 
 HapticsSettings read_haptics(SceneTable& root) {
+  // Of HapticsSettings::neighbourhood.
+  constexpr int kCoupledNeighbourhood = 10;
   HapticsSettings h;
+  if (root.has("coupling")) h.neighbourhood = kCoupledNeighbourhood;
   auto table = root.table("haptics");
   if (!table) return h;
   h.rate_hz = table->number("rate_hz");
   h.normals = NormalMethod(table->choice("normals"));
-  h.neighbourhood = table->whole("neighbourhood");
+  const bool by_map = h.normals == NormalMethod::kLdm || h.normals == NormalMethod::kLdmFast;
+  if (!by_map) h.neighbourhood = HapticsSettings{}.neighbourhood;
+  h.neighbourhood = table->whole("neighbourhood", h.neighbourhood);
   h.trace = table->whole("trace", h.normals == NormalMethod::kLdmPaper ? 5 : 12);
   read_normal_error(*table, h);
   h.scaling = Scaling(table->choice("scaling"));

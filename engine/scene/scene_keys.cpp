@@ -154,7 +154,7 @@ constexpr std::array kHaptics{
     number("rate_hz", {10, 20000}, "1000", "ticks a second"),
     choice("normals", kNormalMethodNames, "\"ldm\"",
            "method of the contact normals; ldm_paper is Algorithm 1 [Kim and Park 2019]"),
-    whole("neighbourhood", {1, kMaxNeighbourhood}, "6",
+    whole("neighbourhood", {1, kMaxNeighbourhood}, "(6; ldm and ldm_fast on a [coupling]: 10)",
           "NS: voxels to each side that a normal is found from [Kim and Park 2019]"),
     whole("trace", {1, kMaxTrace}, "(12; ldm_paper: 5)",
           "alpha: voxels that a map follows the surface up and down [Kim and Park 2019]"),

@@ -402,6 +402,17 @@ TEST(SceneFile, ANormalErrorPicksTheNormals) {
             coarse.neighbourhood);
 }
 
+TEST(SceneFile, OnACouplingMapsAreWider) {
+  const auto neighbourhood = [](const std::string& more) {
+    return parse(kLeast + more).haptics.neighbourhood;
+  };
+  EXPECT_EQ(neighbourhood("[coupling]\n"), 10);
+  EXPECT_EQ(neighbourhood("[coupling]\n[haptics]\nnormals = 'ldm_fast'\n"), 10);
+  EXPECT_EQ(neighbourhood("[coupling]\n[haptics]\nneighbourhood = 6\n"), 6);
+  EXPECT_EQ(neighbourhood("[coupling]\n[haptics]\nnormals = 'exact'\n"), 6);
+  EXPECT_EQ(neighbourhood("[haptics]\nnormals = 'ldm_fast'\n"), 6);
+}
+
 TEST(SceneFile, ANormalErrorStandsAlone) {
   const auto with = [](const std::string& more) {
     return error_of(kLeast + "[haptics]\nnormal_error_deg = 2\n" + more);
