@@ -8,7 +8,7 @@ namespace sulcus {
 
 namespace {
 
-constexpr double kWindow_s = 0.05;
+constexpr double kWindow_s = 0.07;
 /// Of a swing to that before the last. Impacts that die away lose more than that, but for the
 /// rounding to quanta, on which two swings in a row may be equal though the motion dies.
 constexpr double kSustained = 0.95;

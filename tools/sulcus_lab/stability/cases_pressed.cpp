@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
@@ -201,9 +202,11 @@ double own_limit(DeviceSettings device, std::span<const double> pushes_N) {
 
 // Case 5. At 0.5 to 1.5 of the largest felt stiffness that is stable in that very loop, friction
 // and quanta included. A tool that went through has no peaks to be measured: infinite. The time to
-// the detector's first word counts from the force's first turn.
+// the detector's first word counts from the force's first turn. It is to be 50 ms, and two swings
+// where those take longer, as they do under the heavy arm: before the second nobody can tell that
+// they go on.
 CaseResult buzz_case(const CaseOptions& options) {
-  constexpr double kMostQuanta = 1.5, kWithin_ms = 50.0;
+  constexpr double kMostQuanta = 1.5, kWithin_ms = 50.0, kWithinSwings = 2.0;
   CaseResult result;
   std::vector<Held> loops;
   for (const std::string_view hand : kHandPresetNames) {
@@ -248,8 +251,12 @@ CaseResult buzz_case(const CaseOptions& options) {
         const Pressed run = pressed_at(part).first;
         const double after_ms =
             run.first_buzz < 0 ? HUGE_VAL : (run.first_buzz - run.first_fall) * kHeldTick_s / 1e-3;
+        const double swing_ms =
+            2.0 * std::numbers::pi *
+            std::sqrt((device.mass_kg + device.hand.mass_kg) / (part * largest)) / kMillisecond;
         add("detected_after_ms", with_number("at %.1f", part), after_ms,
-            part == 1.1 ? std::optional(kWithin_ms) : std::nullopt);
+            part == 1.1 ? std::optional(std::max(kWithin_ms, kWithinSwings * swing_ms))
+                        : std::nullopt);
       }
     }
   }
