@@ -1,5 +1,9 @@
+#include <algorithm>
+#include <array>
 #include <filesystem>
+#include <regex>
 #include <string>
+#include <string_view>
 
 #include <gtest/gtest.h>
 
@@ -10,22 +14,40 @@
 namespace sulcus {
 namespace {
 
-// They measure for minutes: each is begun, none is refused.
-TEST(DocumentedLab, CommandsOfTheReadmeBegin) {
-  const std::filesystem::path readme = std::filesystem::path(SULCUS_SOURCE_DIR) / "README.md";
-  const std::string tool = "tools/lab";
+namespace fs = std::filesystem;
+
+/// What makes a measurement of minutes one of seconds, and a file that it ends with.
+struct Shortened {
+  std::string_view subcommand, by, writes;
+};
+constexpr std::array kShortened{
+    Shortened{"normals", "--ns 3", "normals.png"},
+    Shortened{"ticks", "--quick", "ticks.csv"},
+    Shortened{"stability", "--brief --case thin_wall", "stability.html"},
+};
+
+TEST(DocumentedLab, CommandsOfTheReadmeRun) {
+  const fs::path readme = fs::path(SULCUS_SOURCE_DIR) / "README.md";
+  const std::string tool = "tools/lab ";
   const ScratchFolder scratch;
-  int begun = 0;
+  int ran = 0;
   for (const test::DocumentedStep& step : test::documented_steps(readme, {tool})) {
     SCOPED_TRACE("README.md:" + std::to_string(step.line) + ": " + step.text);
-    const auto result = test::program_command("timeout 2",
-                                              SULCUS_LAB_PROGRAM + step.text.substr(tool.size()) +
-                                                  " -o " + scratch.path(std::to_string(begun)),
-                                              scratch.path("err"));
-    EXPECT_TRUE(result.status == 124 || result.status == 0) << result.status << "\n" << result.err;
-    ++begun;
+    std::string command = step.text.substr(tool.size());
+    const auto shortened = std::ranges::find_if(
+        kShortened, [&](const Shortened& s) { return command.starts_with(s.subcommand); });
+    ASSERT_NE(shortened, kShortened.end()) << "no way is known to make it short";
+    // Of thousands of contacts there are none in reach of a burr in coarse voxels.
+    command = std::regex_replace(command, std::regex(",[0-9]{4,}"), "");
+    const std::string folder = scratch.path(std::to_string(ran));
+    const auto result = test::program_command(
+        SULCUS_LAB_PROGRAM, command + " " + std::string(shortened->by) + " -o " + folder,
+        scratch.path("err"));
+    EXPECT_EQ(result.status, 0) << result.out << result.err;
+    EXPECT_TRUE(fs::exists(fs::path(folder) / shortened->writes));
+    ++ran;
   }
-  EXPECT_GE(begun, 4);
+  EXPECT_GE(ran, 4);
 }
 
 }  // namespace

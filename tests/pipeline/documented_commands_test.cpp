@@ -28,13 +28,12 @@ struct NotRun {
 constexpr std::array kNotRun{
     NotRun{"tools/run", "builds what is being tested; tools/test runs it first"},
     NotRun{"tools/test", "runs this"},
-    NotRun{"tools/lab", "installs PCL; lab/documented_lab_commands_test.cpp begins each"},
+    NotRun{"tools/lab", "installs PCL; lab/documented_lab_commands_test.cpp runs what it runs"},
     NotRun{"tools/package", "packs what is being tested; tools/test runs it first"},
-    NotRun{"cmake --preset", "makes what is tested here"},
 };
 
 // In place of sudo: apt may only look whether the machine could, and dpkg works in a folder.
-constexpr const char* kSudo = R"(#!/bin/sh -e
+constexpr const char* kSudo = R"(
 root="$(dirname "$0")/../root"
 case "$*" in
   "apt install "*)
@@ -47,6 +46,19 @@ case "$*" in
     dpkg --root="$root" --purge sulcus ;;
   *) echo "not known here: $*" && exit 1 ;;
 esac
+)";
+
+// Before cmake and ctest: what would make and test all over again what is tested here tells what it
+// would do, in the checkout.
+constexpr const char* kCmake = R"(
+case "$1" in
+  --preset) cd "$checkout" && cmake "$@" -N ;;
+  --build) cd "$checkout" && cmake "$@" -- -n ;;
+  *) exec cmake "$@" ;;
+esac
+)";
+constexpr const char* kCtest = R"(
+cd "$checkout" && ctest "$@" -N
 )";
 
 /// A folder with what the documents say is there, and a shell in it.
@@ -62,13 +74,25 @@ class Documented : public testing::Test {
     const fs::path packages = source / "build/packages";
     if (fs::exists(packages) && geteuid() == 0) {
       fs::create_directory_symlink(packages, here / "build/packages");
-      fs::create_directory(here / "bin");
-      fs::permissions(scratch_.write("bin/sudo", kSudo), fs::perms::owner_all);
+      stand_in("sudo", kSudo);
     } else {
       absent_.push_back("sudo apt");  // what tools/package makes, and root's rights
     }
+    if (fs::exists(source / "build/release/CMakeCache.txt")) {
+      stand_in("cmake", kCmake);
+      stand_in("ctest", kCtest);
+    } else {
+      absent_.push_back("cmake --preset release");
+    }
     fs::create_directory(here / "my_plugins");
     fs::copy_file(source / "plugins/simulated/simulated_device.c", here / "my_device.c");
+  }
+
+  /// A script that is found before the program of that name.
+  void stand_in(const std::string& program, const std::string& script) const {
+    const std::string begin =
+        "#!/bin/sh -e\ncheckout='" SULCUS_SOURCE_DIR "'\nPATH=\"${PATH#*:}\"\n";
+    fs::permissions(scratch_.write("bin/" + program, begin + script), fs::perms::owner_all);
   }
 
   /// The user's tooth under the name that the documents give it; false where there is none.
