@@ -58,7 +58,7 @@ LoadedRun load_run(const Scene& scene, const Pose& start, LoadCache& cache) {
 void log_loading(const Scene& scene, const LoadedRun& run, const LoadCache& cache) {
   if (!cache.note().empty()) spdlog::info("{}", cache.note());
   for (const std::string& warning : run.notes.warnings) {
-    spdlog::warn("{}: {}", scene.workpiece.file, warning);
+    spdlog::warn("{}: {}", scene.workpiece.shape ? scene.file : scene.workpiece.file, warning);
   }
   for (const auto& [name, solid] : run.clipped) {
     spdlog::warn(

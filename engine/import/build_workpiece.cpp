@@ -58,6 +58,15 @@ VoxelModel import_volume(const Scene& scene, const VoxelGrid& grid, ImportNotes&
   return model;
 }
 
+/// What of the tissues is of no use without grey values.
+void warn_of_greys(const std::vector<TissueSettings>& tissues, ImportNotes& notes) {
+  for (const TissueSettings& tissue : tissues) {
+    if (!tissue.above) continue;
+    notes.warnings.push_back("above of the tissue '" + tissue.name +
+                             "' tells nothing: the workpiece is no volume of grey values");
+  }
+}
+
 VoxelModel make_model(const Scene& scene, std::string_view place, const VoxelGrid& grid,
                       ImportNotes& notes) {
   const WorkpieceSettings& w = scene.workpiece;
@@ -68,6 +77,7 @@ VoxelModel make_model(const Scene& scene, std::string_view place, const VoxelGri
                          (mesh ? " for a mesh" : " for a built-in shape"),
                      "it beside a volume");
   }
+  if (w.shape || mesh) warn_of_greys(scene.tissues, notes);
   VoxelModel model = w.shape ? build_shape(scene)
                      : mesh  ? import_meshes(scene, grid, notes)
                              : import_volume(scene, grid, notes);

@@ -288,6 +288,19 @@ TEST(BuildBodies, TheMeshesOfTissuesAreTheWorkpieces) {
   EXPECT_THROW(build_workpiece(scene), InputError);
 }
 
+TEST(BuildWorkpiece, AboveWithoutGreyValuesIsSaid) {
+  Scene scene = shape_scene();
+  ImportNotes notes;
+  build_workpiece(scene, nullptr, &notes);
+  EXPECT_TRUE(notes.warnings.empty());
+  scene.tissues[1].above = 1500.0;
+  build_workpiece(scene, nullptr, &notes);
+  ASSERT_EQ(notes.warnings.size(), 1u);
+  EXPECT_EQ(notes.warnings[0],
+            "above of the tissue 'dentine' tells nothing: the workpiece is no volume of grey "
+            "values");
+}
+
 TEST(LoadCached, WhatIsWrongIsStillSaid) {
   const ScratchFolder scratch;
   LoadCache cache(scratch.path("c"));
