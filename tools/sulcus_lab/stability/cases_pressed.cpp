@@ -221,13 +221,14 @@ CaseResult buzz_case(const CaseOptions& options) {
       if (options.brief && !is_first) continue;
       const DeviceSettings device = device_of(held, kPush_N);
       const double largest = largest_stable(method, face, device);
+      const double whole = largest > 0.0 ? largest : linear_limit(device);
       const auto add = [&](const char* quantity, const std::string& setting, double value,
                            std::optional<double> limit = {}) {
         result.rows.push_back(
             in_loop(case_row("buzz", method, quantity, setting, value, limit), held, kPush_N));
       };
       const auto pressed_at = [&](double part) {
-        const double k = part * (largest > 0.0 ? largest : linear_limit(device));
+        const double k = part * whole;
         Pressed run = press(method, face.scene(device, kPush_N, k));
         if (held.hand == "light" && held.delay_ticks == 0 && (part == 0.79 || part == 1.1)) {
           result.traces.push_back({.case_name = "buzz",
@@ -251,9 +252,9 @@ CaseResult buzz_case(const CaseOptions& options) {
         const Pressed run = pressed_at(part).first;
         const double after_ms =
             run.first_buzz < 0 ? HUGE_VAL : (run.first_buzz - run.first_fall) * kHeldTick_s / 1e-3;
-        const double swing_ms =
-            2.0 * std::numbers::pi *
-            std::sqrt((device.mass_kg + device.hand.mass_kg) / (part * largest)) / kMillisecond;
+        const double swing_ms = 2.0 * std::numbers::pi *
+                                std::sqrt((device.mass_kg + device.hand.mass_kg) / (part * whole)) /
+                                kMillisecond;
         add("detected_after_ms", with_number("at %.1f", part), after_ms,
             part == 1.1 ? std::optional(std::max(kWithin_ms, kWithinSwings * swing_ms))
                         : std::nullopt);
