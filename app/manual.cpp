@@ -20,7 +20,7 @@ constexpr std::array<Note, 3> kNotes{{
     {"Environment",
      "SULCUS_CACHE=DIR keeps what loading makes in another folder than ~/.cache/sulcus "
      "($XDG_CACHE_HOME/sulcus), SULCUS_CACHE=off nowhere. SULCUS_INSTRUCTIONS=plain does without "
-     "AVX2, to the same bits."},
+     "AVX2 and AVX-512, SULCUS_INSTRUCTIONS=avx2 without AVX-512, to the same bits."},
     {"Programs", "Charts (forces.png) are drawn by gnuplot, videos written by ffmpeg."},
 }};
 

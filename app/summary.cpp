@@ -219,7 +219,7 @@ Json make_summary(const Simulation& simulation, const SessionResult& result, Pac
   j["scene"] = scene.title;
   j["scene_sha256"] = sha256_hex(scene.text);
   j["build"] = build_info();
-  j["instructions"] = use_avx2() ? "avx2" : "plain";
+  j["instructions"] = instruction_set_name();
   j["pace"] = pace == Pace::kReal ? "real" : "fast";
   j["ticks"] = s.ticks;
   j["interrupted"] = result.interrupted;

@@ -86,7 +86,7 @@ bool broad_phase(const Workpiece& workpiece, const Capsule& capsule_tool,
 
     if (octree.is_leaf_level(place.level)) {
       const std::uint32_t leaf = octree.leaf_number(index);
-      if (workpiece.surface(leaf) == LeafBits{}) continue;  // wholly inside the solid
+      if (!any(workpiece.surface(leaf))) continue;  // wholly inside the solid
       if (scratch.leaves.size() == scratch.leaves.capacity()) return false;
       scratch.leaves.push_back(leaf);
       continue;

@@ -12,7 +12,7 @@ ContactScratch::ContactScratch(const HapticsSettings& settings, StageClock stage
   hollow.reserve(kMaxLeaves);
   leaf_keys.reserve(kMaxLeaves);
   leaf_distances_m.reserve(kMaxLeaves);
-  block_keys.resize(kBlock);
+  block_keys.resize(kBlock + Contacts::kGroup);
   queries.reserve(capacity);
   queried.reserve(capacity);
   estimates.reserve(capacity);
@@ -28,7 +28,7 @@ ContactScratch::ContactScratch(const HapticsSettings& settings, StageClock stage
 void ContactScratch::forget() noexcept {
   contacts.clear();
   hollow.clear();
-  queries.clear();
+  queried.clear();
 }
 
 std::size_t ContactScratch::memory_bytes() const {

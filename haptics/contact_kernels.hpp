@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "engine/core/instruction_set.hpp"
+#include "engine/volume/leaf_bits.hpp"
 #include "haptics/contact_frame.hpp"
 #include "haptics/contacts.hpp"
 #include "haptics/edge_gain.hpp"
@@ -18,6 +20,9 @@ struct ContactArrays {
 };
 
 ContactArrays arrays_of(Contacts& contacts) noexcept;
+
+/// So many contacts are looked up at a time where their normals are kept.
+inline constexpr std::size_t kKeptBlock = 64;
 
 /// How a contact's depth and weight are measured.
 struct ForceSettings {
@@ -54,15 +59,20 @@ struct ForceSums {
 };
 
 /// The inner loops of a tick over voxels in contact, in one instruction set. All give the same
-/// bits: eight lanes, one order of operations. Pure, no allocation. Counts are rounded up to whole
-/// groups of eight.
+/// bits: one order of operations, sums in eight lanes. Pure, no allocation. Counts are rounded up
+/// to whole groups (Contacts::kGroup).
 struct ContactKernels {
   const char* name;
 
+  /// Keys of a leaf's voxels, in order, from its first one's. Where they go there is room for a
+  /// group more. Returns how many.
+  std::size_t (*leaf_keys)(const LeafBits& voxels, std::uint32_t first_key,
+                           std::uint32_t* keys) noexcept;
+
   /// Of `count` voxels those whose centres are nearer to the burr than `reach_m`, in the same
   /// order: keys, distances, and minus the gradient there, world, of any length [Kim and Park 2019,
-  /// III-A]. The keys are read in whole groups; where they go there is room for all and eight more.
-  /// Returns how many.
+  /// III-A]. The keys are read in whole groups; where they go there is room for all and a group
+  /// more. Returns how many.
   std::size_t (*find_near)(const ContactFrame& frame, const std::uint32_t* keys, std::size_t count,
                            float reach_m, std::uint32_t* to_keys, float* to_distance_m,
                            float* const to_outward[3]) noexcept;
@@ -71,6 +81,13 @@ struct ContactKernels {
   /// are given: what a leaf may be passed over by.
   void (*leaf_distances)(const ContactFrame& frame, const std::uint32_t* keys, std::size_t count,
                          float* distance_m) noexcept;
+
+  /// Normals and offsets of up to kKeptBlock contacts from `first` on, from where each one's are
+  /// kept: four numbers, the offset in voxels, all zero for none. In whole groups. Returns a bit
+  /// for each whose normal points away from the tool's outward direction.
+  std::uint64_t (*take_kept)(const float* const (&kept)[kKeptBlock], std::size_t count,
+                             float voxel_m, const ContactArrays& contacts,
+                             std::size_t first) noexcept;
 
   /// Arm, depth and weight of every contact, and a normal for those without. Where the spread is
   /// wanted, the outward direction becomes that of the tool where depth is measured, unit.
@@ -85,10 +102,13 @@ struct ContactKernels {
   void (*forces)(const ForceTerms& terms, const ContactArrays& contacts, ForceSums& sums) noexcept;
 };
 
-const ContactKernels& plain_contact_kernels() noexcept;
-/// Null where the processor or the build has none.
-const ContactKernels* avx2_contact_kernels() noexcept;
-/// The fastest that this processor runs, found once.
+/// Compiled for a set; null where the processor or the build has none.
+const ContactKernels* contact_kernels_of(InstructionSet set) noexcept;
+/// Those of `instruction_set()`, found once.
 const ContactKernels& contact_kernels() noexcept;
+
+/// Where each set's are; null where the build has none.
+const ContactKernels* avx2_contact_kernels() noexcept;
+const ContactKernels* avx512_contact_kernels() noexcept;
 
 }  // namespace sulcus

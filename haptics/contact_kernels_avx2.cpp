@@ -1,5 +1,5 @@
 // Compiled for AVX2. Leaves no inline code for others to be linked with (test
-// Avx2KernelsKeepToThemselves).
+// KernelsKeepToThemselves).
 #include "haptics/contact_kernels.hpp"
 
 #ifdef __AVX2__
@@ -10,14 +10,12 @@ namespace sulcus {
 
 namespace {
 
-constexpr ContactKernels kAvx2{"avx2",      find_near, leaf_distances_of,
-                               measure_all, turn_all,  forces_of};
+constexpr ContactKernels kAvx2{"avx2",    leaf_keys_of, find_near, leaf_distances_of,
+                               take_kept, measure_all,  turn_all,  forces_of};
 
 }  // namespace
 
-const ContactKernels* avx2_contact_kernels() noexcept {
-  return __builtin_cpu_supports("avx2") ? &kAvx2 : nullptr;
-}
+const ContactKernels* avx2_contact_kernels() noexcept { return &kAvx2; }
 
 }  // namespace sulcus
 

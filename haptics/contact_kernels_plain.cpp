@@ -1,12 +1,11 @@
-#include "engine/core/instruction_set.hpp"
 #include "haptics/contact_loops.inl"
 
 namespace sulcus {
 
 namespace {
 
-constexpr ContactKernels kPlain{"plain",     find_near, leaf_distances_of,
-                                measure_all, turn_all,  forces_of};
+constexpr ContactKernels kPlain{"plain",   leaf_keys_of, find_near, leaf_distances_of,
+                                take_kept, measure_all,  turn_all,  forces_of};
 
 }  // namespace
 
@@ -21,11 +20,21 @@ ContactArrays arrays_of(Contacts& contacts) noexcept {
   return arrays;
 }
 
-const ContactKernels& plain_contact_kernels() noexcept { return kPlain; }
+const ContactKernels* contact_kernels_of(InstructionSet set) noexcept {
+  if (!has(set)) return nullptr;
+  switch (set) {
+    case InstructionSet::kAvx512:
+      return avx512_contact_kernels();
+    case InstructionSet::kAvx2:
+      return avx2_contact_kernels();
+    case InstructionSet::kPlain:
+      break;
+  }
+  return &kPlain;
+}
 
 const ContactKernels& contact_kernels() noexcept {
-  static const ContactKernels& fastest =
-      use_avx2() && avx2_contact_kernels() ? *avx2_contact_kernels() : kPlain;
+  static const ContactKernels& fastest = fastest_kernels(contact_kernels_of);
   return fastest;
 }
 

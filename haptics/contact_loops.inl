@@ -24,6 +24,13 @@ inline Lanes3 constant(const float (&v)[3]) {
 }
 inline Lanes lerp(const Lanes& a, const Lanes& b, const Lanes& t) { return a + t * (b - a); }
 
+/// Lanes of the first `count`.
+alignas(64) constexpr std::int32_t kLaneNumbers[16] = {0, 1, 2,  3,  4,  5,  6,  7,
+                                                       8, 9, 10, 11, 12, 13, 14, 15};
+inline IntLanes among(std::size_t count) {
+  return load(kLaneNumbers) < static_cast<std::int32_t>(count);
+}
+
 /// A nearest cell of the field, and where the point lies from it: DistanceField's locate.
 struct CellLanes {
   IntLanes offset;
@@ -47,24 +54,34 @@ inline CellLanes locate(const ContactFrame& f, const Lanes3& p) {
   return cell;
 }
 
-/// The eight corners of eight cells: [z][y][x].
+/// The eight corners of a cell in each lane: [z][y][x].
 struct Corners {
   Lanes of[8];
 };
 inline Corners corners(const ContactFrame& f, const IntLanes& offset) {
 #ifdef __AVX2__
   // Two neighbours in x at once; what is stored lane by lane cannot be loaded as a whole at once.
-  alignas(32) std::int32_t at[kLaneCount];
+  alignas(64) std::int32_t at[kLaneCount];
   store(offset, at);
   const auto two = [](const float* p, const float* q) {
     return _mm_loadh_pi(_mm_loadl_pi(_mm_setzero_ps(), reinterpret_cast<const __m64*>(p)),
                         reinterpret_cast<const __m64*>(q));
   };
+  // Of lanes `lane` and the next in each four.
+  const auto twos = [&](const float* v, int lane) {
+    const auto eight = [&](const std::int32_t* from) {
+      return _mm256_set_m128(two(v + from[4], v + from[5]), two(v + from[0], v + from[1]));
+    };
+#if SULCUS_LANES == 16
+    return _mm512_insertf32x8(_mm512_castps256_ps512(eight(at + lane)), eight(at + lane + 8), 1);
+#else
+    return eight(at + lane);
+#endif
+  };
   const auto edge = [&](const float* v, Lanes& low, Lanes& high) {
-    const __m256 a = _mm256_set_m128(two(v + at[4], v + at[5]), two(v + at[0], v + at[1]));
-    const __m256 b = _mm256_set_m128(two(v + at[6], v + at[7]), two(v + at[2], v + at[3]));
-    low = _mm256_shuffle_ps(a, b, 0x88);
-    high = _mm256_shuffle_ps(a, b, 0xdd);
+    const Lanes a = twos(v, 0), b = twos(v, 2);
+    low = SULCUS_WIDE(shuffle_ps)(a, b, 0x88);
+    high = SULCUS_WIDE(shuffle_ps)(a, b, 0xdd);
   };
   Corners c;
   edge(f.values, c.of[0], c.of[1]);
@@ -90,7 +107,8 @@ inline Corners corners(const ContactFrame& f, const IntLanes& offset) {
 
 /// Distance and gradient (tool axes) at points of field space: the bits of
 /// DistanceField::sample_with_gradient.
-inline Lanes sample(const ContactFrame& f, const Lanes3& p, Lanes3& gradient) {
+[[gnu::always_inline]] inline Lanes sample(const ContactFrame& f, const Lanes3& p,
+                                           Lanes3& gradient) {
   const CellLanes cell = locate(f, p);
   const Corners v = corners(f, cell.offset);
   const Lanes3& t = cell.t;
@@ -150,7 +168,7 @@ inline Lanes3 to_world(const ContactFrame& f, const Lanes3& v) {
   return {row(0), row(1), row(2)};
 }
 
-#ifdef __AVX2__
+#if defined(__AVX2__) && SULCUS_LANES == 8
 /// Lanes that a mask keeps, in order, by the mask.
 struct KeepTable {
   alignas(32) std::int32_t lane[256][kLaneCount];
@@ -168,18 +186,24 @@ constexpr KeepTable make_keep_table() {
 constexpr KeepTable kKeep = make_keep_table();
 #endif
 
-/// Appends what a mask keeps of eight keys and four numbers each to arrays that have room for eight
-/// more; returns how many.
+/// Appends what a mask keeps of a group of keys and four numbers each to arrays that have room for
+/// a whole group more; returns how many.
 inline std::size_t append(const IntLanes& mask, const std::uint32_t* keys, const Lanes (&values)[4],
                           std::uint32_t* to_keys, float* const (&to)[4]) {
-#ifdef __AVX2__
-  const int kept = _mm256_movemask_ps(reinterpret_cast<__m256>(mask));
+#if SULCUS_LANES == 16
+  // To a register, and from there: compressing to memory is slow on some.
+  const auto kept = static_cast<__mmask16>(bits_of(mask));
+  _mm512_storeu_si512(to_keys, _mm512_maskz_compress_epi32(kept, _mm512_loadu_si512(keys)));
+  for (int q = 0; q < 4; ++q) _mm512_storeu_ps(to[q], _mm512_maskz_compress_ps(kept, values[q]));
+  return static_cast<std::size_t>(__builtin_popcount(kept));
+#elif defined(__AVX2__)
+  const unsigned kept = bits_of(mask);
   const auto order = _mm256_load_si256(reinterpret_cast<const __m256i*>(kKeep.lane[kept]));
   const auto from = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(keys));
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(to_keys),
                       _mm256_permutevar8x32_epi32(from, order));
   for (int q = 0; q < 4; ++q) _mm256_storeu_ps(to[q], _mm256_permutevar8x32_ps(values[q], order));
-  return static_cast<std::size_t>(__builtin_popcount(static_cast<unsigned>(kept)));
+  return static_cast<std::size_t>(__builtin_popcount(kept));
 #else
   std::size_t n = 0;
   for (int lane = 0; lane < kLaneCount; ++lane) {
@@ -192,17 +216,44 @@ inline std::size_t append(const IntLanes& mask, const std::uint32_t* keys, const
 #endif
 }
 
+inline std::size_t leaf_keys_of(const LeafBits& voxels, std::uint32_t first_key,
+                                std::uint32_t* keys) noexcept {
+  std::uint32_t* out = keys;
+  for (int k = 0; k < kLeafEdge; ++k) {
+    const std::uint64_t word = voxels.words.begin()[k];
+    const std::uint32_t slice = first_key + voxel_key(0, 0, k);
+#if SULCUS_LANES == 16
+    alignas(64) std::uint8_t bits[64];
+    for (int bit = 0; bit < 64; ++bit) bits[bit] = static_cast<std::uint8_t>(bit);
+    _mm512_store_si512(bits, _mm512_maskz_compress_epi8(word, _mm512_load_si512(bits)));
+    const int count = __builtin_popcountll(word);
+    for (int done = 0; done < count; done += kLaneCount) {
+      const auto bit = reinterpret_cast<IntLanes>(
+          _mm512_cvtepu8_epi32(_mm_load_si128(reinterpret_cast<const __m128i*>(bits + done))));
+      store((bit & 7) + (bit >> 3 << 10) + static_cast<std::int32_t>(slice),
+            reinterpret_cast<std::int32_t*>(out + done));
+    }
+    out += count;
+#else
+    for (std::uint64_t rest = word; rest != 0; rest &= rest - 1) {
+      const int bit = __builtin_ctzll(rest);
+      *out++ = slice + voxel_key(bit & 7, bit >> 3, 0);
+    }
+#endif
+  }
+  return static_cast<std::size_t>(out - keys);
+}
+
 inline std::size_t find_near(const ContactFrame& frame, const std::uint32_t* keys,
                              std::size_t count, float reach_m, std::uint32_t* to_keys,
                              float* to_distance_m, float* const to_outward[3]) noexcept {
-  constexpr IntLanes kLane = {0, 1, 2, 3, 4, 5, 6, 7};
   std::size_t found = 0;
   for (std::size_t k = 0; k < count; k += kLaneCount) {
     Lanes3 gradient;
     const Lanes3 p = field_from_voxels(frame, voxels(frame, keys + k));
     const Lanes distance_m = sample(frame, p, gradient);
     const Lanes3 away = to_world(frame, gradient);
-    const IntLanes near = (distance_m < reach_m) & (kLane < static_cast<std::int32_t>(count - k));
+    const IntLanes near = (distance_m < reach_m) & among(count - k);
     float* const to[4] = {to_distance_m + found, to_outward[0] + found, to_outward[1] + found,
                           to_outward[2] + found};
     found += append(near, keys + k, {distance_m, -away.x, -away.y, -away.z}, to_keys + found, to);
@@ -229,7 +280,54 @@ inline void store3(const Lanes3& v, const ContactArrays& contacts, Contacts::Qua
   store(v.z, contacts.of[q + 2] + k);
 }
 
-inline DoubleLanes to_double(const Lanes& v) { return __builtin_convertvector(v, DoubleLanes); }
+/// Four numbers that lie together for each lane, number by number.
+struct Fours {
+  Lanes of[4];
+};
+inline Fours fours(const float* const* from) {
+#ifdef __AVX2__
+  const auto each_fourth = [&](int lane) {  // and the ones four and more on
+    const auto eight = [&](const float* const* p) {
+      return _mm256_set_m128(_mm_loadu_ps(p[4]), _mm_loadu_ps(p[0]));
+    };
+#if SULCUS_LANES == 16
+    return _mm512_insertf32x8(_mm512_castps256_ps512(eight(from + lane)), eight(from + lane + 8),
+                              1);
+#else
+    return eight(from + lane);
+#endif
+  };
+  const Lanes r0 = each_fourth(0), r1 = each_fourth(1), r2 = each_fourth(2), r3 = each_fourth(3);
+  const Lanes low01 = SULCUS_WIDE(unpacklo_ps)(r0, r1), high01 = SULCUS_WIDE(unpackhi_ps)(r0, r1),
+              low23 = SULCUS_WIDE(unpacklo_ps)(r2, r3), high23 = SULCUS_WIDE(unpackhi_ps)(r2, r3);
+  return {{SULCUS_WIDE(shuffle_ps)(low01, low23, 0x44), SULCUS_WIDE(shuffle_ps)(low01, low23, 0xee),
+           SULCUS_WIDE(shuffle_ps)(high01, high23, 0x44),
+           SULCUS_WIDE(shuffle_ps)(high01, high23, 0xee)}};
+#else
+  Fours all;
+  for (int lane = 0; lane < kLaneCount; ++lane) {
+    for (int q = 0; q < 4; ++q) all.of[q][lane] = from[lane][q];
+  }
+  return all;
+#endif
+}
+
+inline std::uint64_t take_kept(const float* const (&kept)[kKeptBlock], std::size_t count,
+                               float voxel_m, const ContactArrays& contacts,
+                               std::size_t first) noexcept {
+  std::uint64_t away = 0;
+  for (std::size_t k = 0; k < count; k += kLaneCount) {
+    const Fours v = fours(kept + k);
+    const Lanes3 normal{v.of[0], v.of[1], v.of[2]};
+    store3(normal, contacts, Contacts::kNormal, first + k);
+    store(v.of[3] * voxel_m, contacts.of[Contacts::kOffset] + first + k);
+    const Lanes3 outward = load3(contacts, Contacts::kOutward, first + k);
+    const Lanes agree = normal.x * outward.x + (normal.y * outward.y + normal.z * outward.z);
+    const IntLanes vetoed = ~(agree > 0.0f) & (dot(normal, normal) > 0.0f);
+    away |= std::uint64_t{bits_of(vetoed)} << k;
+  }
+  return away;
+}
 
 inline MeasureSums measure_all(const ContactFrame& frame, const ForceSettings& settings,
                                const ContactArrays& contacts) noexcept {
@@ -257,10 +355,11 @@ inline MeasureSums measure_all(const ContactFrame& frame, const ForceSettings& s
       const Lanes length = square_root(dot(away, away));
       const IntLanes tells = length > 0.0f;
       // Where the method gives no normal the tool's is taken, and the voxel's own face.
-      const Lanes turned = where(tells & ~known, -1.0f / length);
+      const Lanes turned = where(tells, -1.0f / length);
       Lanes cosine = tells ? -dot(normal, away) / length : Lanes{} + 1.0f;
       cosine = known ? cosine : Lanes{} + 1.0f;
-      normal = normal + away * turned;
+      const Lanes3 given = normal + away * turned;
+      normal = {known ? normal.x : given.x, known ? normal.y : given.y, known ? normal.z : given.z};
       if (settings.at_surface) {
         depth = known ? -value : half_voxel_m - value;
         along = known ? along : Lanes{} + 0.5f;
@@ -273,18 +372,16 @@ inline MeasureSums measure_all(const ContactFrame& frame, const ForceSettings& s
         weight = where((depth > 0.0f) & (cosine > 0.0f), depth * per_voxel * fade);
         if (spreads) {
           store3(away * where(tells, -1.0f / length), contacts, Contacts::kOutward, k);
-          constexpr IntLanes kLane = {0, 1, 2, 3, 4, 5, 6, 7};
-          const IntLanes there =
-              (kLane < static_cast<std::int32_t>(contacts.size - k)) & (known | tells);
           const Lanes reached =
               larger(Lanes{}, smaller(Lanes{} + 1.0f, 1.0f + depth / settings.spread_reach_m));
+          const IntLanes there = among(contacts.size - k) & (known | tells);
           const Lanes near = where(there & (cosine > 0.0f), reached * fade);
-          near_sum += to_double(near);
+          add(near_sum, near);
           const Lanes along_axes[3] = {normal.x, normal.y, normal.z};
           for (int a = 0, entry = 0; a < 3; ++a) {
             const Lanes scaled = near * along_axes[a];
-            normal_sums[a] += to_double(scaled);
-            for (int b = a; b < 3; ++b) product_sums[entry++] += to_double(scaled * along_axes[b]);
+            add(normal_sums[a], scaled);
+            for (int b = a; b < 3; ++b) add(product_sums[entry++], scaled * along_axes[b]);
           }
         }
       } else {
@@ -298,7 +395,7 @@ inline MeasureSums measure_all(const ContactFrame& frame, const ForceSettings& s
            Contacts::kArm, k);
     store(depth, contacts.of[Contacts::kDepth] + k);
     store(weight, contacts.of[Contacts::kWeight] + k);
-    weights += to_double(weight);
+    add(weights, weight);
     counts -= weight > 0.0f;
   }
   MeasureSums sums;
@@ -316,16 +413,32 @@ inline void turn_all(const float (&gain)[6], const ContactArrays& contacts) noex
   for (std::size_t k = 0; k < contacts.size; k += kLaneCount) {
     const Lanes3 normal = load3(contacts, Contacts::kNormal, k);
     const Lanes3 way = load3(contacts, Contacts::kOutward, k) + normal * (Lanes{} - 1.0f);
-    const Lanes3 turned =
-        normal + Lanes3{way.x * gain[0] + way.y * gain[1] + way.z * gain[2],
-                        way.x * gain[1] + way.y * gain[3] + way.z * gain[4],
-                        way.x * gain[2] + way.y * gain[4] + way.z * gain[5]};
+    const Lanes3 turned = normal + Lanes3{way.x * gain[0] + way.y * gain[1] + way.z * gain[2],
+                                          way.x * gain[1] + way.y * gain[3] + way.z * gain[4],
+                                          way.x * gain[2] + way.y * gain[4] + way.z * gain[5]};
     const Lanes length = square_root(dot(turned, turned));
     const IntLanes has = length > 0.1f;  // else the two are opposed
     store3({has ? turned.x / length : normal.x, has ? turned.y / length : normal.y,
             has ? turned.z / length : normal.z},
            contacts, Contacts::kNormal, k);
   }
+}
+
+/// Looked up by label. Neighbours are mostly of one tissue, and then nothing has to wait for what
+/// is stored lane by lane.
+inline Lanes of_tissues(const float* by_label, const std::uint8_t* labels) {
+  constexpr std::uint64_t kEach = 0x0101010101010101u;
+  const std::uint64_t all = labels[0] * kEach;
+  std::uint64_t differ = 0;
+  for (int k = 0; k < kLaneCount; k += 8) {
+    std::uint64_t eight;
+    __builtin_memcpy(&eight, labels + k, sizeof eight);
+    differ |= eight ^ all;
+  }
+  if (differ == 0) return Lanes{} + by_label[labels[0]];
+  alignas(64) float found[kLaneCount];
+  for (int lane = 0; lane < kLaneCount; ++lane) found[lane] = by_label[labels[lane]];
+  return load(found);
 }
 
 template <bool kCutting, bool kStiffness>
@@ -337,11 +450,8 @@ inline void add_forces(const ForceTerms& terms, const ContactArrays& contacts, F
   for (std::size_t k = 0; k < contacts.size; k += kLaneCount) {
     const Lanes3 normal = load3(contacts, Contacts::kNormal, k);
     const Lanes3 arm = load3(contacts, Contacts::kArm, k);
-    alignas(32) float of_tissue[kLaneCount];
-    for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-      of_tissue[lane] = terms.stiffness_N_per_m[contacts.tissues[k + lane]];
-    }
-    const Lanes stiffness = load(of_tissue) * load(contacts.of[Contacts::kWeight] + k);
+    const Lanes stiffness = of_tissues(terms.stiffness_N_per_m, contacts.tissues + k) *
+                            load(contacts.of[Contacts::kWeight] + k);
     const Lanes normal_force = stiffness * load(contacts.of[Contacts::kDepth] + k);
     Lanes3 force = normal * normal_force;  // eq. 1
     Lanes power{};
@@ -356,13 +466,13 @@ inline void add_forces(const ForceTerms& terms, const ContactArrays& contacts, F
       power = along * squared;
       const Lanes3 moment = cross(arm, drag);
       const Lanes tangential[6] = {drag.x, drag.y, drag.z, moment.x, moment.y, moment.z};
-      for (int a = 0; a < 6; ++a) tangential_sums[a] += to_double(tangential[a]);
+      for (int a = 0; a < 6; ++a) add(tangential_sums[a], tangential[a]);
     }
     store(normal_force, contacts.of[Contacts::kForce] + k);
     store(power, contacts.of[Contacts::kPower] + k);
     const Lanes3 torque = cross(arm, force);
     const Lanes wrench[6] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};
-    for (int a = 0; a < 6; ++a) wrench_sums[a] += to_double(wrench[a]);
+    for (int a = 0; a < 6; ++a) add(wrench_sums[a], wrench[a]);
     if constexpr (!kStiffness) continue;
     const Lanes3 turn = cross(arm, normal);
     const Lanes row[6] = {normal.x, normal.y, normal.z, turn.x, turn.y, turn.z};  // of the Jacobian
@@ -371,9 +481,9 @@ inline void add_forces(const ForceTerms& terms, const ContactArrays& contacts, F
     const Lanes per_depth = where(weight > 0.0f, weight / depth);
     int entry = 0;
     for (int a = 0; a < 6; ++a) {
-      weight_sums[a] += to_double(per_depth * row[a]);
+      add(weight_sums[a], per_depth * row[a]);
       const Lanes scaled = stiffness * row[a];
-      for (int b = a; b < 6; ++b) stiffness_sums[entry++] += to_double(scaled * row[b]);
+      for (int b = a; b < 6; ++b) add(stiffness_sums[entry++], scaled * row[b]);
     }
   }
   for (int a = 0; a < 6; ++a) {

@@ -2,12 +2,6 @@
 
 namespace sulcus {
 
-namespace {
-
-constexpr std::size_t kGroup = 8;
-
-}  // namespace
-
 Contacts::Contacts(std::size_t capacity) : capacity_(capacity) {
   const std::size_t room = (capacity + kGroup - 1) / kGroup * kGroup + kGroup;
   keys_ = std::make_unique_for_overwrite<std::uint32_t[]>(room);

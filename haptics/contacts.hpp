@@ -31,9 +31,9 @@ struct Contact {
   std::uint32_t key() const { return voxel_key(cell); }
 };
 
-/// The contacts of a tick, quantity by quantity, so that the kernels take eight at a time. The
-/// arrays hold whole groups of eight, and one more beyond the capacity: after `resize` what lies
-/// beyond the last contact is zero.
+/// The contacts of a tick, quantity by quantity, so that the kernels take many at a time. The
+/// arrays hold whole groups, and one more beyond the capacity: after `resize` what lies beyond the
+/// last contact is zero.
 class Contacts {
  public:
   enum Quantity : std::size_t {
@@ -49,6 +49,7 @@ class Contacts {
     kQuantities
   };
 
+  static constexpr std::size_t kGroup = 16;  // what the widest kernels take at a time
   static constexpr std::size_t kBytesEach =
       sizeof(std::uint32_t) + sizeof(std::uint8_t) + kQuantities * sizeof(float);
 

@@ -35,7 +35,7 @@ class KeptNormals {
   KeptNormals(const VoxelGrid& grid, const HapticsSettings& settings);
 
   struct Value {
-    float normal[3], offset;  // voxels
+    float normal[3], offset;  // voxels; together, as ContactKernels::take_kept reads them
   };
   /// Voxels of a leaf, as in LeafBits.
   using Mask = std::array<std::uint64_t, 8>;

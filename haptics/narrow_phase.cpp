@@ -10,7 +10,7 @@ namespace sulcus {
 
 namespace {
 
-constexpr std::size_t kGroup = 8;
+constexpr std::size_t kGroup = Contacts::kGroup;
 constexpr std::size_t kLeafVoxels = kLeafEdge * kLeafEdge * kLeafEdge;
 
 std::size_t whole_groups(std::size_t count) { return (count + kGroup - 1) / kGroup * kGroup; }
@@ -59,16 +59,8 @@ class Tester {
 
   void add_leaf(std::uint32_t first_key, const LeafBits& surface) {
     if (waiting_ + kLeafVoxels > ContactScratch::kBlock) test();
-    std::uint32_t* out = scratch_.block_keys.data() + waiting_;
-    for (int k = 0; k < kLeafEdge; ++k) {
-      const std::uint32_t slice = first_key + voxel_key(0, 0, k);
-      for (std::uint64_t rest = surface.words[static_cast<std::size_t>(k)]; rest != 0;
-           rest &= rest - 1) {
-        const int bit = std::countr_zero(rest);
-        *out++ = slice + voxel_key(bit & 7, bit >> 3, 0);
-      }
-    }
-    waiting_ = static_cast<std::size_t>(out - scratch_.block_keys.data());
+    waiting_ +=
+        contact_kernels().leaf_keys(surface, first_key, scratch_.block_keys.data() + waiting_);
   }
 
   void test() {

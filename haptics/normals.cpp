@@ -1,8 +1,10 @@
 #include "haptics/normals.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include "engine/normals/normal_method.hpp"
+#include "haptics/contact_kernels.hpp"
 
 namespace sulcus {
 
@@ -37,13 +39,42 @@ class LeafWalk {
   const KeptNormals::Page* page_ = nullptr;
 };
 
-void put(Contacts& contacts, std::size_t i, const float (&normal)[3], float offset_m) {
-  for (int a = 0; a < 3; ++a) contacts(Contacts::kNormal, a)[i] = normal[a];
-  contacts(Contacts::kOffset)[i] = offset_m;
+void put(Contacts& contacts, std::size_t i, const SurfaceEstimate& e, float voxel_m) {
+  contacts.set_vector(Contacts::kNormal, i, e.normal);
+  contacts(Contacts::kOffset)[i] = e.offset * voxel_m;
 }
 
-void put(Contacts& contacts, std::size_t i, const SurfaceEstimate& e, float voxel_m) {
-  put(contacts, i, {e.normal.x(), e.normal.y(), e.normal.z()}, e.offset * voxel_m);
+void ask(ContactScratch& scratch, std::size_t i) {
+  scratch.queries.push_back(VoxelQuery{cell_of_key(scratch.contacts.keys()[i])});
+  scratch.queried.push_back(static_cast<std::uint32_t>(i));
+}
+
+/// Takes what is kept, and asks for what is not. Adds what the tool vetoes of it where `told`.
+void take_kept(const KeptNormals& kept, float voxel_m, bool told, ContactScratch& scratch) {
+  static constexpr KeptNormals::Value kNothing{};
+  Contacts& contacts = scratch.contacts;
+  const ContactArrays arrays = arrays_of(contacts);
+  LeafWalk walk(&kept);
+  for (std::size_t first = 0; first < contacts.size(); first += kKeptBlock) {
+    const std::size_t count = std::min(kKeptBlock, contacts.size() - first);
+    const float* values[kKeptBlock];
+    std::ranges::fill(values, kNothing.normal);
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::uint32_t key = contacts.keys()[first + k];
+      const KeptNormals::Page* const page = walk.page(key);
+      const int place = leaf_place(key);
+      if (page && KeptNormals::is(page->kept, place)) {
+        values[k] = page->values[static_cast<std::size_t>(place)].normal;
+      } else {
+        ask(scratch, first + k);
+      }
+    }
+    std::uint64_t away = contact_kernels().take_kept(values, count, voxel_m, arrays, first);
+    for (; told && away != 0; away &= away - 1) {
+      scratch.vetoed.push_back(static_cast<std::uint32_t>(first) +
+                               static_cast<std::uint32_t>(std::countr_zero(away)));
+    }
+  }
 }
 
 bool is_refined(const KeptNormals::Page* page, std::uint32_t key) {
@@ -57,33 +88,28 @@ void normals(const Workpiece& workpiece, const HapticsSettings& settings, const 
   Contacts& contacts = scratch.contacts;
   const auto voxel_m = static_cast<float>(workpiece.grid().voxel_m);
   const HapticsSettings first = first_tier(settings, kept);
-  scratch.queries.clear();
-  scratch.queried.clear();
   scratch.vetoed.clear();
   const bool told = use_tool(settings.normals);
-  const auto hear_tool = [&](std::size_t i, const Eigen::Vector3f& normal) {
-    if (!told || normal.dot(contacts.vector(Contacts::kOutward, i)) > 0.0f) return;
-    scratch.vetoed.push_back(static_cast<std::uint32_t>(i));
-  };
-  LeafWalk walk(kept);
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const std::uint32_t key = contacts.keys()[i];
-    const KeptNormals::Page* page = walk.page(key);
-    const int place = leaf_place(key);
-    if (page && KeptNormals::is(page->kept, place)) {
-      const KeptNormals::Value& value = page->values[static_cast<std::size_t>(place)];
-      put(contacts, i, value.normal, value.offset * voxel_m);
-      hear_tool(i, {value.normal[0], value.normal[1], value.normal[2]});
-      continue;
+  if (kept) {
+    scratch.queries.clear();
+    scratch.queried.clear();
+    take_kept(*kept, voxel_m, told, scratch);
+  } else {
+    scratch.queries.resize(contacts.size());  // none of them names a direction
+    scratch.queried.resize(contacts.size());
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+      scratch.queries[i].voxel = cell_of_key(contacts.keys()[i]);
+      scratch.queried[i] = static_cast<std::uint32_t>(i);
     }
-    scratch.queries.push_back(VoxelQuery{cell_of_key(key)});
-    scratch.queried.push_back(static_cast<std::uint32_t>(i));
   }
   scratch.estimates.resize(scratch.queries.size());
   estimate_surfaces(workpiece, scratch.queries, first, scratch.estimates);
   for (std::size_t q = 0; q < scratch.queries.size(); ++q) {
-    put(contacts, scratch.queried[q], scratch.estimates[q], voxel_m);
-    hear_tool(scratch.queried[q], scratch.estimates[q].normal);
+    const std::uint32_t i = scratch.queried[q];
+    put(contacts, i, scratch.estimates[q], voxel_m);
+    if (told && !(scratch.estimates[q].normal.dot(contacts.vector(Contacts::kOutward, i)) > 0.0f)) {
+      scratch.vetoed.push_back(i);
+    }
   }
   if (scratch.vetoed.empty()) return;
 
@@ -113,7 +139,7 @@ void normals(const Workpiece& workpiece, const HapticsSettings& settings, const 
 void keep_found(const HapticsSettings& settings, std::uint64_t tick, const ContactScratch& scratch,
                 KeptNormals& kept) noexcept {
   if (!use_tool(settings.normals)) return;
-  for (std::size_t q = 0; q < scratch.queries.size(); ++q) {
+  for (std::size_t q = 0; q < scratch.queried.size(); ++q) {
     kept.keep(scratch.contacts.keys()[scratch.queried[q]], scratch.estimates[q], false, tick);
   }
 }

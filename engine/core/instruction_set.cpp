@@ -5,12 +5,33 @@
 
 namespace sulcus {
 
-bool use_avx2() noexcept {
-  static const bool use = [] {
-    const char* asked = std::getenv("SULCUS_INSTRUCTIONS");
-    return __builtin_cpu_supports("avx2") && !(asked && std::string_view(asked) == "plain");
+bool has(InstructionSet set) noexcept {
+  switch (set) {
+    case InstructionSet::kAvx512:
+      return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+             __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
+             __builtin_cpu_supports("avx512vbmi") && __builtin_cpu_supports("avx512vbmi2") &&
+             __builtin_cpu_supports("avx512vnni") && __builtin_cpu_supports("fma");
+    case InstructionSet::kAvx2:
+      return __builtin_cpu_supports("avx2");
+    case InstructionSet::kPlain:
+      break;
+  }
+  return true;
+}
+
+InstructionSet instruction_set() noexcept {
+  static const InstructionSet used = [] {
+    const char* const asked = std::getenv("SULCUS_INSTRUCTIONS");
+    auto set = InstructionSet::kPlain;
+    for (const auto next : {InstructionSet::kAvx2, InstructionSet::kAvx512}) {
+      const char* const name = kInstructionSetNames[static_cast<std::size_t>(set)];
+      if (!has(next) || (asked && std::string_view(asked) == name)) break;
+      set = next;
+    }
+    return set;
   }();
-  return use;
+  return used;
 }
 
 }  // namespace sulcus

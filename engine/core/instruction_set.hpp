@@ -1,9 +1,35 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
 namespace sulcus {
 
-/// Whether kernels compiled for AVX2 are to run: where the processor has it, unless the environment
-/// says SULCUS_INSTRUCTIONS=plain, which is for comparing. Results do not depend on it.
-bool use_avx2() noexcept;
+/// What kernels are compiled for; each has all of those before it. kAvx512 is what Ice Lake and
+/// Zen 4 brought: F, BW, DQ, VL, VBMI, VBMI2 and VNNI.
+enum class InstructionSet : std::uint8_t { kPlain, kAvx2, kAvx512 };
+inline constexpr std::array<const char*, 3> kInstructionSetNames{"plain", "avx2", "avx512"};
+
+/// Whether this processor has it.
+bool has(InstructionSet set) noexcept;
+
+/// The set whose kernels are to run: the last that this processor has, and no later one than the
+/// environment names with SULCUS_INSTRUCTIONS, which is for comparing. Results do not depend on it.
+InstructionSet instruction_set() noexcept;
+
+inline const char* instruction_set_name() noexcept {
+  return kInstructionSetNames[static_cast<std::size_t>(instruction_set())];
+}
+
+/// Of kernels written for several sets, those of the last one to be used that there are any for;
+/// `kernels_of(set)` is null where the build has none. There are plain ones.
+template <class KernelsOf>
+const auto& fastest_kernels(const KernelsOf& kernels_of) noexcept {
+  auto set = static_cast<int>(instruction_set());
+  const auto* kernels = kernels_of(static_cast<InstructionSet>(set));
+  while (!kernels) kernels = kernels_of(static_cast<InstructionSet>(--set));
+  return *kernels;
+}
 
 }  // namespace sulcus

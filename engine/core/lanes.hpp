@@ -1,8 +1,10 @@
 #pragma once
 
 // Eight floats side by side, for loops that are written once and compiled for each instruction set
-// by the files that include them. The same operations in the same order give the same bits in all.
-// Everything here is in a file's own namespace, so that no set's code is linked into another's.
+// by the files that include them; sixteen where a file says so first (SULCUS_LANES, which then
+// needs AVX-512). The same operations in the same order give the same bits in all: sums run in
+// eight lanes however many are taken at a time. Everything here is in a file's own namespace, so
+// that no set's code is linked into another's.
 
 #ifdef __AVX2__
 #include <immintrin.h>
@@ -10,14 +12,25 @@
 
 #include <cstdint>
 
+#ifndef SULCUS_LANES
+#define SULCUS_LANES 8
+#endif
+#if SULCUS_LANES == 16
+#define SULCUS_WIDE(operation) _mm512_##operation
+#else
+#define SULCUS_WIDE(operation) _mm256_##operation
+#endif
+
 namespace sulcus {
 
 namespace {
 
-using Lanes = float __attribute__((vector_size(32)));
-using IntLanes = std::int32_t __attribute__((vector_size(32)));
-using DoubleLanes = double __attribute__((vector_size(64)));
-inline constexpr int kLaneCount = 8;
+inline constexpr int kLaneCount = SULCUS_LANES;
+using Lanes = float __attribute__((vector_size(4 * SULCUS_LANES)));
+using IntLanes = std::int32_t __attribute__((vector_size(4 * SULCUS_LANES)));
+inline constexpr int kSumLanes = 8;
+using SumLanes = float __attribute__((vector_size(4 * kSumLanes)));
+using DoubleLanes = double __attribute__((vector_size(8 * kSumLanes)));
 
 inline Lanes load(const float* p) {
   Lanes v;
@@ -39,15 +52,11 @@ inline IntLanes to_int(const Lanes& v) { return __builtin_convertvector(v, IntLa
 inline Lanes where(const IntLanes& mask, const Lanes& v) {
   return reinterpret_cast<Lanes>(reinterpret_cast<IntLanes>(v) & mask);
 }
-inline Lanes abs(const Lanes& v) {
-  constexpr IntLanes kSize = {0x7fffffff, 0x7fffffff, 0x7fffffff, 0x7fffffff,
-                              0x7fffffff, 0x7fffffff, 0x7fffffff, 0x7fffffff};
-  return where(kSize, v);
-}
+inline Lanes abs(const Lanes& v) { return where(IntLanes{} + 0x7fffffff, v); }
 /// The larger of each lane; a's where they do not compare.
 inline Lanes larger(const Lanes& a, const Lanes& b) {
 #ifdef __AVX2__
-  return _mm256_max_ps(b, a);  // what GCC does not make of the line below
+  return SULCUS_WIDE(max_ps)(b, a);  // what GCC does not make of the line below
 #else
   return b > a ? b : a;
 #endif
@@ -55,31 +64,47 @@ inline Lanes larger(const Lanes& a, const Lanes& b) {
 /// The smaller of each lane; a's where they do not compare.
 inline Lanes smaller(const Lanes& a, const Lanes& b) {
 #ifdef __AVX2__
-  return _mm256_min_ps(b, a);
+  return SULCUS_WIDE(min_ps)(b, a);
 #else
   return b < a ? b : a;
 #endif
 }
 inline Lanes square_root(const Lanes& v) {
 #ifdef __AVX2__
-  return _mm256_sqrt_ps(v);
+  return SULCUS_WIDE(sqrt_ps)(v);
 #else
   Lanes root;
   for (int lane = 0; lane < kLaneCount; ++lane) root[lane] = __builtin_sqrtf(v[lane]);
   return root;
 #endif
 }
-inline bool any(const IntLanes& mask) {
-#ifdef __AVX2__
-  return _mm256_testz_si256(reinterpret_cast<__m256i>(mask), reinterpret_cast<__m256i>(mask)) == 0;
+/// A bit for each lane of a mask.
+inline unsigned bits_of(const IntLanes& mask) {
+#if SULCUS_LANES == 16
+  return _mm512_movepi32_mask(reinterpret_cast<__m512i>(mask));
+#elif defined(__AVX2__)
+  return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(mask)));
 #else
-  std::int32_t all = 0;
-  for (int lane = 0; lane < kLaneCount; ++lane) all |= mask[lane];
-  return all != 0;
+  unsigned bits = 0;
+  for (int lane = 0; lane < kLaneCount; ++lane) bits |= (mask[lane] & 1u) << lane;
+  return bits;
+#endif
+}
+inline bool any(const IntLanes& mask) { return bits_of(mask) != 0; }
+
+/// Adds to sums in eight lanes: of sixteen, the lower eight first.
+inline void add(DoubleLanes& sum, const Lanes& v) {
+#if SULCUS_LANES == 16
+  const SumLanes low = __builtin_shufflevector(v, v, 0, 1, 2, 3, 4, 5, 6, 7);
+  const SumLanes high = __builtin_shufflevector(v, v, 8, 9, 10, 11, 12, 13, 14, 15);
+  sum += __builtin_convertvector(low, DoubleLanes);
+  sum += __builtin_convertvector(high, DoubleLanes);
+#else
+  sum += __builtin_convertvector(v, DoubleLanes);
 #endif
 }
 
-inline float sum_of(const Lanes& v) {
+inline float sum_of(const SumLanes& v) {
   return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
 }
 inline double sum_of(const DoubleLanes& v) {

@@ -1,5 +1,5 @@
 // Compiled for AVX2. Leaves no inline code for others to be linked with (test
-// Avx2KernelsKeepToThemselves).
+// KernelsKeepToThemselves).
 #include "engine/normals/map_kernels.hpp"
 
 #ifdef __AVX2__

@@ -194,7 +194,8 @@ const MapKernels& plain_map_kernels() noexcept { return kPlain; }
 
 const MapKernels& map_kernels() noexcept {
   static const MapKernels& fastest =
-      use_avx2() && avx2_map_kernels() ? *avx2_map_kernels() : kPlain;
+      instruction_set() >= InstructionSet::kAvx2 && avx2_map_kernels() ? *avx2_map_kernels()
+                                                                       : kPlain;
   return fastest;
 }
 

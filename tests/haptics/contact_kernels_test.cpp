@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/instruction_sets.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/tools.hpp"
 
@@ -13,15 +14,16 @@ namespace {
 
 constexpr double kVoxel = 50e-6;
 
-class ContactKernelsTest : public ::testing::Test {
+/// The kernels of each instruction set against the plain ones.
+class ContactKernelsTest : public ::testing::TestWithParam<InstructionSet> {
  protected:
   ContactKernelsTest() : burr_(make_burr(test::small_burr(), kVoxel)), grid_{{64, 64, 64}, kVoxel} {
     pose_ =
         test::pose_along({0.2e-3, -0.1e-3, 0.15e-3}, Eigen::Vector3d(0.3, -0.5, 1).normalized());
   }
   void SetUp() override {
-    fast_ = avx2_contact_kernels();
-    if (!fast_) GTEST_SKIP() << "this processor has no AVX2";
+    fast_ = contact_kernels_of(GetParam());
+    if (!fast_) GTEST_SKIP() << "this processor has no " << test::set_name(GetParam());
   }
 
   /// Voxels all over the grid: inside the burr, beside it, and beyond its field's box.
@@ -64,26 +66,29 @@ class ContactKernelsTest : public ::testing::Test {
   VoxelGrid grid_;
   Pose pose_;
   std::mt19937 random_{11};
+  const ContactKernels* const plain_ = contact_kernels_of(InstructionSet::kPlain);
   const ContactKernels* fast_ = nullptr;
 };
+INSTANTIATE_TEST_SUITE_P(Sets, ContactKernelsTest, test::fast_sets(), test::set_of);
 
-TEST_F(ContactKernelsTest, DistancesAreTheFieldsInEverySet) {
+TEST_P(ContactKernelsTest, DistancesAreTheFieldsInEverySet) {
   const ContactFrame frame(grid_, burr_.field, pose_, 0.0);
   const std::vector<std::uint32_t> all = keys(4000);
   std::vector<float> distance[2], outward[2][3], leaf[2];
-  const ContactKernels* const sets[2] = {&plain_contact_kernels(), fast_};
+  const ContactKernels* const sets[2] = {plain_, fast_};
   for (int s = 0; s < 2; ++s) {
-    distance[s].resize(all.size() + 8), leaf[s].resize(all.size());
-    for (auto& axis : outward[s]) axis.resize(all.size() + 8);
+    distance[s].resize(all.size() + Contacts::kGroup), leaf[s].resize(all.size());
+    for (auto& axis : outward[s]) axis.resize(all.size() + Contacts::kGroup);
     float* const to[3] = {outward[s][0].data(), outward[s][1].data(), outward[s][2].data()};
     // All, and then the near ones alone: the same, in the same order.
-    std::vector<std::uint32_t> to_keys(all.size() + 8), near_keys(all.size() + 8);
+    std::vector<std::uint32_t> to_keys(all.size() + Contacts::kGroup),
+        near_keys(all.size() + Contacts::kGroup);
     const std::size_t found = sets[s]->find_near(frame, all.data(), all.size() - 3, 1.0f,
                                                  to_keys.data(), distance[s].data(), to);
     ASSERT_EQ(found, all.size() - 3) << "not those that fill up the last group";
     to_keys.resize(found);
     ASSERT_TRUE(std::equal(to_keys.begin(), to_keys.end(), all.begin()));
-    std::vector<float> near_m(all.size() + 8), n0 = near_m, n1 = near_m, n2 = near_m;
+    std::vector<float> near_m(all.size() + Contacts::kGroup), n0 = near_m, n1 = near_m, n2 = near_m;
     float* const near_to[3] = {n0.data(), n1.data(), n2.data()};
     const std::size_t near = sets[s]->find_near(frame, all.data(), found, 10e-6f, near_keys.data(),
                                                 near_m.data(), near_to);
@@ -126,10 +131,10 @@ TEST_F(ContactKernelsTest, DistancesAreTheFieldsInEverySet) {
   EXPECT_GT(outside, 400);
 }
 
-TEST_F(ContactKernelsTest, ForcesAreTheSameBitForBit) {
+TEST_P(ContactKernelsTest, ForcesAreTheSameBitForBit) {
   const ContactFrame frame(grid_, burr_.field, pose_, burr_.reference_m);
   const float stiffness[3] = {30e3f, 5e3f, 800.0f};
-  for (const std::size_t count : {1u, 7u, 8u, 1000u}) {
+  for (const std::size_t count : {1u, 7u, 8u, 9u, 1000u}) {
     const auto seed = static_cast<std::uint32_t>(random_());
     for (const bool at_surface : {false, true}) {
       for (const bool cutting : {false, true}) {
@@ -138,8 +143,7 @@ TEST_F(ContactKernelsTest, ForcesAreTheSameBitForBit) {
         random_.seed(seed);
         Contacts b = contacts(count);
         const ForceSettings settings{at_surface, 0.2f, cutting ? 2e-4f : 0.0f};
-        const MeasureSums measured_a =
-            plain_contact_kernels().measure(frame, settings, arrays_of(a));
+        const MeasureSums measured_a = plain_->measure(frame, settings, arrays_of(a));
         const MeasureSums measured_b = fast_->measure(frame, settings, arrays_of(b));
         ASSERT_EQ(measured_a.weights, measured_b.weights);
         ASSERT_EQ(measured_a.counted, measured_b.counted);
@@ -150,7 +154,7 @@ TEST_F(ContactKernelsTest, ForcesAreTheSameBitForBit) {
         }
         expect_equal(a, b);
         const float gain[6] = {0.9f, 0.1f, -0.05f, 0.3f, 0.0f, 0.6f};
-        plain_contact_kernels().turn(gain, arrays_of(a));
+        plain_->turn(gain, arrays_of(a));
         fast_->turn(gain, arrays_of(b));
         expect_equal(a, b);
         ForceTerms terms;
@@ -163,7 +167,7 @@ TEST_F(ContactKernelsTest, ForcesAreTheSameBitForBit) {
         terms.tangential_ratio = 0.3f;
         terms.slow_edge_m_per_s = 0.01f;
         ForceSums sums_a, sums_b;
-        plain_contact_kernels().forces(terms, arrays_of(a), sums_a);
+        plain_->forces(terms, arrays_of(a), sums_a);
         fast_->forces(terms, arrays_of(b), sums_b);
         ASSERT_EQ(std::memcmp(&sums_a, &sums_b, sizeof sums_a), 0);
         expect_equal(a, b);

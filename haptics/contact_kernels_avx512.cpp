@@ -1,0 +1,29 @@
+// Compiled for AVX-512, sixteen contacts at a time. Leaves no inline code for others to be linked
+// with (test KernelsKeepToThemselves).
+#include "haptics/contact_kernels.hpp"
+
+#ifdef __AVX512F__
+
+#define SULCUS_LANES 16
+#include "haptics/contact_loops.inl"
+
+namespace sulcus {
+
+namespace {
+
+constexpr ContactKernels kAvx512{"avx512",  leaf_keys_of, find_near, leaf_distances_of,
+                                 take_kept, measure_all,  turn_all,  forces_of};
+
+}  // namespace
+
+const ContactKernels* avx512_contact_kernels() noexcept { return &kAvx512; }
+
+}  // namespace sulcus
+
+#else
+
+namespace sulcus {
+const ContactKernels* avx512_contact_kernels() noexcept { return nullptr; }
+}  // namespace sulcus
+
+#endif
