@@ -9,7 +9,8 @@ namespace sulcus {
 
 Eigen::Vector3i coarse_normal(const Workpiece& workpiece, const Cell& c) noexcept {
   std::array<std::int32_t, 3> sums;
-  map_kernels().coarse(workpiece.columns().around(0, c.y(), c.z(), c.x() - 2), sums);
+  const ColumnBits::Windows rows = coarse_rows(workpiece, c);
+  map_kernels().coarse(&rows, 1, &sums);
   return {-sums[0], -sums[1], -sums[2]};
 }
 

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
+
 #include <Eigen/Core>
 
 #include "engine/volume/workpiece.hpp"
@@ -11,5 +14,14 @@ namespace sulcus {
 /// equal ones. Its largest component names the dominant axis. Zero where the solid around the voxel
 /// is symmetric (a lone voxel, a wall of one voxel). Pure, no allocation.
 Eigen::Vector3i coarse_normal(const Workpiece& workpiece, const Cell& voxel) noexcept;
+
+/// What it is made of, for many at a time: the rows that MapKernels::coarse adds up, and what its
+/// sums tell.
+inline ColumnBits::Windows coarse_rows(const Workpiece& workpiece, const Cell& c) noexcept {
+  return workpiece.columns().around(0, c.y(), c.z(), c.x() - 2);
+}
+inline Eigen::Vector3f coarse_of(const std::array<std::int32_t, 3>& sums) noexcept {
+  return -Eigen::Vector3i(sums[0], sums[1], sums[2]).cast<float>();
+}
 
 }  // namespace sulcus

@@ -13,6 +13,11 @@ inline constexpr int kMaxNeighbourhood = 12;
 /// Largest trace: heights that a 32-bit window around the voxel holds, with the steps around them.
 inline constexpr int kMaxTrace = 13;
 
+/// Columns farther out than this from the column before are not followed, voxels.
+inline constexpr int kMaxStep = 2;
+/// |z(p) + z(-p) - 2 z(0)| of an even map, voxels: a test blind to tilt.
+inline constexpr int kMaxUneven = 3;
+
 /// A local distance map [Kim and Park 2019, V]: heights of the surface above the plane through a
 /// voxel across a grid axis, in the direction of that axis (not outward), in whole voxels; the
 /// height of a column is that of its outermost solid voxel. Row by row: (i, j) lies in lane
@@ -33,6 +38,7 @@ struct HeightMap {
   /// And one row more, of no meaning: a row may be read from its second lane on.
   alignas(32) std::array<signed char, (kMaxRows + 1) * kMaxLanes> height;
 
+  const signed char* middle_row() const { return height.data() + ns * lanes; }
   int place(int i, int j) const { return (ns + j) * lanes + lanes / 2 + i; }
   // In place even where little is optimised: a kernel's copy is compiled for its instruction set.
   [[gnu::always_inline]] int at(int i, int j) const {

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "engine/normals/column_quadric.hpp"
+#include "engine/normals/height_map.hpp"
 #include "engine/volume/column_bits.hpp"
 #include "engine/volume/grid.hpp"
 
@@ -29,11 +30,23 @@ struct HeightTile {
   int sign = 1;
   // Column (u, v) lies in lane kMargin + u of row ns + v.
   alignas(32) signed char height[kRows][kLanes];
-  std::uint8_t sound[kEdge];                              // bit u of row v
-  alignas(32) std::int32_t sums[kEdge][kQuadric][kEdge];  // [v][f][u], of the whole maps
+  // Of the map about each column; of no meaning where it is not sound.
+  std::uint8_t sound[kEdge];                                // bit u of row v
+  std::uint8_t even_rings[kEdge][kEdge];                    // [v][u]
+  signed char highest[kEdge][kEdge], lowest[kEdge][kEdge];  // [v][u]
+  alignas(32) std::int32_t sums[kEdge][kQuadric][kEdge];    // [v][f][u], of the whole maps
 
+  /// Of the map about a column: as HeightMap's, of 16 lanes, kLanes to the next.
+  const signed char* middle_row(int u, int v) const { return height[ns + v] + u; }
   int at(int u, int v) const { return height[ns + v][kMargin + u]; }
   bool is_sound(int u, int v) const { return (sound[v] >> u & 1) != 0; }
+  /// Whether the map of the voxel at (u, v, w) in the leaf can be cut out: whole, and its heights
+  /// within `trace`.
+  bool has_map(int u, int v, int w, int trace) const {
+    const int above = at(u, v) - w, reach = trace < kReach ? trace : kReach;
+    return is_sound(u, v) && above >= -kMaxStep && above <= kMaxStep &&
+           highest[v][u] - w <= reach && lowest[v][u] - w >= -reach;
+  }
 };
 
 }  // namespace sulcus

@@ -42,7 +42,7 @@ std::optional<Foot> fit_wide(const Workpiece& workpiece, const Cell& voxel, cons
   if (map.whole_rings < map.ns) return {};
   const QuadricFilter& filter = quadric_filter(map.ns, map.lanes);
   QuadricSums sums;
-  map_kernels().fit(map, filter, sums);
+  map_kernels().fit(map.middle_row(), map.lanes, filter, sums);
   const int level = map.at(0, 0);
   const ColumnQuadric surface =
       column_quadric(quadric_of(sums, level, level, map.sign, filter.solution), filter.answers,

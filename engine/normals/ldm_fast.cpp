@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "engine/normals/coarse_normal.hpp"
 #include "engine/normals/leaf_tiles.hpp"
 #include "engine/normals/map_group.hpp"
 
@@ -12,36 +13,98 @@ namespace {
 
 /// So many voxels go through each step before the next, which then do not wait for one another.
 constexpr std::size_t kBatch = 64;
-constexpr std::size_t kGroups = kBatch / SurfaceGroup::kSize;
+constexpr std::size_t kLanes = SurfaceGroup::kSize;
 
 struct Batch {
+  std::size_t count = 0;
+  std::array<ColumnBits::Windows, kBatch> rows;  // that the coarse normals are added up from
   std::array<Eigen::Vector3f, kBatch> coarse;
   std::array<MapAxes, kBatch> axes;
   std::array<bool, kBatch> fitted;
-  std::array<SurfaceGroup, kGroups> surfaces;
+  std::array<SurfaceGroup, kBatch / kLanes> surfaces;
+  // Of those whose maps are traced, a few at a time.
+  static constexpr std::size_t kTraced = 16;
+  std::array<ColumnBits::Windows, kTraced> columns;
+  std::array<HeightMap, kTraced> maps;
+
+  SurfaceGroup& group(std::size_t k) { return surfaces[k / kLanes]; }
+  static int place(std::size_t k) { return static_cast<int>(k % kLanes); }
 };
 
-/// Sums of the largest even window, from the leaf's tile where that tells; false where there is
-/// none.
-bool fit(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes, int neighbourhood,
-         int trace, const HeightTile* tile, SurfaceGroup& group, int place) noexcept {
-  const MapKernels& kernels = map_kernels();
-  if (tile) {
-    const Eigen::Vector3i at = in_tile(voxel, axes);
-    if (kernels.even(*tile, at.x(), at.y(), at.z(), trace)) {
-      put_tile_sums(*tile, at, group, place);
-      return true;
-    }
+/// Coarse normals, of the tool where the solid has none, and the axes of the maps.
+void take_axes(const Workpiece& workpiece, std::span<const VoxelQuery> queries, Batch& batch) {
+  std::array<std::array<std::int32_t, 3>, kBatch> sums;
+  for (std::size_t k = 0; k < batch.count; ++k) {
+    batch.rows[k] = coarse_rows(workpiece, queries[k].voxel);
   }
-  HeightMap map;
-  map.ns = neighbourhood;
-  trace_or_cut(workpiece, voxel, axes, trace, tile, map);
+  map_kernels().coarse(batch.rows.data(), batch.count, sums.data());
+  for (std::size_t k = 0; k < batch.count; ++k) {
+    Eigen::Vector3f& coarse = batch.coarse[k] = coarse_of(sums[k]);
+    if ((sums[k][0] | sums[k][1] | sums[k][2]) == 0) coarse = queries[k].outward;
+    batch.axes[k] = dominant_axes(coarse);
+    batch.group(k).put_axes(Batch::place(k), batch.axes[k].axis, coarse.data());
+  }
+}
+
+/// Sums of the largest even window of a map that is traced or cut; false where there is none.
+bool fit_map(const HeightMap& map, int sign, SurfaceGroup& group, int place) {
   if (map.even_rings < 1) return false;
   const QuadricFilter& filter = quadric_filter(map.even_rings, map.lanes);
   QuadricSums sums;
-  kernels.fit(map, filter, sums);
-  group.put(place, sums, map.at(0, 0), map.at(0, 0), axes.sign, filter);
+  map_kernels().fit(map.middle_row(), map.lanes, filter, sums);
+  group.put(place, sums, map.at(0, 0), map.at(0, 0), sign, filter);
   return true;
+}
+
+/// The same from a tile that has the map; `whole` is the filter of all rings.
+bool fit_in_tile(const HeightTile& tile, const Eigen::Vector3i& at, const QuadricFilter& whole,
+                 SurfaceGroup& group, int place) {
+  const int u = at.x(), v = at.y(), rings = tile.even_rings[v][u];
+  if (rings == tile.ns) {
+    put_tile_sums(tile, at, whole, group, place);
+    return true;
+  }
+  if (rings < 1) return false;
+  const QuadricFilter& filter = quadric_filter(rings, lanes_of(tile.ns));
+  QuadricSums sums;
+  map_kernels().fit(tile.middle_row(u, v), HeightTile::kLanes, filter, sums);
+  group.put(place, sums, tile.at(u, v), tile.at(u, v) - at.z(), tile.sign, filter);
+  return true;
+}
+
+/// Fits the maps of a batch, of queries from `first` on: those that the tiles have at once, and the
+/// others, which are traced, after that, side by side.
+void fit(const Workpiece& workpiece, std::span<const VoxelQuery> queries, std::size_t first,
+         int neighbourhood, int trace, LeafTiles& tiles, Batch& batch) {
+  const QuadricFilter& whole = quadric_filter(neighbourhood, lanes_of(neighbourhood));
+  std::array<std::uint8_t, kBatch> traced;
+  std::size_t to_trace = 0;
+  for (std::size_t k = 0; k < batch.count; ++k) {
+    batch.fitted[k] = false;
+    if (batch.coarse[k] == Eigen::Vector3f::Zero()) continue;
+    const MapAxes& axes = batch.axes[k];
+    const HeightTile* const tile = tiles.find(first + k, axes);
+    const Eigen::Vector3i at = in_tile(queries[first + k].voxel, axes);
+    if (tile && tile->has_map(at.x(), at.y(), at.z(), trace)) {
+      batch.fitted[k] = fit_in_tile(*tile, at, whole, batch.group(k), Batch::place(k));
+    } else {
+      traced[to_trace++] = static_cast<std::uint8_t>(k);
+    }
+  }
+  for (std::size_t begin = 0; begin < to_trace; begin += Batch::kTraced) {
+    const std::size_t count = std::min(to_trace - begin, Batch::kTraced);
+    for (std::size_t n = 0; n < count; ++n) {
+      const std::size_t k = traced[begin + n];
+      batch.columns[n] = columns_about(workpiece, queries[first + k].voxel, batch.axes[k]);
+      batch.maps[n].ns = neighbourhood;
+      batch.maps[n].sign = batch.axes[k].sign;
+    }
+    map_kernels().trace_all(batch.columns.data(), count, trace, batch.maps.data());
+    for (std::size_t n = 0; n < count; ++n) {
+      const std::size_t k = traced[begin + n];
+      batch.fitted[k] = fit_map(batch.maps[n], batch.axes[k].sign, batch.group(k), Batch::place(k));
+    }
+  }
 }
 
 }  // namespace
@@ -52,35 +115,27 @@ void estimate_ldm_fast(const Workpiece& workpiece, std::span<const VoxelQuery> q
   LeafTiles tiles(workpiece, queries, neighbourhood);
   Batch batch;
   for (std::size_t first = 0; first < queries.size(); first += kBatch) {
-    const std::size_t count = std::min(queries.size() - first, kBatch);
-    for (std::size_t k = 0; k < count; ++k) {
-      batch.coarse[k] = coarse_of(workpiece, queries[first + k]);
-      batch.axes[k] = dominant_axes(batch.coarse[k]);
-    }
-    for (std::size_t k = 0; k < count; ++k) {
-      const MapAxes& axes = batch.axes[k];
-      batch.fitted[k] = batch.coarse[k] != Eigen::Vector3f::Zero() &&
-                        fit(workpiece, queries[first + k].voxel, axes, neighbourhood, trace,
-                            tiles.find(first + k, axes), batch.surfaces[k / SurfaceGroup::kSize],
-                            static_cast<int>(k % SurfaceGroup::kSize));
-    }
-    map_kernels().feet(batch.surfaces.data(),
-                       (count + SurfaceGroup::kSize - 1) / SurfaceGroup::kSize);
-    for (std::size_t k = 0; k < count; ++k) {
+    batch.count = std::min(queries.size() - first, kBatch);
+    take_axes(workpiece, queries.subspan(first, batch.count), batch);
+    fit(workpiece, queries, first, neighbourhood, trace, tiles, batch);
+    map_kernels().feet(batch.surfaces.data(), (batch.count + kLanes - 1) / kLanes);
+    for (std::size_t k = 0; k < batch.count; ++k) {
       SurfaceEstimate& estimate = estimates[first + k];
       const Eigen::Vector3f& coarse = batch.coarse[k];
-      if (coarse == Eigen::Vector3f::Zero()) {
-        estimate = {};
-        continue;
-      }
-      if (batch.fitted[k]) {
-        const SurfaceGroup& group = batch.surfaces[k / SurfaceGroup::kSize];
-        estimate =
-            to_index_space(group.foot(static_cast<int>(k % SurfaceGroup::kSize)), batch.axes[k]);
-        if (stands(estimate.normal, coarse, heard(queries[first + k].outward, coarse))) continue;
+      const Eigen::Vector3f& outward = queries[first + k].outward;
+      const SurfaceGroup& group = batch.group(k);
+      const int place = Batch::place(k);
+      if (batch.fitted[k] && group.agrees[place] != 0) {
+        estimate = {group.normal(place), group.offset[place], true, batch.axes[k].window()};
+        if (outward == Eigen::Vector3f::Zero() ||
+            stands(estimate.normal, coarse, heard(outward, coarse))) {
+          continue;
+        }
       }
       // No map: an edge sharper than the steps allow. The face of the voxel is the best surface.
-      estimate = {coarse.normalized(), 0.5f, true, batch.axes[k].window()};
+      estimate = coarse == Eigen::Vector3f::Zero()
+                     ? SurfaceEstimate{}
+                     : SurfaceEstimate{coarse.normalized(), 0.5f, true, batch.axes[k].window()};
     }
   }
 }

@@ -23,9 +23,23 @@ class LeafTiles {
 
   /// The tile for the map of a query along an axis; null where there is none. Valid until a query
   /// of another leaf is asked for.
-  const HeightTile* find(std::size_t query, const MapAxes& axes) noexcept;
+  const HeightTile* find(std::size_t query, const MapAxes& axes) noexcept {
+    const Cell& c = queries_[query].voxel;
+    const int apart = (c.x() ^ origin_.x()) | (c.y() ^ origin_.y()) | (c.z() ^ origin_.z());
+    if ((apart & -kLeafEdge) != 0) enter(query);
+    if (!worthwhile_) return nullptr;
+    const auto place = static_cast<std::size_t>(2 * axes.axis + (axes.sign > 0 ? 1 : 0));
+    if (!made_[place]) {
+      made_[place] = true;
+      make(axes, tiles_[place]);
+    }
+    return &tiles_[place];
+  }
 
  private:
+  void enter(std::size_t query) noexcept;
+  void make(const MapAxes& axes, HeightTile& tile) noexcept;
+
   static constexpr std::size_t kWorthwhile = 6;  // queries in a leaf
 
   const Workpiece& workpiece_;

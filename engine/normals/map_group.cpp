@@ -11,15 +11,6 @@ Eigen::Vector3f coarse_of(const Workpiece& workpiece, const VoxelQuery& query) n
   return coarse == Eigen::Vector3f::Zero() ? query.outward : coarse;
 }
 
-void put_tile_sums(const HeightTile& tile, const Eigen::Vector3i& at, SurfaceGroup& group,
-                   int place) noexcept {
-  const int height = tile.at(at.x(), at.y());
-  QuadricSums sums;
-  for (std::size_t f = 0; f < kQuadric; ++f) sums[f] = tile.sums[at.y()][f][at.x()];
-  group.put(place, sums, height, height - at.z(), tile.sign,
-            quadric_filter(tile.ns, lanes_of(tile.ns)));
-}
-
 bool trace_or_cut(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes, int trace,
                   const HeightTile* tile, HeightMap& map) noexcept {
   map.sign = axes.sign;
@@ -50,7 +41,8 @@ std::size_t MapGroup::trace(const Workpiece& workpiece, std::span<const VoxelQue
     const HeightTile* tile = tiles.find(first + k, axes[k]);
     summed_[k] = trace_or_cut(workpiece, query.voxel, axes[k], trace, tile, map);
     if (summed_[k]) {
-      put_tile_sums(*tile, in_tile(query.voxel, axes[k]), surfaces, static_cast<int>(k));
+      put_tile_sums(*tile, in_tile(query.voxel, axes[k]), quadric_filter(neighbourhood, map.lanes),
+                    surfaces, static_cast<int>(k));
     }
   }
   return count_;

@@ -39,7 +39,7 @@ struct MapGroup {
       if (rings < 1 || (rings == map.ns && summed_[k])) continue;
       const QuadricFilter& filter = quadric_filter(rings, map.lanes);
       QuadricSums sums;
-      map_kernels().fit(map, filter, sums);
+      map_kernels().fit(map.middle_row(), map.lanes, filter, sums);
       surfaces.put(static_cast<int>(k), sums, map.at(0, 0), map.at(0, 0), map.sign, filter);
     }
     map_kernels().surfaces(surfaces, maps[0].stride);
@@ -63,22 +63,33 @@ inline bool stands(const Eigen::Vector3f& normal, const Eigen::Vector3f& coarse,
 /// The coarse normal of a query's voxel, of the tool where the solid has none.
 Eigen::Vector3f coarse_of(const Workpiece& workpiece, const VoxelQuery& query) noexcept;
 
-/// Puts the sums of a whole map that a tile can tell, of the voxel `at`, as one of a group.
-void put_tile_sums(const HeightTile& tile, const Eigen::Vector3i& at, SurfaceGroup& group,
-                   int place) noexcept;
+/// Puts the sums of a whole map that a tile can tell, of the voxel `at`, as one of a group;
+/// `filter` is that of all its rings.
+inline void put_tile_sums(const HeightTile& tile, const Eigen::Vector3i& at,
+                          const QuadricFilter& filter, SurfaceGroup& group, int place) noexcept {
+  const int u = at.x(), v = at.y(), height = tile.at(u, v);
+  QuadricSums sums;
+  for (std::size_t f = 0; f < kQuadric; ++f) sums[f] = tile.sums[v][f][u];
+  group.put(place, sums, height, height - at.z(), tile.sign, filter);
+}
 
 /// The map of a voxel along an axis, cut out of a tile where there is one and it can tell; `map.ns`
 /// is set, and the stride 1. Whether it was cut.
 bool trace_or_cut(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes, int trace,
                   const HeightTile* tile, HeightMap& map) noexcept;
 
+/// The columns around a voxel, as maps along an axis are traced from them.
+inline ColumnBits::Windows columns_about(const Workpiece& workpiece, const Cell& voxel,
+                                         const MapAxes& axes) noexcept {
+  return workpiece.columns().around(axes.axis, voxel[axes.first()], voxel[axes.second()],
+                                    voxel[axes.axis] - kLevel);
+}
+
 /// Traces the map of a voxel along an axis; `map.ns` and `map.stride` are set.
 inline void trace_along(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes,
                         int trace, HeightMap& map) noexcept {
   map.sign = axes.sign;
-  map_kernels().trace(workpiece.columns().around(axes.axis, voxel[axes.first()],
-                                                 voxel[axes.second()], voxel[axes.axis] - kLevel),
-                      trace, map);
+  map_kernels().trace(columns_about(workpiece, voxel, axes), trace, map);
 }
 
 }  // namespace sulcus

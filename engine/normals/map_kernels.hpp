@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/core/instruction_set.hpp"
 #include "engine/normals/column_quadric.hpp"
 #include "engine/normals/height_map.hpp"
 #include "engine/normals/height_tile.hpp"
@@ -7,10 +8,6 @@
 
 namespace sulcus {
 
-/// Columns farther out than this from the column before are not followed, voxels.
-inline constexpr int kMaxStep = 2;
-/// |z(p) + z(-p) - 2 z(0)| of an even map, voxels: a test blind to tilt.
-inline constexpr int kMaxUneven = 3;
 /// Where a voxel stands in the windows of its columns: bit kLevel of column (0, 0) is its own.
 inline constexpr int kLevel = 16;
 
@@ -29,9 +26,15 @@ struct alignas(32) SurfaceGroup {
   std::int32_t weights[2][kSize]{};
   float solution[6][kSize]{};
   float answers[8][kSize]{};
+  // Of `feet` alone: the axis that the columns run along, and the coarse normal, index space.
+  std::int32_t axis[kSize]{};
+  float coarse[3][kSize]{};
   // Filled in:
   float c[kQuadric][kSize], t_x[kSize], t_y[kSize], quartic[kSize];
   float normal_x[kSize], normal_y[kSize], normal_z[kSize], offset[kSize];
+  // By `feet`: the normal in index space, and whether (-1) it points the coarse one's way.
+  float index_normal[3][kSize];
+  std::int32_t agrees[kSize];
 
   void put(int k, const QuadricSums& of, int at_centre, int above_voxel, int outward,
            const QuadricFilter& filter) {
@@ -50,6 +53,13 @@ struct alignas(32) SurfaceGroup {
     answers[2][k] = a.value_x4, answers[3][k] = a.value_x2y2;
     answers[4][k] = a.bend_x4, answers[5][k] = a.bend_x2y2, answers[6][k] = a.bend_y4;
     answers[7][k] = a.twist_x3y;
+  }
+  void put_axes(int k, int columns, const float* coarse_normal) {
+    axis[k] = columns;
+    for (int a = 0; a < 3; ++a) coarse[a][k] = coarse_normal[a];
+  }
+  Eigen::Vector3f normal(int k) const {
+    return {index_normal[0][k], index_normal[1][k], index_normal[2][k]};
   }
   ColumnQuadric surface(int k) const {
     return {{c[0][k], c[1][k], c[2][k], c[3][k], c[4][k], c[5][k]}, t_x[k], t_y[k], quartic[k]};
@@ -111,9 +121,10 @@ inline constexpr int kDiscReach = 6, kHalves = 8;
 struct MapKernels {
   const char* name;
 
-  /// Sums of offset over distance of the solid voxels within 2.5 of a voxel, times kCoarseUnit, by
-  /// axis; `rows` are the windows along x about it, bit 0 two voxels below.
-  void (*coarse)(const ColumnBits::Windows& rows, std::array<std::int32_t, 3>& sums) noexcept;
+  /// Sums of offset over distance of the solid voxels within 2.5 of each of so many voxels, times
+  /// kCoarseUnit, by axis; `rows` are the windows along x about it, bit 0 two voxels below.
+  void (*coarse)(const ColumnBits::Windows* rows, std::size_t count,
+                 std::array<std::int32_t, 3>* sums) noexcept;
 
   /// Traces a map from the columns around a voxel (ColumnBits::around, the voxel at kLevel). The
   /// middle row is traced outward from the voxel's own column, the others outward from it row by
@@ -121,6 +132,9 @@ struct MapKernels {
   /// outer one of two, at most kMaxStep away, so that the map follows the surface down slopes and
   /// does not jump to the far side of a thin wall.
   void (*trace)(const ColumnBits::Windows& columns, int trace, HeightMap& map) noexcept;
+  /// The same of several maps of one neighbourhood and stride 1; at least one.
+  void (*trace_all)(const ColumnBits::Windows* columns, std::size_t count, int trace,
+                    HeightMap* maps) noexcept;
 
   /// Reads a tile from the columns about a leaf (its lowest layer at kBelow), `tile.ns` and `.sign`
   /// set.
@@ -129,15 +143,15 @@ struct MapKernels {
   /// down to the last bit. False where the tile cannot tell; then the map is not filled in.
   bool (*cut)(const HeightTile& tile, int u, int v, int w, int trace, HeightMap& map) noexcept;
 
-  /// Whether the map that `cut` would give is even in all rings.
-  bool (*even)(const HeightTile& tile, int u, int v, int w, int trace) noexcept;
-
-  /// The filter's sums over a map. `filter.lanes` is the map's.
-  void (*fit)(const HeightMap& map, const QuadricFilter& filter, QuadricSums& sums) noexcept;
+  /// The filter's sums over the rows of a map, `pitch` from one to the next; `middle` begins the
+  /// one through the voxel, `filter.lanes` / 2 lanes before it. What the filter does not weigh may
+  /// be anything.
+  void (*fit)(const signed char* middle, std::ptrdiff_t pitch, const QuadricFilter& filter,
+              QuadricSums& sums) noexcept;
 
   /// Surfaces and feet of eight fits, `stride` voxels between their columns.
   void (*surfaces)(SurfaceGroup& group, int stride) noexcept;
-  /// Feet alone, of so many groups of stride 1.
+  /// Feet, and the normals in index space, of so many groups of stride 1.
   void (*feet)(SurfaceGroup* groups, std::size_t count) noexcept;
 
   /// Largest |height - surface| over a whole map, voxels, the surface without its quartic part.
@@ -159,10 +173,13 @@ struct MapKernels {
                     Residuals& residuals) noexcept;
 };
 
-const MapKernels& plain_map_kernels() noexcept;
-/// Null where the processor or the build has none.
-const MapKernels* avx2_map_kernels() noexcept;
-/// The fastest that this processor runs, found once.
+/// Compiled for a set; null where the processor or the build has none.
+const MapKernels* map_kernels_of(InstructionSet set) noexcept;
+/// Those of `instruction_set()`, found once.
 const MapKernels& map_kernels() noexcept;
+
+/// Where each set's are; null where the build has none.
+const MapKernels* avx2_map_kernels() noexcept;
+const MapKernels* avx512_map_kernels() noexcept;
 
 }  // namespace sulcus

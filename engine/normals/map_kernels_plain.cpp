@@ -3,7 +3,6 @@
 #include <cstdlib>
 #include <iterator>
 
-#include "engine/core/instruction_set.hpp"
 #include "engine/normals/map_kernels.hpp"
 #include "engine/normals/tilted_points.inl"
 
@@ -11,7 +10,7 @@ namespace sulcus {
 
 namespace {
 
-void coarse_sums(const ColumnBits::Windows& rows, std::array<std::int32_t, 3>& sums) noexcept {
+inline void coarse_sums_of(const ColumnBits::Windows& rows, std::array<std::int32_t, 3>& sums) {
   sums = {};
   for (int k = -2; k <= 2; ++k) {
     for (int j = -2; j <= 2; ++j) {
@@ -26,6 +25,11 @@ void coarse_sums(const ColumnBits::Windows& rows, std::array<std::int32_t, 3>& s
       }
     }
   }
+}
+
+void coarse_sums(const ColumnBits::Windows* rows, std::size_t count,
+                 std::array<std::int32_t, 3>* sums) noexcept {
+  for (std::size_t k = 0; k < count; ++k) coarse_sums_of(rows[k], sums[k]);
 }
 
 constexpr int kNowhere = 127;  // beyond every window: a column that starts there finds nothing
@@ -96,13 +100,19 @@ void trace_map(const ColumnBits::Windows& columns, int trace, HeightMap& map) no
   map.even_rings = even_rings(map);
 }
 
-void fit_map(const HeightMap& map, const QuadricFilter& filter, QuadricSums& sums) noexcept {
-  const signed char* height = map.height.data() + (map.ns - filter.rings) * map.lanes;
-  const int count = (2 * filter.rings + 1) * map.lanes;
+void trace_maps(const ColumnBits::Windows* columns, std::size_t count, int trace,
+                HeightMap* maps) noexcept {
+  for (std::size_t k = 0; k < count; ++k) trace_map(columns[k], trace, maps[k]);
+}
+
+void fit_rows(const signed char* middle, std::ptrdiff_t pitch, const QuadricFilter& filter,
+              QuadricSums& sums) noexcept {
   for (std::size_t f = 0; f < kQuadric; ++f) {
     sums[f] = 0;
-    for (int k = 0; k < count; ++k) {
-      sums[f] += height[k] * filter.coefficient[f][static_cast<std::size_t>(k)];
+    const std::int16_t* coefficient = filter.coefficient[f].data();
+    for (int j = -filter.rings; j <= filter.rings; ++j, coefficient += filter.lanes) {
+      const signed char* height = middle + j * pitch;
+      for (int lane = 0; lane < filter.lanes; ++lane) sums[f] += height[lane] * coefficient[lane];
     }
   }
 }
@@ -146,6 +156,20 @@ void read_tile(const ColumnBits::Windows& columns, HeightTile& tile) noexcept {
       for (auto& sums : tile.sums[v]) sums[u] = 0;
       if (!sound(u, v)) continue;
       tile.sound[v] = static_cast<std::uint8_t>(tile.sound[v] | 1 << u);
+      int highest = tile.at(u, v), lowest = highest, even = ns;
+      for (int j = -ns; j <= ns; ++j) {
+        for (int i = -ns; i <= ns; ++i) {
+          const int height = tile.at(u + i, v + j), opposite = tile.at(u - i, v - j);
+          if (std::abs(height + opposite - 2 * tile.at(u, v)) > kMaxUneven) {
+            even = std::min(even, std::max(std::abs(i), std::abs(j)) - 1);
+          }
+          highest = std::max(highest, height);
+          lowest = std::min(lowest, height);
+        }
+      }
+      tile.highest[v][u] = static_cast<signed char>(highest);
+      tile.lowest[v][u] = static_cast<signed char>(lowest);
+      tile.even_rings[v][u] = static_cast<std::uint8_t>(even);
       for (std::size_t f = 0; f < kQuadric; ++f) {
         for (int j = -ns; j <= ns; ++j) {
           for (int i = -ns; i <= ns; ++i) {
@@ -176,26 +200,29 @@ bool cut_map(const HeightTile& tile, int u, int v, int w, int trace, HeightMap& 
   return true;
 }
 
-bool is_even(const HeightTile& tile, int u, int v, int w, int trace) noexcept {
-  HeightMap map;
-  map.ns = tile.ns;
-  return cut_map(tile, u, v, w, trace, map) && map.even_rings == map.ns;
-}
-
 constexpr MapKernels kPlain{
-    "plain",         coarse_sums,   trace_map,          read_tile,     cut_map,
-    is_even,         fit_map,       surfaces_of,        feet_of,       largest_residual,
+    "plain",         coarse_sums,   trace_map,          trace_maps,    read_tile,
+    cut_map,         fit_rows,      surfaces_of,        feet_of,       largest_residual,
     half_sums,       sums_on_plane, residuals_on_plane, gather_points, tilted_moments,
     tilted_residuals};
 
 }  // namespace
 
-const MapKernels& plain_map_kernels() noexcept { return kPlain; }
+const MapKernels* map_kernels_of(InstructionSet set) noexcept {
+  if (!has(set)) return nullptr;
+  switch (set) {
+    case InstructionSet::kAvx512:
+      return avx512_map_kernels();
+    case InstructionSet::kAvx2:
+      return avx2_map_kernels();
+    case InstructionSet::kPlain:
+      break;
+  }
+  return &kPlain;
+}
 
 const MapKernels& map_kernels() noexcept {
-  static const MapKernels& fastest =
-      instruction_set() >= InstructionSet::kAvx2 && avx2_map_kernels() ? *avx2_map_kernels()
-                                                                       : kPlain;
+  static const MapKernels& fastest = fastest_kernels(map_kernels_of);
   return fastest;
 }
 

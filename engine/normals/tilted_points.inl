@@ -39,14 +39,26 @@ inline ColumnQuadricOf<Lanes> quadrics_of(const SurfaceGroup& g, int stride) {
   return column_quadric(fitted, answers, static_cast<float>(stride));
 }
 
-inline void store_feet(const ColumnQuadricOf<Lanes>& q, SurfaceGroup& g) {
+inline FootOf<Lanes> store_feet(const ColumnQuadricOf<Lanes>& q, SurfaceGroup& g) {
   const FootOf<Lanes> foot = foot_of(q, square_root);
   store(foot.normal_x, g.normal_x), store(foot.normal_y, g.normal_y);
   store(foot.normal_z, g.normal_z), store(foot.offset, g.offset);
+  return foot;
 }
 
 inline void feet_of(SurfaceGroup* groups, std::size_t count) noexcept {
-  for (std::size_t k = 0; k < count; ++k) store_feet(quadrics_of(groups[k], 1), groups[k]);
+  for (SurfaceGroup* g = groups; g != groups + count; ++g) {
+    const FootOf<Lanes> foot = store_feet(quadrics_of(*g, 1), *g);
+    // Map space to index space (to_index_space), by lane.
+    const Lanes u = foot.normal_x, v = foot.normal_y, w = load(g->sign) * foot.normal_z;
+    const IntLanes axis = load(g->axis), along_x = axis == 0, along_y = axis == 1;
+    const Lanes x = along_x ? w : along_y ? v : u;
+    const Lanes y = along_x ? u : along_y ? w : v;
+    const Lanes z = along_x ? v : along_y ? u : w;
+    store(x, g->index_normal[0]), store(y, g->index_normal[1]), store(z, g->index_normal[2]);
+    const Lanes cosine = x * load(g->coarse[0]) + (y * load(g->coarse[1]) + z * load(g->coarse[2]));
+    store(cosine > 0.0f, g->agrees);
+  }
 }
 
 inline void surfaces_of(SurfaceGroup& g, int stride) noexcept {

@@ -8,16 +8,18 @@
 
 #include "engine/normals/leaf_tiles.hpp"
 #include "engine/normals/tilted_fit.hpp"
+#include "tests/support/instruction_sets.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace sulcus {
 namespace {
 
-class MapKernelsTest : public ::testing::Test {
+/// The kernels of each instruction set against the plain ones.
+class MapKernelsTest : public ::testing::TestWithParam<InstructionSet> {
  protected:
   void SetUp() override {
-    fast_ = avx2_map_kernels();
-    if (!fast_) GTEST_SKIP() << "this processor has no AVX2";
+    fast_ = map_kernels_of(GetParam());
+    if (!fast_) GTEST_SKIP() << "this processor has no " << test::set_name(GetParam());
   }
 
   ColumnBits::Windows windows(const Workpiece& workpiece, const Cell& c, int axis) const {
@@ -63,10 +65,12 @@ class MapKernelsTest : public ::testing::Test {
     }
   }
 
+  const MapKernels* const plain_ = map_kernels_of(InstructionSet::kPlain);
   const MapKernels* fast_ = nullptr;
 };
+INSTANTIATE_TEST_SUITE_P(Sets, MapKernelsTest, test::fast_sets(), test::set_of);
 
-TEST_F(MapKernelsTest, TracesAreTheSameBitForBit) {
+TEST_P(MapKernelsTest, TracesAreTheSameBitForBit) {
   int whole = 0, broken = 0;
   for_maps([&](const ColumnBits::Windows& columns, int sign) {
     for (const int ns : {1, 4, 6, 7, 12}) {
@@ -74,7 +78,7 @@ TEST_F(MapKernelsTest, TracesAreTheSameBitForBit) {
         if (stride == 2 && ns > 7) continue;
         for (const int trace : {5, 12, kMaxTrace}) {
           HeightMap a = ask(ns, stride, sign), b = a;
-          plain_map_kernels().trace(columns, trace, a);
+          plain_->trace(columns, trace, a);
           fast_->trace(columns, trace, b);
           ASSERT_EQ(a.lanes, b.lanes);
           ASSERT_EQ(a.whole_rings, b.whole_rings);
@@ -91,13 +95,40 @@ TEST_F(MapKernelsTest, TracesAreTheSameBitForBit) {
   EXPECT_GT(broken, 1000);
 }
 
-TEST_F(MapKernelsTest, AMapIsWhatAWalkOverTheVoxelsFinds) {
+TEST_P(MapKernelsTest, MapsTracedTogetherAreThoseTracedOneByOne) {
+  std::vector<ColumnBits::Windows> columns;
+  std::vector<int> signs;
+  for (const Workpiece& workpiece : shapes()) {
+    columns.clear(), signs.clear();
+    for (const Cell& c : test::surface_cells(workpiece)) {
+      columns.push_back(windows(workpiece, c, static_cast<int>(c.sum() % 3)));
+      signs.push_back(c.sum() % 5 < 2 ? 1 : -1);
+    }
+    for (const int ns : {6, 12}) {
+      for (const std::size_t count : {std::size_t{1}, std::size_t{9}, columns.size()}) {
+        std::vector<HeightMap> maps;
+        for (std::size_t k = 0; k < count; ++k) maps.push_back(ask(ns, 1, signs[k]));
+        fast_->trace_all(columns.data(), count, 12, maps.data());
+        for (std::size_t k = 0; k < count; ++k) {
+          HeightMap one = ask(ns, 1, signs[k]);
+          plain_->trace(columns[k], 12, one);
+          ASSERT_EQ(maps[k].whole_rings, one.whole_rings);
+          ASSERT_EQ(maps[k].even_rings, one.even_rings);
+          const auto size = static_cast<std::size_t>((2 * ns + 1) * one.lanes);
+          ASSERT_EQ(std::memcmp(maps[k].height.data(), one.height.data(), size), 0);
+        }
+      }
+    }
+  }
+}
+
+TEST_P(MapKernelsTest, AMapIsWhatAWalkOverTheVoxelsFinds) {
   // A slope of one half, and a step of four that is not followed.
   const VoxelModel model = test::make_model({48, 48, 48}, 1e-4, [](const Cell& c) {
     return c.z() <= 20 + c.x() / 2 - 12 + (c.y() > 26 ? 4 : 0);
   });
   const Workpiece workpiece{VoxelModel(model)};
-  for (const MapKernels* kernels : {&plain_map_kernels(), fast_}) {
+  for (const MapKernels* kernels : {plain_, fast_}) {
     HeightMap map = ask(6, 1, 1);
     kernels->trace(windows(workpiece, {24, 24, 20}, 2), 12, map);
     for (int i = -6; i <= 6; ++i) {
@@ -108,28 +139,27 @@ TEST_F(MapKernelsTest, AMapIsWhatAWalkOverTheVoxelsFinds) {
   }
 }
 
-TEST_F(MapKernelsTest, FitsAndResidualsAreTheSameBitForBit) {
+TEST_P(MapKernelsTest, FitsAndResidualsAreTheSameBitForBit) {
   for_maps([&](const ColumnBits::Windows& columns, int sign) {
     for (const int ns : {3, 6, 12}) {
       HeightMap map = ask(ns, 1, sign);
-      plain_map_kernels().trace(columns, 12, map);
+      plain_->trace(columns, 12, map);
       if (map.whole_rings < 1) continue;
       QuadricSums a, b;
       const QuadricFilter& filter = quadric_filter(map.whole_rings, map.lanes);
-      plain_map_kernels().fit(map, filter, a);
-      fast_->fit(map, filter, b);
+      plain_->fit(map.middle_row(), map.lanes, filter, a);
+      fast_->fit(map.middle_row(), map.lanes, filter, b);
       ASSERT_EQ(a, b);
       if (map.whole_rings < ns) continue;
       const int level = map.at(0, 0);
       const ColumnQuadric surface = column_quadric(
           quadric_of(a, level, level, map.sign, filter.solution), filter.answers, 1.0f);
-      ASSERT_EQ(plain_map_kernels().largest_residual(map, surface),
-                fast_->largest_residual(map, surface));
+      ASSERT_EQ(plain_->largest_residual(map, surface), fast_->largest_residual(map, surface));
     }
   });
 }
 
-TEST_F(MapKernelsTest, SurfacesOfAGroupAreThoseOfEachOfIts) {
+TEST_P(MapKernelsTest, SurfacesOfAGroupAreThoseOfEachOfIts) {
   // Whatever the numbers, sane or not.
   SurfaceGroup a;
   std::vector<QuadricSums> sums(SurfaceGroup::kSize);
@@ -144,7 +174,7 @@ TEST_F(MapKernelsTest, SurfacesOfAGroupAreThoseOfEachOfIts) {
   }
   for (const int stride : {1, 2}) {
     SurfaceGroup b = a;
-    plain_map_kernels().surfaces(a, stride);
+    plain_->surfaces(a, stride);
     fast_->surfaces(b, stride);
     for (int k = 0; k < SurfaceGroup::kSize; ++k) {
       const QuadricFilter& filter = filter_of(k);
@@ -166,7 +196,7 @@ TEST_F(MapKernelsTest, SurfacesOfAGroupAreThoseOfEachOfIts) {
   }
 }
 
-TEST_F(MapKernelsTest, CoarseSumsAreThoseOfTheSolidVoxelsAround) {
+TEST_P(MapKernelsTest, CoarseSumsAreThoseOfTheSolidVoxelsAround) {
   for (const Workpiece& workpiece : shapes()) {
     const std::vector<Cell> cells = test::surface_cells(workpiece);
     for (std::size_t k = 0; k < cells.size(); k += 3) {
@@ -182,15 +212,15 @@ TEST_F(MapKernelsTest, CoarseSumsAreThoseOfTheSolidVoxelsAround) {
               (d.isZero() ? 0 : static_cast<int>(std::lround(120.0 / d.cast<double>().norm())));
         }
       }
-      plain_map_kernels().coarse(rows, plain);
-      fast_->coarse(rows, fast);
+      plain_->coarse(&rows, 1, &plain);
+      fast_->coarse(&rows, 1, &fast);
       ASSERT_EQ(plain, expected);
       ASSERT_EQ(fast, expected);
     }
   }
 }
 
-TEST_F(MapKernelsTest, MapsCutOutOfATileAreTheTracedOnesBitForBit) {
+TEST_P(MapKernelsTest, MapsCutOutOfATileAreTheTracedOnesBitForBit) {
   int cut = 0, all = 0;
   for (const Workpiece& workpiece : shapes()) {
     for (const Cell& c : test::surface_cells(workpiece)) {
@@ -206,7 +236,7 @@ TEST_F(MapKernelsTest, MapsCutOutOfATileAreTheTracedOnesBitForBit) {
         HeightTile plain, fast;
         plain.ns = fast.ns = ns;
         plain.sign = fast.sign = axes.sign;
-        plain_map_kernels().tile(about_leaf, plain);
+        plain_->tile(about_leaf, plain);
         fast_->tile(about_leaf, fast);
         for (int v = 0; v < HeightTile::kEdge; ++v) {
           ASSERT_EQ(plain.sound[v], fast.sound[v]);
@@ -217,14 +247,16 @@ TEST_F(MapKernelsTest, MapsCutOutOfATileAreTheTracedOnesBitForBit) {
           }
         }
         HeightMap traced = ask(ns, 1, axes.sign);
-        plain_map_kernels().trace(windows(workpiece, c, axes.axis), trace, traced);
-        for (const MapKernels* kernels : {&plain_map_kernels(), fast_}) {
+        plain_->trace(windows(workpiece, c, axes.axis), trace, traced);
+        for (const MapKernels* kernels : {plain_, fast_}) {
           ++all;
           HeightMap map = ask(ns, 1, axes.sign);
           const bool is_cut = kernels->cut(plain, at.x(), at.y(), at.z(), trace, map);
-          ASSERT_EQ(kernels->even(plain, at.x(), at.y(), at.z(), trace),
-                    is_cut && map.even_rings == ns)
-              << kernels->name;
+          for (const HeightTile* tile : {&plain, &fast}) {
+            ASSERT_EQ(tile->has_map(at.x(), at.y(), at.z(), trace), is_cut) << kernels->name;
+            if (!is_cut) continue;
+            ASSERT_EQ(tile->even_rings[at.y()][at.x()], map.even_rings);
+          }
           if (!is_cut) continue;
           ++cut;
           ASSERT_EQ(map.whole_rings, traced.whole_rings) << kernels->name;
@@ -236,7 +268,7 @@ TEST_F(MapKernelsTest, MapsCutOutOfATileAreTheTracedOnesBitForBit) {
           // And the sums, about the centre's height.
           const QuadricFilter& filter = quadric_filter(ns, map.lanes);
           QuadricSums sums, tile_sums;
-          plain_map_kernels().fit(traced, filter, sums);
+          plain_->fit(traced.middle_row(), traced.lanes, filter, sums);
           for (std::size_t f = 0; f < kQuadric; ++f) tile_sums[f] = plain.sums[at.y()][f][at.x()];
           const int level = traced.at(0, 0), height = plain.at(at.x(), at.y());
           ASSERT_EQ(quadric_of(sums, level, level, axes.sign, filter.solution),
@@ -249,13 +281,13 @@ TEST_F(MapKernelsTest, MapsCutOutOfATileAreTheTracedOnesBitForBit) {
   EXPECT_LT(cut, all * 9 / 10);
 }
 
-TEST_F(MapKernelsTest, HalfDiscsAreThePixelsOnOneSideAndTheSameBitForBit) {
+TEST_P(MapKernelsTest, HalfDiscsAreThePixelsOnOneSideAndTheSameBitForBit) {
   for_maps([&](const ColumnBits::Windows& columns, int sign) {
     for (const int ns : {4, 6, 12}) {
       HeightMap map = ask(ns, 1, sign);
-      plain_map_kernels().trace(columns, 12, map);
+      plain_->trace(columns, 12, map);
       std::array<PlaneSums, kHalves> a, b;
-      plain_map_kernels().halves(map, a);
+      plain_->halves(map, a);
       fast_->halves(map, b);
       HeightPlane plane{0.4f, 0.3f, -0.2f, 0.94f, 0.87f}, other{0.3f, 0.25f, -0.2f, 0.95f, 0.87f};
       for (int d = 0; d < kHalves; ++d) {
@@ -282,13 +314,13 @@ TEST_F(MapKernelsTest, HalfDiscsAreThePixelsOnOneSideAndTheSameBitForBit) {
         }
         ASSERT_TRUE(same_sums(a[d], half)) << ns << " " << d;
         ASSERT_TRUE(same_sums(b[d], half)) << ns << " " << d;
-        for (const MapKernels* kernels : {&plain_map_kernels(), fast_}) {
+        for (const MapKernels* kernels : {plain_, fast_}) {
           PlaneSums found;
           kernels->on_plane(map, d, plane, found);
           ASSERT_TRUE(same_sums(found, on)) << kernels->name;
         }
         Residuals r, s;
-        plain_map_kernels().plane_residuals(map, d, plane, other, r);
+        plain_->plane_residuals(map, d, plane, other, r);
         fast_->plane_residuals(map, d, plane, other, s);
         ASSERT_EQ(r.largest, s.largest);
         ASSERT_EQ(r.sum_squares, s.sum_squares);
@@ -297,21 +329,21 @@ TEST_F(MapKernelsTest, HalfDiscsAreThePixelsOnOneSideAndTheSameBitForBit) {
   });
 }
 
-TEST_F(MapKernelsTest, TiltedPointsAndTheirSumsAreTheSameBitForBit) {
+TEST_P(MapKernelsTest, TiltedPointsAndTheirSumsAreTheSameBitForBit) {
   for_maps([&](const ColumnBits::Windows& columns, int sign) {
     HeightMap map = ask(6, 1, sign);
-    plain_map_kernels().trace(columns, 12, map);
+    plain_->trace(columns, 12, map);
     const float radius = 8.0f;
     const TiltedFrame frame{
         {0.8f, 0.0f, -0.6f}, {0.36f, 0.8f, 0.48f}, {0.48f, -0.6f, 0.64f}, radius};
     TiltedPoints a, b;
-    plain_map_kernels().gather(map, frame, a);
+    plain_->gather(map, frame, a);
     fast_->gather(map, frame, b);
     ASSERT_EQ(a.count, b.count);
     ASSERT_EQ(a.groups, b.groups);
     ASSERT_EQ(std::memcmp(a.group.data(), b.group.data(), a.groups * sizeof a.group[0]), 0);
     TiltedMoments p, q;
-    plain_map_kernels().moments(a, p);
+    plain_->moments(a, p);
     fast_->moments(a, q);
     for (int i = 0; i <= 4; ++i) {
       for (int j = 0; i + j <= 4; ++j) ASSERT_EQ(p.m[i][j], q.m[i][j]);
@@ -321,7 +353,7 @@ TEST_F(MapKernelsTest, TiltedPointsAndTheirSumsAreTheSameBitForBit) {
     }
     Residuals r, s;
     const Quadric c{0.01f, 0.1f, -0.2f, 0.3f, 0.05f, -0.1f};
-    plain_map_kernels().residuals(a, c, r);
+    plain_->residuals(a, c, r);
     fast_->residuals(a, c, s);
     ASSERT_EQ(r.largest, s.largest);
     ASSERT_EQ(r.sum_squares, s.sum_squares);
