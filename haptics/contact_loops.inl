@@ -341,6 +341,7 @@ inline MeasureSums measure_all(const ContactFrame& frame, const ForceSettings& s
     Lanes3 normal = load3(contacts, Contacts::kNormal, k);
     const Lanes distance_m = load(contacts.of[Contacts::kDistance] + k);
     const IntLanes known = dot(normal, normal) > 0.0f;
+    const IntLanes there = among(contacts.size - k);  // what fills up the last group weighs nothing
     // Voxels from the frame's to where depth is measured: from the centre along the normal.
     Lanes along = settings.at_surface
                       ? where(known, load(contacts.of[Contacts::kOffset] + k) * per_voxel)
@@ -369,13 +370,12 @@ inline MeasureSums measure_all(const ContactFrame& frame, const ForceSettings& s
       along = where(known | tells, along);
       if (settings.at_surface) {
         const Lanes fade = smaller(Lanes{} + 1.0f, cosine * full_cosine);
-        weight = where((depth > 0.0f) & (cosine > 0.0f), depth * per_voxel * fade);
+        weight = where(there & (depth > 0.0f) & (cosine > 0.0f), depth * per_voxel * fade);
         if (spreads) {
           store3(away * where(tells, -1.0f / length), contacts, Contacts::kOutward, k);
           const Lanes reached =
               larger(Lanes{}, smaller(Lanes{} + 1.0f, 1.0f + depth / settings.spread_reach_m));
-          const IntLanes there = among(contacts.size - k) & (known | tells);
-          const Lanes near = where(there & (cosine > 0.0f), reached * fade);
+          const Lanes near = where(there & (known | tells) & (cosine > 0.0f), reached * fade);
           add(near_sum, near);
           const Lanes along_axes[3] = {normal.x, normal.y, normal.z};
           for (int a = 0, entry = 0; a < 3; ++a) {
@@ -385,11 +385,11 @@ inline MeasureSums measure_all(const ContactFrame& frame, const ForceSettings& s
           }
         }
       } else {
-        weight = where(depth > 0.0f, Lanes{} + 1.0f);
+        weight = where(there & (depth > 0.0f), Lanes{} + 1.0f);
       }
       store3(normal, contacts, Contacts::kNormal, k);
     } else {
-      weight = where(depth > 0.0f, Lanes{} + 1.0f);
+      weight = where(there & (depth > 0.0f), Lanes{} + 1.0f);
     }
     store3(constant(frame.arm_m) + (d + normal * along) * (Lanes{} + voxel_m), contacts,
            Contacts::kArm, k);

@@ -176,5 +176,24 @@ TEST_P(ContactKernelsTest, ForcesAreTheSameBitForBit) {
   }
 }
 
+TEST_P(ContactKernelsTest, WhatFillsUpTheLastGroupIsNoContact) {
+  // Its key is that of the grid's first voxel: the burr is there, its one contact far from it.
+  const Pose at_first{grid_.centre_world(Cell::Zero()), pose_.orientation};
+  const ContactFrame frame(grid_, burr_.field, at_first, burr_.reference_m);
+  for (const ContactKernels* kernels : {plain_, fast_}) {
+    for (const bool at_surface : {false, true}) {
+      Contacts one(1);
+      Contact far;
+      far.cell = Cell::Constant(60);
+      far.distance_m = 1e-3f;
+      one.push_back(far);
+      const MeasureSums measured =
+          kernels->measure(frame, ForceSettings{at_surface, 0.2f, 0.0f}, arrays_of(one));
+      EXPECT_EQ(measured.counted, 0u) << kernels->name;
+      EXPECT_EQ(measured.weights, 0.0) << kernels->name;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sulcus
