@@ -69,14 +69,21 @@ bool broad_phase(const Workpiece& workpiece, const Capsule& capsule_tool,
                              length2 > 0.0 ? 1.0 / length2 : 0.0};
 
   // Pre-order with a stack of our own: at most 7 siblings wait on each of at most 8 levels.
-  std::array<Octree::Place, 64> stack;
+  struct Visit {
+    Octree::Place place;
+    std::uint32_t index;  // of a node with something below it
+  };
+  std::array<Visit, 64> stack;
   std::size_t depth = 0;
-  stack[depth++] = {};
+  const auto push = [&](const Octree::Place& place, std::uint32_t index) {
+    if (octree.node(index).status == ChildStatus::kNone) return false;
+    stack[depth++] = {place, index};
+    return true;
+  };
+  push({}, octree.index({}));
   while (depth > 0) {
-    const Octree::Place place = stack[--depth];
-    const std::uint32_t index = octree.index(place);
+    const auto [place, index] = stack[--depth];
     const OctreeNode& node = octree.node(index);
-    if (node.status == ChildStatus::kNone) continue;
     Eigen::Vector3d lower, upper;  // voxel cubes reach half a voxel beyond their centres
     for (int axis = 0; axis < 3; ++axis) {
       lower[axis] = node.lower[axis] - 0.5;
@@ -92,15 +99,18 @@ bool broad_phase(const Workpiece& workpiece, const Capsule& capsule_tool,
       continue;
     }
     bool any_child = false;
-    const Eigen::Vector3i& n_child = octree.dims(place.level + 1);
-    for (int c = 7; c >= 0; --c) {  // pushed in reverse, so that they are visited in order
-      const Octree::Place child{place.level + 1,
-                                {2 * place.at.x() + (c & 1), 2 * place.at.y() + (c >> 1 & 1),
-                                 2 * place.at.z() + (c >> 2)}};
-      if ((child.at.array() >= n_child.array()).any()) continue;
-      if (octree.node(octree.index(child)).status == ChildStatus::kNone) continue;
-      any_child = true;
-      stack[depth++] = child;
+    const Octree::Place first{place.level + 1, 2 * place.at};
+    const Eigen::Vector3i& n = octree.dims(first.level);
+    const std::uint32_t first_index = octree.index(first);
+    const auto to_next_y = static_cast<std::uint32_t>(n.x());
+    const auto to_next_z = to_next_y * static_cast<std::uint32_t>(n.y());
+    for (std::uint32_t c = 8; c-- > 0;) {  // pushed in reverse, so that they are visited in order
+      const std::uint32_t x = c & 1, y = c >> 1 & 1, z = c >> 2;
+      const Octree::Place child{first.level,
+                                first.at + Eigen::Vector3i(static_cast<int>(x), static_cast<int>(y),
+                                                           static_cast<int>(z))};
+      if (child.at.x() >= n.x() || child.at.y() >= n.y() || child.at.z() >= n.z()) continue;
+      any_child |= push(child, first_index + x + y * to_next_y + z * to_next_z);
     }
     if (!any_child && scratch.hollow.size() < scratch.hollow.capacity()) {
       scratch.hollow.push_back(index);

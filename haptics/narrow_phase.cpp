@@ -94,18 +94,19 @@ class Tester {
       std::fill(contacts.tissues() + first, contacts.tissues() + end, std::uint8_t{0});
       return;
     }
-    std::uint32_t at = ~0u;
-    const LabelBlock* block = nullptr;
-    std::uint8_t uniform = 0;
-    for (std::size_t i = first; i < end; ++i) {
-      const std::uint32_t key = contacts.keys()[i];
-      if (const std::uint32_t in = leaf_key(key); in != at) {
-        at = in;
-        const std::uint32_t leaf = workpiece_.grid().leaf_of(cell_of_key(key));
-        block = tissues->block(leaf);
-        uniform = tissues->uniform_label(leaf);
+    const std::uint32_t* const keys = contacts.keys();
+    for (std::size_t i = first; i < end;) {
+      const std::size_t begin = i;
+      while (++i < end && leaf_key(keys[i]) == leaf_key(keys[begin])) {
       }
-      contacts.tissues()[i] = block ? (*block)[static_cast<std::size_t>(leaf_place(key))] : uniform;
+      const std::uint32_t leaf = workpiece_.grid().leaf_of(cell_of_key(keys[begin]));
+      if (const LabelBlock* const block = tissues->block(leaf)) {
+        for (std::size_t k = begin; k < i; ++k) {
+          contacts.tissues()[k] = (*block)[static_cast<std::size_t>(leaf_place(keys[k]))];
+        }
+      } else {
+        std::fill(contacts.tissues() + begin, contacts.tissues() + i, tissues->uniform_label(leaf));
+      }
     }
   }
 
