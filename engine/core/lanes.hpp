@@ -105,15 +105,27 @@ inline void add(DoubleLanes& sum, const Lanes& v) {
 }
 
 inline float sum_of(const SumLanes& v) {
+#ifdef __AVX2__
+  // What GCC makes of the line below is twice as long.
+  const __m128 half = _mm_add_ps(_mm256_castps256_ps128(v), _mm256_extractf128_ps(v, 1));
+  const __m128 pair = _mm_add_ps(half, _mm_movehl_ps(half, half));
+  return _mm_cvtss_f32(_mm_add_ss(pair, _mm_movehdup_ps(pair)));
+#else
   return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
+#endif
 }
 inline double sum_of(const DoubleLanes& v) {
   return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
 }
-inline float largest_of(const Lanes& v) {
-  float largest = v[0];
-  for (int lane = 1; lane < kLaneCount; ++lane) largest = v[lane] > largest ? v[lane] : largest;
-  return largest;
+inline float largest_of(const SumLanes& v) {
+#ifdef __AVX2__
+  const __m128 half = _mm_max_ps(_mm256_extractf128_ps(v, 1), _mm256_castps256_ps128(v));
+  const __m128 pair = _mm_max_ps(_mm_movehl_ps(half, half), half);
+  return _mm_cvtss_f32(_mm_max_ss(_mm_movehdup_ps(pair), pair));
+#else
+  const auto of = [](float a, float b) { return b > a ? b : a; };
+  return of(of(of(v[0], v[4]), of(v[2], v[6])), of(of(v[1], v[5]), of(v[3], v[7])));
+#endif
 }
 
 }  // namespace

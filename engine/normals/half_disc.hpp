@@ -11,16 +11,17 @@ namespace sulcus {
 
 /// A plane through the half of a map on one side of the voxel.
 struct HalfDisc {
-  Foot foot;           // of the voxel's centre on the plane, map space
+  Foot foot;           // of the voxel's centre on what it has grown to, map space
   float score = 0.0f;  // less is better
 };
 
 /// Near an edge, the face that a voxel belongs to: of the planes through eight half-discs of 6.8
 /// voxels, 45 degrees apart, which explain their points to the quantisation, the one that passes
 /// nearest to the voxel, more points breaking near ties. A plane is fitted again to what lies on
-/// it. `coarse`, unit, map space, is the coarse normal: no face of an edge or corner of 50 degrees
-/// or more is further than 65 degrees from it. Nor does the face point away from `outward`, map
-/// space, what the tool knows; zero where that is nothing. None where no half-disc is plane.
+/// it, and grows over the map (grow_plane). `coarse`, unit, map space, is the coarse normal: no
+/// face of an edge or corner of 50 degrees or more is further than 65 degrees from it. Nor does the
+/// face point away from `outward`, map space, what the tool knows; zero where that is nothing. None
+/// where no half-disc is plane.
 std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vector3f& coarse,
                                           const Eigen::Vector3f& outward) noexcept;
 

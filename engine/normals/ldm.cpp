@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "engine/normals/grown_plane.hpp"
 #include "engine/normals/half_disc.hpp"
 #include "engine/normals/map_group.hpp"
 #include "engine/normals/tilted_fit.hpp"
@@ -17,19 +18,32 @@ using Eigen::Vector3f;
 // Each of these is in voxels, or a share.
 constexpr float kMostResidual = 0.35f;  // of a whole map, beyond half the cosine of its tilt
 constexpr float kMostWideResidual = 0.6f;
-constexpr float kMostCubic = 0.13f;    // of the quadric's own part, at the rim of the map
+constexpr float kMostCubic = 0.2f;     // of the quadric's own part, at the rim of the map
 constexpr float kLevelCosine = 0.98f;  // where the surface is so level, a map of stride 2 helps
 constexpr float kSecondAxis = 0.55f;   // of the dominant component of the coarse normal
-constexpr float kRadii[] = {8.0f, 6.0f, 4.2f, 2.6f};  // at NS = 6
+constexpr float kRadii[] = {7.6f, 5.8f, 4.2f, 2.6f};  // at NS = 6
 constexpr float kNearEdge = 3.0f;                     // a ball no larger than this
+constexpr float kMostBend = 0.2f;                     // of a face, across it, half a map out
 
-/// Whether the quadric of a whole map explains its heights.
-bool explains(const HeightMap& map, const ColumnQuadric& surface, const Foot& foot) noexcept {
+/// Whether the quadric of a whole map explains its heights; with what it leaves of them.
+bool explains(const HeightMap& map, const ColumnQuadric& surface, float cosine,
+              ResidualCubes& left) noexcept {
   if (map.whole_rings < map.ns) return false;
   const auto rim = static_cast<float>(map.ns * map.stride);
   if (!((std::abs(surface.t_x) + std::abs(surface.t_y)) * rim < kMostCubic)) return false;
-  const float most = map.stride == 1 ? kMostResidual + 0.5f * foot.normal_z : kMostWideResidual;
-  return map_kernels().largest_residual(map, surface) <= most;
+  const float most = map.stride == 1 ? kMostResidual + 0.5f * cosine : kMostWideResidual;
+  return map_kernels().map_residuals(map, surface, left) <= most;
+}
+
+/// The face that a whole map shows, where its quadric is as good as flat.
+std::optional<Foot> flat_face(const HeightMap& map, const ColumnQuadric& surface,
+                              const Foot& foot) noexcept {
+  const auto& c = surface.c;
+  const auto rim = static_cast<float>(map.ns * map.stride);
+  const float bend = (std::abs(c[3]) + std::abs(c[4]) + std::abs(c[5])) * rim * rim;
+  if (bend * foot.normal_z > kMostBend) return {};
+  const int columns = (2 * map.ns + 1) * (2 * map.ns + 1);
+  return grow_plane(map, foot, columns, false);
 }
 
 /// The surface of a map of stride 2, where that is whole and a quadric explains it.
@@ -44,12 +58,12 @@ std::optional<Foot> fit_wide(const Workpiece& workpiece, const Cell& voxel, cons
   QuadricSums sums;
   map_kernels().fit(map.middle_row(), map.lanes, filter, sums);
   const int level = map.at(0, 0);
-  const ColumnQuadric surface =
-      column_quadric(quadric_of(sums, level, level, map.sign, filter.solution), filter.answers,
-                     static_cast<float>(map.stride));
-  const Foot foot = foot_of(surface);
-  if (!explains(map, surface, foot)) return {};
-  return foot;
+  ColumnQuadric surface = column_quadric(quadric_of(sums, level, level, map.sign, filter.solution),
+                                         filter.answers, static_cast<float>(map.stride));
+  ResidualCubes left;
+  if (!explains(map, surface, foot_of(surface).normal_z, left)) return {};
+  sharpen(filter.solution, left, static_cast<float>(map.stride), surface);
+  return foot_of(surface);
 }
 
 /// The face nearest to the voxel that its map, or one across the second axis, has. Adds to
@@ -86,12 +100,13 @@ SurfaceEstimate estimate_in_parts(const Workpiece& workpiece, const Cell& voxel,
                                   const Vector3f& coarse, const Vector3f& tool,
                                   std::uint8_t& windows) noexcept {
   std::optional<Foot> in_ball;
-  if (const std::optional<Vector3f> tilt = first_tilt(map)) {
+  if (const std::optional<Foot> close = close_plane(map)) {
+    const Vector3f tilt(close->normal_x, close->normal_y, close->normal_z);
     const float wide = std::max(1.0f, static_cast<float>(map.ns) / 6.0f);
     for (const float at_six : kRadii) {
       // The largest grows with the map; the others are there for what is small.
       const float radius = at_six == kRadii[0] ? at_six * wide : at_six;
-      in_ball = fit_tilted(map, *tilt, radius);
+      in_ball = fit_tilted(map, tilt, radius);
       if (!in_ball) continue;
       if (radius > kNearEdge) return to_index_space(*in_ball, axes);
       break;
@@ -114,6 +129,15 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
   for (std::size_t first = 0; first < queries.size(); first += MapGroup::kSize) {
     const std::size_t count = group.trace(workpiece, queries, first, neighbourhood, trace, tiles);
     group.fit([](const HeightMap& map) { return map.whole_rings == map.ns ? map.ns : 0; });
+    std::array<bool, MapGroup::kSize> explained{};
+    for (std::size_t k = 0; k < count; ++k) {
+      const int place = static_cast<int>(k);
+      ResidualCubes left;
+      explained[k] = explains(group.maps[k], group.surfaces.surface(place),
+                              group.surfaces.foot(place).normal_z, left);
+      group.surfaces.put_residuals(place, left);
+    }
+    map_kernels().sharpen_group(group.surfaces);
     for (std::size_t k = 0; k < count; ++k) {
       const HeightMap& map = group.maps[k];
       const MapAxes& axes = group.axes[k];
@@ -125,13 +149,15 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
       const Vector3f tool = heard(queries[first + k].outward, coarse);
       const int place = static_cast<int>(k);
       const Foot foot = group.surfaces.foot(place);
-      if (explains(map, group.surfaces.surface(place), foot)) {
+      if (explained[k]) {
         const bool level = foot.normal_z > kLevelCosine && map.lanes == 16;
         if (level) windows |= SurfaceEstimate::kWideWindow;
         const std::optional<Foot> wide =
             level ? fit_wide(workpiece, queries[first + k].voxel, axes, neighbourhood, trace)
                   : std::optional<Foot>();
-        estimate = to_index_space(wide ? *wide : foot, axes);
+        const std::optional<Foot> face =
+            wide ? wide : flat_face(map, group.surfaces.surface(place), foot);
+        estimate = to_index_space(face ? *face : foot, axes);
       } else {
         estimate = estimate_in_parts(workpiece, queries[first + k].voxel, map, axes, trace, coarse,
                                      tool, windows);

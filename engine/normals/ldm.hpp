@@ -13,6 +13,10 @@ namespace sulcus {
 /// walls with one setting. Further from [Kim and Park 2019, V] than `ldm_fast`:
 /// - where the map along the dominant axis is whole, and one quadric explains all its heights to
 ///   their quantisation, that is the surface;
+/// - least squares is where a fit begins: since quantisation leaves residuals spread evenly up to
+///   a bound, not in a bell, a step towards the least sum of fourth powers follows;
+/// - where a plane explains what a quadric does, it grows over all columns of the map that lie on
+///   it, up to the edges of the face (grow_plane);
 /// - else the largest ball about the voxel in which a quadric does, fitted in the tilted frame of
 ///   the surface, where a curved surface is a quadric farther out than in the columns' frame. The
 ///   quantisation of the heights enters the abscissas of that frame as well; what it adds to the

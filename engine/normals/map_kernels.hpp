@@ -29,6 +29,7 @@ struct alignas(32) SurfaceGroup {
   // Of `feet` alone: the axis that the columns run along, and the coarse normal, index space.
   std::int32_t axis[kSize]{};
   float coarse[3][kSize]{};
+  float cubes[kQuadric][kSize]{};  // of their residuals
   // Filled in:
   float c[kQuadric][kSize], t_x[kSize], t_y[kSize], quartic[kSize];
   float normal_x[kSize], normal_y[kSize], normal_z[kSize], offset[kSize];
@@ -61,6 +62,9 @@ struct alignas(32) SurfaceGroup {
   Eigen::Vector3f normal(int k) const {
     return {index_normal[0][k], index_normal[1][k], index_normal[2][k]};
   }
+  void put_residuals(int k, const ResidualCubes& of) {
+    for (std::size_t f = 0; f < kQuadric; ++f) cubes[f][k] = of[f];
+  }
   ColumnQuadric surface(int k) const {
     return {{c[0][k], c[1][k], c[2][k], c[3][k], c[4][k], c[5][k]}, t_x[k], t_y[k], quartic[k]};
   }
@@ -76,16 +80,12 @@ struct TiltedFrame {
   float radius = 0.0f;
 };
 
-/// The points of a map in a ball, eight to a group, coordinates in the tilted frame in units of the
-/// radius; weights 1 - r^2 / (1.05 R^2), zero for what is not in the ball.
+/// The points of a map in a ball one after the other, coordinates in the tilted frame in units of
+/// the radius; weights 1 - r^2 / (1.05 R^2). All zero from `count` to the end of its eight.
 struct TiltedPoints {
-  static constexpr int kMaxGroups = HeightMap::kMaxRows * HeightMap::kMaxLanes / 8;
-  struct alignas(32) Group {
-    float weight[8], u[8], w[8], n[8];
-  };
-  int groups = 0;
+  static constexpr int kCapacity = HeightMap::kMaxRows * HeightMap::kMaxLanes + 8;
   int count = 0;
-  std::array<Group, kMaxGroups> group;
+  alignas(32) float weight[kCapacity], u[kCapacity], w[kCapacity], n[kCapacity];
 };
 
 /// Sums over points: m[a][b] of weight u^a w^b, z[a][b] of weight u^a w^b n.
@@ -109,6 +109,21 @@ struct HeightPlane {
   float c0 = 0, c1 = 0, c2 = 0;
   float cosine = 1;
   float slack = 0;
+};
+/// Columns that were not found are off every plane that is no steeper over the columns.
+inline constexpr float kLeastPlaneCosine = 0.2f;
+
+/// What a column on a plane counts when the plane is fitted again, by its residual r across it.
+enum class PlaneWeight : std::uint8_t {
+  kTaper,     // least squares under the map's taper, 1 - (i^2 + j^2) / (2.5 NS^2)
+  kQuartic,   // a step of Newton's towards the least sum of r^4 under it, times 3
+  kInterior,  // one towards the least sum of -log(bound^2 - r^2)
+};
+
+/// What lies on a plane.
+struct PlaneLook {
+  Residuals residuals;  // across it, voxels
+  int count = 0;        // columns
 };
 
 /// The disc of 6.8 voxels that lies in a map, and its halves: half d is up to 90 degrees to either
@@ -154,8 +169,23 @@ struct MapKernels {
   /// Feet, and the normals in index space, of so many groups of stride 1.
   void (*feet)(SurfaceGroup* groups, std::size_t count) noexcept;
 
-  /// Largest |height - surface| over a whole map, voxels, the surface without its quartic part.
-  float (*largest_residual)(const HeightMap& map, const ColumnQuadric& surface) noexcept;
+  /// Surfaces of stride 1 sharpened by their residuals, and their feet.
+  void (*sharpen_group)(SurfaceGroup& group) noexcept;
+
+  /// Largest |height - surface| over a whole map, voxels, the surface without its quartic part, and
+  /// sums of the cubes of such residuals.
+  float (*map_residuals)(const HeightMap& map, const ColumnQuadric& surface,
+                         ResidualCubes& cubes) noexcept;
+
+  /// Sums over the columns within 3.6 voxels of the voxel, in space.
+  void (*close_sums)(const HeightMap& map, PlaneSums& sums) noexcept;
+
+  /// Sums over all columns of a map that lie on a plane (no steeper than kLeastPlaneCosine): of
+  /// their weights, and in place of z of the right side, so that their solution is to be added to
+  /// the plane, across it. `bound`, for kInterior: above all their residuals.
+  void (*plane_step)(const HeightMap& map, const HeightPlane& plane, PlaneWeight weight,
+                     float bound, PlaneSums& sums) noexcept;
+  void (*look_at_plane)(const HeightMap& map, const HeightPlane& plane, PlaneLook& look) noexcept;
 
   /// Sums over the halves of the disc.
   void (*halves)(const HeightMap& map, std::array<PlaneSums, kHalves>& sums) noexcept;
@@ -171,6 +201,8 @@ struct MapKernels {
   /// In units of the radius.
   void (*residuals)(const TiltedPoints& points, const Quadric& quadric,
                     Residuals& residuals) noexcept;
+  /// Takes a quadric off the points, and weighs each by the square of what is left besides.
+  void (*sharpen_points)(const Quadric& quadric, TiltedPoints& points) noexcept;
 };
 
 /// Compiled for a set; null where the processor or the build has none.

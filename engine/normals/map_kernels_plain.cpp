@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "engine/normals/map_kernels.hpp"
+#include "engine/normals/plane_step.inl"
 #include "engine/normals/tilted_points.inl"
 
 namespace sulcus {
@@ -201,10 +202,11 @@ bool cut_map(const HeightTile& tile, int u, int v, int w, int trace, HeightMap& 
 }
 
 constexpr MapKernels kPlain{
-    "plain",         coarse_sums,   trace_map,          trace_maps,    read_tile,
-    cut_map,         fit_rows,      surfaces_of,        feet_of,       largest_residual,
-    half_sums,       sums_on_plane, residuals_on_plane, gather_points, tilted_moments,
-    tilted_residuals};
+    "plain",       coarse_sums,        trace_map,     trace_maps,     read_tile,
+    cut_map,       fit_rows,           surfaces_of,   feet_of,        sharpen_group,
+    map_residuals, close_sums,         plane_step,    look_at_plane,  half_sums,
+    sums_on_plane, residuals_on_plane, gather_points, tilted_moments, tilted_residuals,
+    sharpen_points};
 
 }  // namespace
 

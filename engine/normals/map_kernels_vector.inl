@@ -4,6 +4,7 @@
 #include <immintrin.h>
 
 #include "engine/normals/map_kernels.hpp"
+#include "engine/normals/plane_step.inl"
 #include "engine/normals/tilted_points.inl"
 
 namespace sulcus {
@@ -596,13 +597,18 @@ constexpr MapKernels vector_kernels(const char* name) {
           fit_rows,
           surfaces_of,
           feet_of,
-          largest_residual,
+          sharpen_group,
+          map_residuals,
+          close_sums,
+          plane_step,
+          look_at_plane,
           half_sums,
           sums_on_plane,
           residuals_on_plane,
           gather_points,
           tilted_moments,
-          tilted_residuals};
+          tilted_residuals,
+          sharpen_points};
 }
 
 }  // namespace

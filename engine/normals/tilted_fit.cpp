@@ -6,7 +6,9 @@
 
 #include <Eigen/Geometry>
 
+#include "engine/normals/grown_plane.hpp"
 #include "engine/normals/map_kernels.hpp"
+#include "engine/normals/plane_solution.hpp"
 
 namespace sulcus {
 
@@ -14,8 +16,9 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr int kTiltReach = 3, kTiltReach4 = 51;  // 4 * 3.6^2
 constexpr int kFewestPoints = 12;
+constexpr float kFewestClose = 5.0f;
+constexpr float kLeastGrown = 0.8f;  // of the points in the ball
 // Of residuals across the surface. Quantisation alone gives half the cosine of the tilt at most,
 // and 0.289 of it on average.
 struct Tolerance {
@@ -37,12 +40,10 @@ struct NormalEquations {
   float matrix[kQuadric][kQuadric], right[kQuadric];
 };
 
-/// Heights are uniform in [-1/2, 1/2] about the surface, along e = (eu, ew, en) in the frame. To
-/// second order, the moment of a power p of the points exceeds the surface's own by half the
-/// variance, 1/12, times the second derivative of p along e; that is taken off here.
-NormalEquations without_quantisation(const TiltedMoments& s, const TiltedFrame& frame) {
+/// `half_variance`: of what was added to the points along the columns, to be taken off the moments.
+NormalEquations equations_of(const TiltedMoments& s, const TiltedFrame& frame,
+                             float half_variance) {
   const float eu = frame.u[2], ew = frame.w[2], en = frame.n[2];
-  const float half_variance = 1.0f / (24.0f * frame.radius * frame.radius);
   const float uu = eu * eu * half_variance, uw = 2.0f * eu * ew * half_variance,
               ww = ew * ew * half_variance, un = 2.0f * en * eu * half_variance,
               wn = 2.0f * en * ew * half_variance;
@@ -76,6 +77,13 @@ NormalEquations without_quantisation(const TiltedMoments& s, const TiltedFrame& 
                              right(2, 0), right(1, 1), right(0, 2)};
   std::copy(std::begin(z), std::end(z), e.right);
   return e;
+}
+
+/// Heights are uniform in [-1/2, 1/2] about the surface, along e = (eu, ew, en) in the frame. To
+/// second order, the moment of a power p of the points exceeds the surface's own by half the
+/// variance, 1/12, times the second derivative of p along e; that is taken off here.
+NormalEquations without_quantisation(const TiltedMoments& s, const TiltedFrame& frame) {
+  return equations_of(s, frame, 1.0f / (24.0f * frame.radius * frame.radius));
 }
 
 /// Coefficients of the first `kTerms` powers, or none where the points do not determine them. By
@@ -122,33 +130,29 @@ bool explains(const Quadric& c, const TiltedPoints& points, const TiltedFrame& f
          residuals.sum_squares <= static_cast<float>(points.count) * mean_square * mean_square;
 }
 
+/// The foot of the voxel's centre on a surface over a tilted frame, told in map space.
+Foot foot_in_columns(const Quadric& c, const TiltedFrame& frame) {
+  ColumnQuadric surface;  // in units of the radius
+  surface.c = c;
+  const Foot tilted = foot_of(surface);
+  const auto along = [&](std::size_t axis) {
+    return tilted.normal_x * frame.u[axis] + tilted.normal_y * frame.w[axis] +
+           tilted.normal_z * frame.n[axis];
+  };
+  return {along(0), along(1), along(2), tilted.offset * frame.radius};
+}
+
 }  // namespace
 
-std::optional<Vector3f> first_tilt(const HeightMap& map) noexcept {
-  int n = 0, si = 0, sj = 0, sii = 0, sij = 0, sjj = 0, sz = 0, siz = 0, sjz = 0;
-  const int reach = std::min(map.ns, kTiltReach);
-  for (int j = -reach; j <= reach; ++j) {
-    for (int i = -reach; i <= reach; ++i) {
-      const int h = map.at(i, j);
-      if (h == HeightMap::kNone) continue;
-      const int twice_z = 2 * map.sign * h + 1;
-      if (4 * (i * i + j * j) + twice_z * twice_z > kTiltReach4) continue;
-      ++n, si += i, sj += j, sii += i * i, sij += i * j, sjj += j * j;
-      sz += twice_z, siz += i * twice_z, sjz += j * twice_z;
-    }
-  }
-  // About the mean: whole numbers, n times the covariances.
-  const int ii = n * sii - si * si, ij = n * sij - si * sj, jj = n * sjj - sj * sj;
-  const int iz = n * siz - si * sz, jz = n * sjz - sj * sz;
-  const auto determinant = static_cast<float>(ii) * static_cast<float>(jj) -
-                           static_cast<float>(ij) * static_cast<float>(ij);
-  if (n < 5 || determinant <= 0.0f) return {};
-  const float half = 0.5f / determinant;  // z was twice itself
-  const float slope_i = half * (static_cast<float>(jj) * static_cast<float>(iz) -
-                                static_cast<float>(ij) * static_cast<float>(jz));
-  const float slope_j = half * (static_cast<float>(ii) * static_cast<float>(jz) -
-                                static_cast<float>(ij) * static_cast<float>(iz));
-  return Vector3f(-slope_i, -slope_j, 1.0f).normalized();
+std::optional<Foot> close_plane(const HeightMap& map) noexcept {
+  PlaneSums sums;
+  map_kernels().close_sums(map, sums);
+  if (sums.n < kFewestClose) return {};
+  const std::optional<PlaneSolution> twice = solve_plane(sums);
+  if (!twice) return {};
+  const float slope_x = 0.5f * twice->c1, slope_y = 0.5f * twice->c2;
+  const float cosine = 1.0f / std::sqrt(1.0f + slope_x * slope_x + slope_y * slope_y);
+  return Foot{-slope_x * cosine, -slope_y * cosine, cosine, 0.5f * twice->c0 * cosine};
 }
 
 std::optional<Foot> fit_tilted(const HeightMap& map, const Vector3f& normal,
@@ -165,15 +169,20 @@ std::optional<Foot> fit_tilted(const HeightMap& map, const Vector3f& normal,
   std::optional<Quadric> c = solve<kQuadric>(equations);
   if (!c || !explains(*c, points, frame, kCurved)) return {};
   const std::optional<Quadric> plane = solve<3>(equations);
-  if (plane && explains(*plane, points, frame, kPlane)) c = plane;
-  ColumnQuadric surface;  // in units of the radius
-  surface.c = *c;
-  const Foot tilted = foot_of(surface);
-  const auto along = [&](std::size_t axis) {
-    return tilted.normal_x * frame.u[axis] + tilted.normal_y * frame.w[axis] +
-           tilted.normal_z * frame.n[axis];
-  };
-  return Foot{along(0), along(1), along(2), tilted.offset * radius};
+  if (plane && explains(*plane, points, frame, kPlane)) {
+    const Foot in_ball = foot_in_columns(*plane, frame);
+    const auto least = static_cast<int>(kLeastGrown * static_cast<float>(points.count));
+    const std::optional<Foot> face = grow_plane(map, in_ball, least, true);
+    return face ? *face : in_ball;
+  }
+  // A step of Newton's towards the least sum of fourth powers: what quantisation leaves is spread
+  // evenly up to a bound, so that the points near to it say most (see grow_plane).
+  kernels.sharpen_points(*c, points);
+  kernels.moments(points, moments);
+  if (const std::optional<Quadric> thrice = solve<kQuadric>(equations_of(moments, frame, 0.0f))) {
+    for (std::size_t f = 0; f < kQuadric; ++f) (*c)[f] += (*thrice)[f] * (1.0f / 3.0f);
+  }
+  return foot_in_columns(*c, frame);
 }
 
 }  // namespace sulcus

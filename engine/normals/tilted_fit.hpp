@@ -9,9 +9,9 @@
 
 namespace sulcus {
 
-/// Unit normal, map space, of the least-squares plane of the map's points within 3.6 voxels of the
-/// voxel; none where they are fewer than five or in line.
-std::optional<Eigen::Vector3f> first_tilt(const HeightMap& map) noexcept;
+/// The foot of the voxel's centre on the least-squares plane of the map's points within 3.6 voxels
+/// of it; none where they are fewer than five or in line.
+std::optional<Foot> close_plane(const HeightMap& map) noexcept;
 
 /// The plane, else the quadric, that explains all points of a map of stride 1 within `radius`
 /// voxels of the voxel to their quantisation, fitted in the frame whose third axis is `normal`:

@@ -1,6 +1,8 @@
 // The loops of map_kernels.hpp in single precision, written once and compiled for each instruction
 // set by the files that include this. Eight lanes everywhere: the bits do not depend on the set.
 
+#pragma once
+
 #include "engine/core/lanes.hpp"
 #include "engine/normals/map_kernels.hpp"
 
@@ -23,16 +25,17 @@ inline Lanes outward(const IntLanes& heights, int sign) {
 }
 constexpr Lanes kAlong = {0, 1, 2, 3, 4, 5, 6, 7};
 
+inline FilterSolutionOf<IntLanes, Lanes> solutions_of(const SurfaceGroup& g) {
+  return {load(g.weights[0]),  load(g.weights[1]),  load(g.solution[0]), load(g.solution[1]),
+          load(g.solution[2]), load(g.solution[3]), load(g.solution[4]), load(g.solution[5])};
+}
+
 /// The surfaces of eight fits.
 inline ColumnQuadricOf<Lanes> quadrics_of(const SurfaceGroup& g, int stride) {
   std::array<IntLanes, kQuadric> sums;
   for (unsigned f = 0; f < kQuadric; ++f) sums[f] = load(g.sums[f]);
-  const FilterSolutionOf<IntLanes, Lanes> solution{
-      load(g.weights[0]),  load(g.weights[1]),  load(g.solution[0]), load(g.solution[1]),
-      load(g.solution[2]), load(g.solution[3]), load(g.solution[4]), load(g.solution[5])};
   const QuadricOf<Lanes> fitted =
-      quadric_of(sums, load(g.centre), load(g.level), load(g.sign), solution,
-                 [](const IntLanes& v) { return __builtin_convertvector(v, Lanes); });
+      quadric_of(sums, load(g.centre), load(g.level), load(g.sign), solutions_of(g), to_float);
   const FilterAnswersOf<Lanes> answers{load(g.answers[0]), load(g.answers[1]), load(g.answers[2]),
                                        load(g.answers[3]), load(g.answers[4]), load(g.answers[5]),
                                        load(g.answers[6]), load(g.answers[7])};
@@ -61,38 +64,70 @@ inline void feet_of(SurfaceGroup* groups, std::size_t count) noexcept {
   }
 }
 
-inline void surfaces_of(SurfaceGroup& g, int stride) noexcept {
-  const ColumnQuadricOf<Lanes> q = quadrics_of(g, stride);
+inline void store_surfaces(const ColumnQuadricOf<Lanes>& q, SurfaceGroup& g) {
   for (unsigned f = 0; f < kQuadric; ++f) store(q.c[f], g.c[f]);
   store(q.t_x, g.t_x), store(q.t_y, g.t_y), store(q.quartic, g.quartic);
   store_feet(q, g);
 }
 
-inline float largest_residual(const HeightMap& map, const ColumnQuadric& surface) noexcept {
+inline void surfaces_of(SurfaceGroup& g, int stride) noexcept {
+  store_surfaces(quadrics_of(g, stride), g);
+}
+
+inline void sharpen_group(SurfaceGroup& g) noexcept {
+  ColumnQuadricOf<Lanes> q;
+  ResidualCubesOf<Lanes> cubes;
+  for (unsigned f = 0; f < kQuadric; ++f) q.c[f] = load(g.c[f]), cubes[f] = load(g.cubes[f]);
+  sharpen(solutions_of(g), cubes, 1.0f, q);
+  store_surfaces(q, g);
+}
+
+inline float map_residuals(const HeightMap& map, const ColumnQuadric& surface,
+                           ResidualCubes& cubes) noexcept {
   // Of the heights as they are stored: the surface is turned inward instead, once.
   const auto sign = static_cast<float>(map.sign), stride = static_cast<float>(map.stride);
   const float c0 = (surface.c[0] - 0.5f) * sign, c1 = surface.c[1] * sign * stride,
               c2 = surface.c[2] * sign * stride;
   const float area = sign * stride * stride;
   const float c3 = surface.c[3] * area, c4 = surface.c[4] * area, c5 = surface.c[5] * area;
-  const float tx = surface.t_x * stride, ty = surface.t_y * stride;
+  const float tx = surface.t_x * stride, ty = surface.t_y * stride, cubic = c5 * ty;
+  const Taper taper = taper_of(map.ns);
+  const auto centre = static_cast<float>(taper.centre), fall = static_cast<float>(taper.fall);
   const int middle = map.lanes / 2, first = (middle - map.ns) / 8, end = (middle + map.ns) / 8 + 1;
-  Lanes largest{};
+  Lanes largest{}, one{}, i{}, j{}, ii{}, ij{}, jj{};
   for (int group = first; group < end; ++group) {
-    const Lanes i = kAlong + static_cast<float>(8 * group - middle);
-    const Lanes z1_i = c0 + c1 * i, z2_i = c3 * i * i, twist = c4 * i, t_i = 1.0f + tx * i;
-    const signed char* row = map.height.data() + 8 * group;
-    Lanes most{};
-    for (int j = -map.ns; j <= map.ns; ++j, row += map.lanes) {
-      const auto y = static_cast<float>(j);
-      const Lanes z2 = z2_i + twist * y + c5 * y * y;
-      const Lanes z = z1_i + c2 * y + z2 * (t_i + ty * y);
-      const Lanes residual = abs(__builtin_convertvector(heights(row), Lanes) - z);
-      most = larger(most, residual);
+    const Lanes x = kAlong + static_cast<float>(8 * group - middle);
+    const IntLanes inside = abs(x) <= static_cast<float>(map.ns);
+    // By powers of y.
+    const Lanes z2 = c3 * x * x, twist = c4 * x, t = 1.0f + tx * x;
+    const Lanes a0 = c0 + c1 * x + z2 * t, a1 = c2 + twist * t + z2 * ty, a2 = c5 * t + twist * ty;
+    const Lanes weight_x = centre - fall * x * x;
+    Lanes most{}, cube0{}, cube1{}, cube2{};
+    const auto take = [&](const Lanes& r, const Lanes& weight) {
+      most = larger(most, abs(r));
+      return weight * r * (r * r);
+    };
+    const signed char* const row = map.height.data() + map.ns * map.lanes + 8 * group;
+    cube0 = take(to_float(heights(row)) - a0, weight_x);
+    // Rows +j and -j together: what is even in y, and what is odd.
+    Lanes y{};
+    for (int v = 1; v <= map.ns; ++v) {
+      y += 1.0f;
+      const Lanes yy = y * y;
+      const Lanes even = a2 * yy + a0, odd = (a1 + cubic * yy) * y;
+      const Lanes weight = weight_x - fall * yy;
+      const Lanes above = take(to_float(heights(row + v * map.lanes)) - (even + odd), weight);
+      const Lanes below = take(to_float(heights(row - v * map.lanes)) - (even - odd), weight);
+      const Lanes both = above + below;
+      cube0 += both, cube1 += (above - below) * y, cube2 += both * yy;
     }
-    most = abs(i) <= static_cast<float>(map.ns) ? most : Lanes{};
-    largest = larger(largest, most);
+    cube0 = where(inside, cube0), cube1 = where(inside, cube1), cube2 = where(inside, cube2);
+    largest = larger(largest, where(inside, most));
+    one += cube0, i += cube0 * x, ii += cube0 * x * x;
+    j += cube1, ij += cube1 * x, jj += cube2;
   }
+  cubes = {sign * sum_of(one), sign * sum_of(i),  sign * sum_of(j),
+           sign * sum_of(ii),  sign * sum_of(ij), sign * sum_of(jj)};
   return largest_of(largest);
 }
 
@@ -154,6 +189,25 @@ struct LaneSums9 {
   }
 };
 
+inline void close_sums(const HeightMap& map, PlaneSums& sums) noexcept {
+  constexpr int kReach = 3;
+  constexpr float kReach4 = 51.0f;  // 4 * 3.6^2
+  const int reach = map.ns < kReach ? map.ns : kReach;
+  const auto twice_sign = static_cast<float>(2 * map.sign);
+  const Lanes x = kAlong - static_cast<float>(kReach);
+  const Lanes four_xx = 4.0f * x * x;
+  const signed char* row =
+      map.height.data() + (map.ns - reach) * map.lanes + map.lanes / 2 - kReach;
+  LaneSums9 s;
+  for (int j = -reach; j <= reach; ++j, row += map.lanes) {
+    const auto y = static_cast<float>(j);
+    const Lanes z2 = __builtin_convertvector(heights(row), Lanes) * twice_sign + 1.0f;
+    // kNone is far out of it.
+    s.add(four_xx + 4.0f * y * y + z2 * z2 <= kReach4, x, y, z2);
+  }
+  sums = s.total();
+}
+
 inline void half_sums(const HeightMap& map, std::array<PlaneSums, kHalves>& sums) noexcept {
   for (unsigned d = 0; d < kHalves; ++d) {
     LaneSums9 s;
@@ -196,6 +250,60 @@ inline void residuals_on_plane(const HeightMap& map, int half, const HeightPlane
 
 // --- Points in a ball ---------------------------------------------------------------------------
 
+#ifdef __AVX2__
+/// By a mask of eight lanes: those that are in it, from the first on.
+struct PackTable {
+  alignas(8) std::uint8_t lane[256][8];
+};
+constexpr PackTable make_pack_table() {
+  PackTable table{};
+  for (int mask = 0; mask < 256; ++mask) {
+    int to = 0;
+    for (int lane = 0; lane < 8; ++lane) {
+      if ((mask >> lane & 1) != 0) table.lane[mask][to++] = static_cast<std::uint8_t>(lane);
+    }
+  }
+  return table;
+}
+constexpr PackTable kPack = make_pack_table();
+#endif
+
+/// Appends the lanes in a mask; beyond them seven floats more may be written.
+class PointWriter {
+ public:
+  explicit PointWriter(TiltedPoints& points) : points_(points) {}
+
+  void append(const IntLanes& mask, const Lanes& weight, const Lanes& u, const Lanes& w,
+              const Lanes& n) {
+#ifdef __AVX2__
+    const auto bits = static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(mask)));
+    const __m256i from =
+        _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(kPack.lane[bits])));
+    const auto put = [&](const Lanes& v, float* to) {
+      store(_mm256_permutevar8x32_ps(v, from), to + count_);
+    };
+    put(weight, points_.weight), put(u, points_.u), put(w, points_.w), put(n, points_.n);
+    count_ += __builtin_popcount(bits);
+#else
+    for (int lane = 0; lane < 8; ++lane) {
+      if (mask[lane] == 0) continue;
+      points_.weight[count_] = weight[lane], points_.u[count_] = u[lane];
+      points_.w[count_] = w[lane], points_.n[count_] = n[lane];
+      ++count_;
+    }
+#endif
+  }
+  void finish() {
+    store(Lanes{}, points_.weight + count_), store(Lanes{}, points_.u + count_);
+    store(Lanes{}, points_.w + count_), store(Lanes{}, points_.n + count_);
+    points_.count = count_;
+  }
+
+ private:
+  TiltedPoints& points_;
+  int count_ = 0;
+};
+
 inline void gather_points(const HeightMap& map, const TiltedFrame& frame,
                           TiltedPoints& points) noexcept {
   const float radius = frame.radius, unit = 1.0f / radius;
@@ -207,40 +315,31 @@ inline void gather_points(const HeightMap& map, const TiltedFrame& frame,
   const auto [w0, w1, w2] = frame.w;
   const auto [n0, n1, n2] = frame.n;
   const int sign = map.sign, lanes = map.lanes;
-  IntLanes count{};
-  TiltedPoints::Group* g = points.group.data();
+  PointWriter writer(points);
   for (int group = first; group < end; ++group) {
     const Lanes x = kAlong + static_cast<float>(8 * group - middle);
     const Lanes xx = x * x, x_u = x * (u0 * unit), x_w = x * (w0 * unit), x_n = x * (n0 * unit);
     const signed char* row = map.height.data() + (map.ns - reach) * lanes + 8 * group;
-    for (int j = -reach; j <= reach; ++j, row += lanes, ++g) {
+    for (int j = -reach; j <= reach; ++j, row += lanes) {
       const float y = static_cast<float>(j), y_unit = y * unit;
-      const IntLanes height = heights(row);
-      const Lanes z = outward(height, sign), z_unit = z * unit;
+      const Lanes z = outward(heights(row), sign), z_unit = z * unit;
       const Lanes r2 = xx + y * y + z * z;
       // kNone is far out of every ball.
-      const IntLanes in_ball = r2 <= limit;
-      count -= in_ball;
-      store(in_ball ? 1.0f - r2 * fall : Lanes{}, g->weight);
-      store(x_u + y_unit * u1 + z_unit * u2, g->u);
-      store(x_w + y_unit * w1 + z_unit * w2, g->w);
-      store(x_n + y_unit * n1 + z_unit * n2, g->n);
+      writer.append(r2 <= limit, 1.0f - r2 * fall, x_u + y_unit * u1 + z_unit * u2,
+                    x_w + y_unit * w1 + z_unit * w2, x_n + y_unit * n1 + z_unit * n2);
     }
   }
-  const int groups = static_cast<int>(g - points.group.data());
-  points.groups = groups;
-  points.count = 0;
-  for (int lane = 0; lane < 8; ++lane) points.count += count[lane];
+  writer.finish();
 }
 
 // Two passes: the sums of one take all the registers there are.
 inline void tilted_moments(const TiltedPoints& points, TiltedMoments& moments) noexcept {
-  const TiltedPoints::Group* const begin = points.group.data();
-  const TiltedPoints::Group* const end = begin + points.groups;
+  const TiltedPoints& p = points;
   {
     Lanes m00{}, m01{}, m02{}, m10{}, m11{}, m20{}, z00{}, z01{}, z02{}, z10{}, z11{}, z20{};
-    for (const TiltedPoints::Group* g = begin; g != end; ++g) {
-      const Lanes weight = load(g->weight), u = load(g->u), w = load(g->w), n = load(g->n);
+    for (int k = 0; k < p.count; k += 8) {
+      const Lanes weight = load(p.weight + k), u = load(p.u + k), w = load(p.w + k),
+                  n = load(p.n + k);
       const Lanes w1 = weight * w, u1 = weight * u, w2 = w1 * w, uw = u1 * w, u2 = u1 * u;
       m00 += weight, m01 += w1, m02 += w2, m10 += u1, m11 += uw, m20 += u2;
       z00 += weight * n, z01 += w1 * n, z02 += w2 * n;
@@ -254,8 +353,8 @@ inline void tilted_moments(const TiltedPoints& points, TiltedMoments& moments) n
     z[1][0] = sum_of(z10), z[1][1] = sum_of(z11), z[2][0] = sum_of(z20);
   }
   Lanes m03{}, m04{}, m12{}, m13{}, m21{}, m22{}, m30{}, m31{}, m40{};
-  for (const TiltedPoints::Group* g = begin; g != end; ++g) {
-    const Lanes weight = load(g->weight), u = load(g->u), w = load(g->w);
+  for (int k = 0; k < p.count; k += 8) {
+    const Lanes weight = load(p.weight + k), u = load(p.u + k), w = load(p.w + k);
     const Lanes w2 = weight * w * w, w3 = w2 * w, uw2 = w2 * u;
     const Lanes u2 = weight * u * u, u3 = u2 * u, u2w = u2 * w;
     m03 += w3, m04 += w3 * w, m12 += uw2, m13 += uw2 * w;
@@ -267,20 +366,30 @@ inline void tilted_moments(const TiltedPoints& points, TiltedMoments& moments) n
   m[3][0] = sum_of(m30), m[3][1] = sum_of(m31), m[4][0] = sum_of(m40);
 }
 
+inline Lanes residual_of(const TiltedPoints& p, int k, const Quadric& c) {
+  const Lanes u = load(p.u + k), w = load(p.w + k);
+  return load(p.n + k) - (c[0] + (c[1] + c[3] * u + c[4] * w) * u + (c[2] + c[5] * w) * w);
+}
+
 inline void tilted_residuals(const TiltedPoints& points, const Quadric& c,
                              Residuals& residuals) noexcept {
   Lanes largest{}, squares{};
-  for (int k = 0; k < points.groups; ++k) {
-    const TiltedPoints::Group& g = points.group[static_cast<unsigned>(k)];
-    const Lanes u = load(g.u), w = load(g.w);
-    const Lanes fitted = c[0] + (c[1] + c[3] * u + c[4] * w) * u + (c[2] + c[5] * w) * w;
-    const Lanes r = load(g.weight) > 0.0f ? load(g.n) - fitted : Lanes{};
-    const Lanes size = abs(r);
-    largest = larger(largest, size);
+  for (int k = 0; k < points.count; k += 8) {
+    const Lanes residual = residual_of(points, k, c);
+    const Lanes r = load(points.weight + k) > 0.0f ? residual : Lanes{};
+    largest = larger(largest, abs(r));
     squares += r * r;
   }
   residuals.largest = largest_of(largest);
   residuals.sum_squares = sum_of(squares);
+}
+
+inline void sharpen_points(const Quadric& c, TiltedPoints& points) noexcept {
+  for (int k = 0; k < points.count; k += 8) {
+    const Lanes r = residual_of(points, k, c);
+    store(load(points.weight + k) * r * r, points.weight + k);
+    store(r, points.n + k);
+  }
 }
 
 }  // namespace

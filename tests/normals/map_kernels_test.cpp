@@ -154,7 +154,30 @@ TEST_P(MapKernelsTest, FitsAndResidualsAreTheSameBitForBit) {
       const int level = map.at(0, 0);
       const ColumnQuadric surface = column_quadric(
           quadric_of(a, level, level, map.sign, filter.solution), filter.answers, 1.0f);
-      ASSERT_EQ(plain_->largest_residual(map, surface), fast_->largest_residual(map, surface));
+      ResidualCubes p, q;
+      const float largest = plain_->map_residuals(map, surface, p);
+      ASSERT_EQ(largest, fast_->map_residuals(map, surface, q));
+      ASSERT_EQ(p, q);
+      // The second way: column by column.
+      double most = 0.0, cubes = 0.0, across = 0.0;
+      const Taper taper = taper_of(ns);
+      for (int j = -ns; j <= ns; ++j) {
+        for (int i = -ns; i <= ns; ++i) {
+          const double x = i, y = j;
+          const auto& c = surface.c;
+          const double z2 = c[3] * x * x + c[4] * x * y + c[5] * y * y;
+          const double z =
+              c[0] + c[1] * x + c[2] * y + z2 * (1 + surface.t_x * x + surface.t_y * y);
+          const double r = sign * map.at(i, j) + 0.5 - z;
+          const double weight = taper.centre - taper.fall * (i * i + j * j);
+          most = std::max(most, std::abs(r));
+          cubes += weight * r * r * r;
+          across += weight * i * j * r * r * r;
+        }
+      }
+      ASSERT_NEAR(largest, most, 1e-4 * (1.0 + most));
+      ASSERT_NEAR(p[0], cubes, 1e-3 * (100.0 + std::abs(cubes)));
+      ASSERT_NEAR(p[4], across, 1e-2 * (1000.0 + std::abs(across)));
     }
   });
 }
@@ -191,6 +214,27 @@ TEST_P(MapKernelsTest, SurfacesOfAGroupAreThoseOfEachOfIts) {
         EXPECT_EQ(group->foot(k).normal_y, foot.normal_y);
         EXPECT_EQ(group->foot(k).normal_z, foot.normal_z);
         EXPECT_EQ(group->foot(k).offset, foot.offset);
+      }
+    }
+    if (stride != 1) continue;
+    std::vector<ResidualCubes> cubes(SurfaceGroup::kSize);
+    std::vector<ColumnQuadric> before;
+    for (int k = 0; k < SurfaceGroup::kSize; ++k) {
+      for (std::size_t f = 0; f < kQuadric; ++f) {
+        cubes[k][f] = static_cast<float>(std::sin(static_cast<double>(7 * k + 5 * f)));
+      }
+      before.push_back(a.surface(k));
+      a.put_residuals(k, cubes[k]), b.put_residuals(k, cubes[k]);
+    }
+    plain_->sharpen_group(a);
+    fast_->sharpen_group(b);
+    for (int k = 0; k < SurfaceGroup::kSize; ++k) {
+      ColumnQuadric one = before[k];
+      sharpen(filter_of(k).solution, cubes[k], 1.0f, one);
+      for (const SurfaceGroup* group : {&a, &b}) {
+        EXPECT_EQ(group->surface(k).c, one.c);
+        EXPECT_EQ(group->foot(k).normal_x, foot_of(one).normal_x);
+        EXPECT_EQ(group->foot(k).offset, foot_of(one).offset);
       }
     }
   }
@@ -340,8 +384,20 @@ TEST_P(MapKernelsTest, TiltedPointsAndTheirSumsAreTheSameBitForBit) {
     plain_->gather(map, frame, a);
     fast_->gather(map, frame, b);
     ASSERT_EQ(a.count, b.count);
-    ASSERT_EQ(a.groups, b.groups);
-    ASSERT_EQ(std::memcmp(a.group.data(), b.group.data(), a.groups * sizeof a.group[0]), 0);
+    int inside = 0;
+    for (int j = -6; j <= 6; ++j) {
+      for (int i = -6; i <= 6; ++i) {
+        const float z = static_cast<float>(sign * map.at(i, j)) + 0.5f;
+        inside += static_cast<float>(i * i + j * j) + z * z <= radius * radius ? 1 : 0;
+      }
+    }
+    ASSERT_EQ(a.count, inside);
+    const auto same_points = [&] {
+      const std::size_t bytes = static_cast<std::size_t>((a.count + 7) / 8 * 8) * sizeof(float);
+      return std::memcmp(a.weight, b.weight, bytes) == 0 && std::memcmp(a.u, b.u, bytes) == 0 &&
+             std::memcmp(a.w, b.w, bytes) == 0 && std::memcmp(a.n, b.n, bytes) == 0;
+    };
+    ASSERT_TRUE(same_points());
     TiltedMoments p, q;
     plain_->moments(a, p);
     fast_->moments(a, q);
@@ -357,6 +413,80 @@ TEST_P(MapKernelsTest, TiltedPointsAndTheirSumsAreTheSameBitForBit) {
     fast_->residuals(a, c, s);
     ASSERT_EQ(r.largest, s.largest);
     ASSERT_EQ(r.sum_squares, s.sum_squares);
+    plain_->sharpen_points(c, a);
+    fast_->sharpen_points(c, b);
+    ASSERT_TRUE(same_points());
+  });
+}
+
+TEST_P(MapKernelsTest, StepsOfAPlaneAreTheColumnsOnItAndTheSameBitForBit) {
+  for_maps([&](const ColumnBits::Windows& columns, int sign) {
+    for (const int ns : {4, 6, 12}) {
+      HeightMap map = ask(ns, 1, sign);
+      plain_->trace(columns, 12, map);
+      const HeightPlane plane{0.4f, 0.3f, -0.2f, 0.94f, 0.57f};
+      constexpr float kBound = 0.6f;
+      PlaneLook look, same_look;
+      plain_->look_at_plane(map, plane, look);
+      fast_->look_at_plane(map, plane, same_look);
+      ASSERT_EQ(look.count, same_look.count);
+      ASSERT_EQ(look.residuals.largest, same_look.residuals.largest);
+      ASSERT_EQ(look.residuals.sum_squares, same_look.residuals.sum_squares);
+      for (const PlaneWeight kind :
+           {PlaneWeight::kTaper, PlaneWeight::kQuartic, PlaneWeight::kInterior}) {
+        PlaneSums a, b;
+        plain_->plane_step(map, plane, kind, kBound, a);
+        fast_->plane_step(map, plane, kind, kBound, b);
+        ASSERT_TRUE(same_sums(a, b));
+        // The second way: column by column.
+        int count = 0;
+        double weights = 0.0, crossed = 0.0, right = 0.0;
+        for (int j = -ns; j <= ns; ++j) {
+          for (int i = -ns; i <= ns; ++i) {
+            const double r = (sign * map.at(i, j) + 0.5 - 0.4 - 0.3 * i + 0.2 * j) * 0.94;
+            if (map.at(i, j) == HeightMap::kNone || std::abs(r) > plane.slack) continue;
+            ++count;
+            const double taper = 1.0 - (i * i + j * j) / (2.5 * ns * ns);
+            const double inside = kBound * kBound - r * r;
+            const double weight = kind == PlaneWeight::kTaper ? taper
+                                  : kind == PlaneWeight::kQuartic
+                                      ? taper * r * r
+                                      : (kBound * kBound + r * r) / (inside * inside);
+            weights += weight;
+            crossed += weight * i * j;
+            right += j * (kind == PlaneWeight::kInterior ? r / inside : weight * r);
+          }
+        }
+        ASSERT_EQ(look.count, count);
+        ASSERT_NEAR(a.n, weights, 1e-3 * (1.0 + weights));
+        ASSERT_NEAR(a.ij, crossed, 1e-3 * (10.0 + 30.0 * weights));
+        ASSERT_NEAR(a.jz, right, 1e-3 * (10.0 + 6.0 * weights));
+      }
+    }
+  });
+}
+
+TEST_P(MapKernelsTest, ClosePointsAreThoseOfTheBallAndTheSameBitForBit) {
+  for_maps([&](const ColumnBits::Windows& columns, int sign) {
+    for (const int ns : {2, 6, 12}) {
+      HeightMap map = ask(ns, 1, sign);
+      plain_->trace(columns, 12, map);
+      PlaneSums a, b;
+      plain_->close_sums(map, a);
+      fast_->close_sums(map, b);
+      ASSERT_TRUE(same_sums(a, b));
+      PlaneSums sums;
+      for (int j = -std::min(ns, 3); j <= std::min(ns, 3); ++j) {
+        for (int i = -std::min(ns, 3); i <= std::min(ns, 3); ++i) {
+          const auto x = static_cast<float>(i), y = static_cast<float>(j),
+                     z2 = static_cast<float>(2 * sign * map.at(i, j) + 1);
+          if (x * x + y * y + 0.25f * z2 * z2 > 3.6f * 3.6f) continue;
+          sums.n += 1, sums.i += x, sums.j += y, sums.ii += x * x, sums.ij += x * y;
+          sums.jj += y * y, sums.z += z2, sums.iz += x * z2, sums.jz += y * z2;
+        }
+      }
+      ASSERT_TRUE(same_sums(a, sums));
+    }
   });
 }
 

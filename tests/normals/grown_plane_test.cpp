@@ -1,0 +1,99 @@
+#include "engine/normals/grown_plane.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "tests/support/shapes.hpp"
+
+namespace sulcus {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr int kNs = 6;
+
+/// Heights of the face z = c0 + c1 i + c2 j up to i = `edge`, beyond which it falls off by two
+/// voxels a column.
+HeightMap map_of(double c0, double c1, double c2, int edge) {
+  HeightMap map;
+  map.ns = kNs;
+  map.lanes = lanes_of(kNs);
+  map.height.fill(HeightMap::kNone);
+  for (int j = -kNs; j <= kNs; ++j) {
+    for (int i = -kNs; i <= kNs; ++i) {
+      const double beyond = std::max(0, i - edge);
+      map.height[static_cast<std::size_t>(map.place(i, j))] =
+          static_cast<signed char>(std::floor(c0 + c1 * i + c2 * j - (2.0 + c1) * beyond));
+    }
+  }
+  return map;
+}
+
+Vector3d normal_of(double c1, double c2) { return Vector3d(-c1, -c2, 1.0).normalized(); }
+
+Foot foot_of(const Vector3d& normal, double offset) {
+  return {static_cast<float>(normal.x()), static_cast<float>(normal.y()),
+          static_cast<float>(normal.z()), static_cast<float>(offset)};
+}
+
+/// A plane two degrees and a tenth of a voxel off.
+Foot roughly(double c0, double c1, double c2) {
+  const Vector3d normal = normal_of(c1, c2);
+  const Vector3d off = Eigen::AngleAxisd(2.0 * std::numbers::pi / 180.0,
+                                         normal.cross(Vector3d(0.3, -0.7, 0.2)).normalized()) *
+                       normal;
+  return foot_of(off, c0 * normal.z() + 0.1);
+}
+
+template <class Each>
+void for_planes(const Each& each) {
+  for (int k = 0; k < 200; ++k) {
+    // Slopes all around, none so level that a map shows a step or two.
+    const double size = 0.15 + 0.75 * std::sqrt((k + 0.5) / 200.0), angle = 2.399963 * k;
+    each(0.13 + 0.0731 * (k % 11), size * std::cos(angle), size * std::sin(angle));
+  }
+}
+
+TEST(GrownPlane, ReachesUpToTheEdgeAndNotBeyond) {
+  for (const int edge : {2, 4, kNs}) {
+    double sum = 0.0, offsets = 0.0;
+    int planes = 0;
+    for_planes([&](double c0, double c1, double c2) {
+      const auto face = grow_plane(map_of(c0, c1, c2, edge), roughly(c0, c1, c2), 40, true);
+      ASSERT_TRUE(face) << c0 << " " << c1 << " " << c2;
+      const Vector3d normal(face->normal_x, face->normal_y, face->normal_z);
+      EXPECT_NEAR(normal.norm(), 1.0, 1e-5);
+      const double deg = test::angle_deg(normal, normal_of(c1, c2));
+      EXPECT_LT(deg, 3.0) << c0 << " " << c1 << " " << c2;
+      sum += deg;
+      offsets += std::abs(face->offset - c0 * normal_of(c1, c2).z());
+      ++planes;
+    });
+    std::printf("grown plane, edge at %d: mean %.3f deg, offset %.4f\n", edge, sum / planes,
+                offsets / planes);
+    EXPECT_LT(sum / planes, 0.35) << "least squares alone has twice that";
+    EXPECT_LT(offsets / planes, 0.03);
+  }
+}
+
+TEST(GrownPlane, NeedsItsColumns) {
+  const HeightMap map = map_of(0.4, 0.3, -0.2, 2);
+  const Foot first = roughly(0.4, 0.3, -0.2);
+  // Nine columns of thirteen are on the face, and some that have only begun to fall off.
+  EXPECT_TRUE(grow_plane(map, first, 117, true));
+  EXPECT_FALSE(grow_plane(map, first, 140, true));
+  EXPECT_FALSE(grow_plane(map, foot_of(normal_of(0.3, -0.2), 9.0), 1, true)) << "nothing on it";
+}
+
+TEST(GrownPlane, WallsAlongTheColumnsHaveNone) {
+  const HeightMap map = map_of(0.4, 0.0, 0.0, kNs);
+  EXPECT_FALSE(grow_plane(map, foot_of(Vector3d(0.99, 0.0, 0.141).normalized(), 0.3), 1, true));
+}
+
+}  // namespace
+}  // namespace sulcus
