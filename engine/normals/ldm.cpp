@@ -117,7 +117,7 @@ SurfaceEstimate estimate_in_parts(const Workpiece& workpiece, const Cell& voxel,
   if (face) return *face;
   if (in_ball) return to_index_space(*in_ball, axes);
   // Nothing fits, as on the floor of a fissure. The coarse normal errs least there.
-  return {coarse.normalized(), 0.5f, true};
+  return last_resort(coarse, tool, windows);
 }
 
 }  // namespace
@@ -165,7 +165,7 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
       if (!stands(estimate.normal, coarse, tool)) {
         const std::optional<SurfaceEstimate> face = nearest_face(
             workpiece, queries[first + k].voxel, map, axes, trace, coarse, tool, windows);
-        estimate = face ? *face : SurfaceEstimate{coarse.normalized(), 0.5f, true};
+        estimate = face ? *face : last_resort(coarse, tool, windows);
       }
       estimate.windows = windows;
     }

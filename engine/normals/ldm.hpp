@@ -27,8 +27,9 @@ namespace sulcus {
 /// - normal and offset are those of the foot point of the voxel's centre.
 /// No normal points away from the coarse one. `VoxelQuery::outward` stands in for the coarse normal
 /// where the solid around the voxel is symmetric (a lone voxel, a wall of one voxel), and vetoes:
-/// where the normal points away from it though the coarse one does not, as with the wrong face of
-/// an edge, the nearest face that does not is taken, else the coarse normal. Undefined only where
+/// where the normal points away from it though the coarse one does not do so by 120 degrees, as
+/// with the wrong face of an edge, the nearest face that does not is taken, else the coarse normal,
+/// else `outward` itself. (Beyond 120 degrees it is the far side of a wall.) Undefined only where
 /// both are zero. 1 <= neighbourhood <= kMaxNeighbourhood, 1 <= trace <= kMaxTrace. Pure, no
 /// allocation. One estimate for each query, eight at a time.
 void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> queries,

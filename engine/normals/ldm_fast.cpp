@@ -135,7 +135,7 @@ void estimate_ldm_fast(const Workpiece& workpiece, std::span<const VoxelQuery> q
       // No map: an edge sharper than the steps allow. The face of the voxel is the best surface.
       estimate = coarse == Eigen::Vector3f::Zero()
                      ? SurfaceEstimate{}
-                     : SurfaceEstimate{coarse.normalized(), 0.5f, true, batch.axes[k].window()};
+                     : last_resort(coarse, heard(outward, coarse), batch.axes[k].window());
     }
   }
 }

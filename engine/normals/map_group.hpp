@@ -50,9 +50,18 @@ struct MapGroup {
   std::array<bool, kSize> summed_{};  // whole: the sums are there, from a tile
 };
 
-/// What the tool has to say: nothing on the far side of a wall, which the coarse normal tells.
+/// What the tool has to say: nothing on the far side of a wall, where the coarse normal points away
+/// from it by more than 120 degrees. What is less happens at concave edges.
 inline Eigen::Vector3f heard(const Eigen::Vector3f& outward, const Eigen::Vector3f& coarse) {
-  return coarse.dot(outward) < 0.0f ? Eigen::Vector3f(Eigen::Vector3f::Zero()) : outward;
+  const float along = coarse.dot(outward);
+  const bool far_side =
+      along < 0.0f && along * along > 0.25f * coarse.squaredNorm() * outward.squaredNorm();
+  return far_side ? Eigen::Vector3f(Eigen::Vector3f::Zero()) : outward;
+}
+/// Where no surface stands: the coarse normal, or the tool's direction where that is vetoed too.
+inline SurfaceEstimate last_resort(const Eigen::Vector3f& coarse, const Eigen::Vector3f& tool,
+                                   std::uint8_t windows) {
+  return {(coarse.dot(tool) < 0.0f ? tool : coarse).normalized(), 0.5f, true, windows};
 }
 /// Whether a normal points away from neither the coarse one nor what the tool has to say.
 inline bool stands(const Eigen::Vector3f& normal, const Eigen::Vector3f& coarse,

@@ -241,5 +241,25 @@ TEST_P(LdmTiers, NoNormalPointsAwayFromTheToolWhereTheCoarseOneDoesNot) {
   EXPECT_GT(vetoed, 100);
 }
 
+TEST_P(LdmTiers, AtConcaveEdgesTheToolIsHeardThoughTheCoarseNormalPointsAway) {
+  const Workpiece workpiece(test::random_blobs({40, 32, 48}, 9));
+  int voxels = 0;
+  for (const Cell& c : test::surface_cells(workpiece)) {
+    const Eigen::Vector3f coarse = coarse_normal(workpiece, c).cast<float>().normalized();
+    const Eigen::Vector3f across = coarse.cross(Eigen::Vector3f(0.3f, -0.5f, 0.8f)).normalized();
+    if (!(across.norm() > 0.9f) || coarse.norm() < 0.9f) continue;
+    // 115 degrees from it, and 125, as on the far side of a wall.
+    const Eigen::Vector3f tool = 0.906f * across - 0.423f * coarse;
+    const SurfaceEstimate told = GetParam().estimate(workpiece, c, kNs, kTrace, tool);
+    ASSERT_TRUE(test::is_unit_or_undefined(told) && told.defined);
+    EXPECT_GE(told.normal.dot(tool), 0.0f) << c.transpose();
+    const SurfaceEstimate free = estimate(workpiece, c);
+    const Eigen::Vector3f behind = 0.819f * across - 0.574f * coarse;
+    EXPECT_TRUE(test::same_bits(free, GetParam().estimate(workpiece, c, kNs, kTrace, behind)));
+    ++voxels;
+  }
+  EXPECT_GT(voxels, 1000);
+}
+
 }  // namespace
 }  // namespace sulcus
