@@ -4,8 +4,10 @@
 #include <array>
 
 #include "engine/normals/coarse_normal.hpp"
+#include "engine/normals/grown_plane.hpp"
 #include "engine/normals/leaf_tiles.hpp"
 #include "engine/normals/map_group.hpp"
+#include "engine/normals/tilted_fit.hpp"
 
 namespace sulcus {
 
@@ -15,12 +17,18 @@ namespace {
 constexpr std::size_t kBatch = 64;
 constexpr std::size_t kLanes = SurfaceGroup::kSize;
 
+/// A map with no more even rings than this lies across an edge.
+constexpr int kRingsAtEdge = 2;
+
+enum class Found : std::uint8_t { kNothing, kSurface, kFace };
+
 struct Batch {
   std::size_t count = 0;
   std::array<ColumnBits::Windows, kBatch> rows;  // that the coarse normals are added up from
   std::array<Eigen::Vector3f, kBatch> coarse;
   std::array<MapAxes, kBatch> axes;
-  std::array<bool, kBatch> fitted;
+  std::array<Found, kBatch> found;
+  std::array<Foot, kBatch> face;  // where one is found
   std::array<SurfaceGroup, kBatch / kLanes> surfaces;
   // Of those whose maps are traced, a few at a time.
   static constexpr std::size_t kTraced = 16;
@@ -46,30 +54,47 @@ void take_axes(const Workpiece& workpiece, std::span<const VoxelQuery> queries, 
   }
 }
 
-/// Sums of the largest even window of a map that is traced or cut; false where there is none.
-bool fit_map(const HeightMap& map, int sign, SurfaceGroup& group, int place) {
-  if (map.even_rings < 1) return false;
+/// Whether a map of so many even rings of `ns` lies across an edge.
+bool is_at_edge(int even_rings, int ns) { return even_rings <= kRingsAtEdge && even_rings < ns; }
+
+/// The face that the columns nearest to the voxel and half of the map lie on, where there is one.
+std::optional<Foot> face_of(const HeightMap& map) {
+  const std::optional<Foot> close = close_plane(map);
+  if (!close) return {};
+  const int half = (2 * map.ns + 1) * (2 * map.ns + 1) / 2;
+  return grow_plane(map, *close, half, true);
+}
+
+/// Sums of the largest even window of a traced map; across an edge its `face` instead, where there
+/// is one.
+Found fit_map(const HeightMap& map, int sign, SurfaceGroup& group, int place, Foot& face) {
+  if (is_at_edge(map.even_rings, map.ns)) {
+    if (const std::optional<Foot> grown = face_of(map)) {
+      face = *grown;
+      return Found::kFace;
+    }
+  }
+  if (map.even_rings < 1) return Found::kNothing;
   const QuadricFilter& filter = quadric_filter(map.even_rings, map.lanes);
   QuadricSums sums;
   map_kernels().fit(map.middle_row(), map.lanes, filter, sums);
   group.put(place, sums, map.at(0, 0), map.at(0, 0), sign, filter);
-  return true;
+  return Found::kSurface;
 }
 
-/// The same from a tile that has the map; `whole` is the filter of all rings.
-bool fit_in_tile(const HeightTile& tile, const Eigen::Vector3i& at, const QuadricFilter& whole,
+/// The same from a tile that has the map, which is not across an edge; `whole` is the filter of all
+/// rings.
+void fit_in_tile(const HeightTile& tile, const Eigen::Vector3i& at, const QuadricFilter& whole,
                  SurfaceGroup& group, int place) {
   const int u = at.x(), v = at.y(), rings = tile.even_rings[v][u];
   if (rings == tile.ns) {
     put_tile_sums(tile, at, whole, group, place);
-    return true;
+    return;
   }
-  if (rings < 1) return false;
   const QuadricFilter& filter = quadric_filter(rings, lanes_of(tile.ns));
   QuadricSums sums;
   map_kernels().fit(tile.middle_row(u, v), HeightTile::kLanes, filter, sums);
   group.put(place, sums, tile.at(u, v), tile.at(u, v) - at.z(), tile.sign, filter);
-  return true;
 }
 
 /// Fits the maps of a batch, of queries from `first` on: those that the tiles have at once, and the
@@ -80,13 +105,15 @@ void fit(const Workpiece& workpiece, std::span<const VoxelQuery> queries, std::s
   std::array<std::uint8_t, kBatch> traced;
   std::size_t to_trace = 0;
   for (std::size_t k = 0; k < batch.count; ++k) {
-    batch.fitted[k] = false;
+    batch.found[k] = Found::kNothing;
     if (batch.coarse[k] == Eigen::Vector3f::Zero()) continue;
     const MapAxes& axes = batch.axes[k];
     const HeightTile* const tile = tiles.find(first + k, axes);
     const Eigen::Vector3i at = in_tile(queries[first + k].voxel, axes);
-    if (tile && tile->has_map(at.x(), at.y(), at.z(), trace)) {
-      batch.fitted[k] = fit_in_tile(*tile, at, whole, batch.group(k), Batch::place(k));
+    if (tile && tile->has_map(at.x(), at.y(), at.z(), trace) &&
+        !is_at_edge(tile->even_rings[at.y()][at.x()], tile->ns)) {
+      fit_in_tile(*tile, at, whole, batch.group(k), Batch::place(k));
+      batch.found[k] = Found::kSurface;
     } else {
       traced[to_trace++] = static_cast<std::uint8_t>(k);
     }
@@ -102,7 +129,8 @@ void fit(const Workpiece& workpiece, std::span<const VoxelQuery> queries, std::s
     map_kernels().trace_all(batch.columns.data(), count, trace, batch.maps.data());
     for (std::size_t n = 0; n < count; ++n) {
       const std::size_t k = traced[begin + n];
-      batch.fitted[k] = fit_map(batch.maps[n], batch.axes[k].sign, batch.group(k), Batch::place(k));
+      batch.found[k] = fit_map(batch.maps[n], batch.axes[k].sign, batch.group(k), Batch::place(k),
+                               batch.face[k]);
     }
   }
 }
@@ -125,7 +153,11 @@ void estimate_ldm_fast(const Workpiece& workpiece, std::span<const VoxelQuery> q
       const Eigen::Vector3f& outward = queries[first + k].outward;
       const SurfaceGroup& group = batch.group(k);
       const int place = Batch::place(k);
-      if (batch.fitted[k] && group.agrees[place] != 0) {
+      if (batch.found[k] == Found::kFace) {
+        estimate = to_index_space(batch.face[k], batch.axes[k]);
+        if (stands(estimate.normal, coarse, heard(outward, coarse))) continue;
+      }
+      if (batch.found[k] == Found::kSurface && group.agrees[place] != 0) {
         estimate = {group.normal(place), group.offset[place], true, batch.axes[k].window()};
         if (outward == Eigen::Vector3f::Zero() ||
             stands(estimate.normal, coarse, heard(outward, coarse))) {

@@ -18,7 +18,9 @@ namespace sulcus {
 ///   pixels are out of line by more than 3 voxels, a test blind to tilt;
 /// - weights: a taper, 1 - r^2 / (2.5 NS^2), instead of 1/r^2;
 /// - fit: a weighted quadric, corrected for what it becomes aslant, instead of a plane; the normal
-///   and the offset are those at the foot point of the voxel's centre.
+///   and the offset are those at the foot point of the voxel's centre;
+/// - edges: where no more than two rings are even, the face that the voxel's nearest columns and
+///   half of the map's lie on (grow_plane), where there is one.
 /// No normal points away from the coarse one; what does, or what `VoxelQuery::outward` vetoes as in
 /// estimate_ldm, gives way to it. Undefined only where `outward` and the coarse normal are
 /// zero. 1 <= neighbourhood <= kMaxNeighbourhood, 1 <= trace <= kMaxTrace. Pure, no allocation. One

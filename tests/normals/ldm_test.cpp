@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/normals/ldm_fast.hpp"
 #include "tests/support/normal_errors.hpp"
 
 namespace sulcus {
@@ -69,7 +70,7 @@ TEST(Ldm, FacesHoldUpToTheEdge) {
   };
   const Workpiece workpiece(test::make_model(
       {64, 64, 64}, 1e-4, [&](const Cell& c) { return (local(c).array().abs() <= kHalf).all(); }));
-  double sum = 0.0;
+  double sum = 0.0, sum_fast = 0.0;
   int count = 0;
   for (const Cell& c : test::surface_cells(workpiece)) {
     const Vector3d p = local(c);
@@ -81,11 +82,15 @@ TEST(Ldm, FacesHoldUpToTheEdge) {
     if (from_edge < 2.0 || from_edge > 10.0 || kHalf - highest > 1.0) continue;
     const Vector3d truth = turn * Vector3d(Vector3d::Unit(face) * (p[face] > 0 ? 1 : -1));
     sum += test::angle_deg(estimate_ldm(workpiece, c, kNs, kTrace).normal.cast<double>(), truth);
+    sum_fast +=
+        test::angle_deg(estimate_ldm_fast(workpiece, c, kNs, kTrace).normal.cast<double>(), truth);
     ++count;
   }
-  std::printf("ldm, 2 to 10 voxels from an edge: mean %.3f deg, %d voxels\n", sum / count, count);
+  std::printf("2 to 10 voxels from an edge: ldm mean %.3f deg, ldm_fast %.3f, %d voxels\n",
+              sum / count, sum_fast / count, count);
   ASSERT_GT(count, 2000);
   EXPECT_LT(sum / count, 0.5) << "where planes do not grow, 0.69";
+  EXPECT_LT(sum_fast / count, 1.2) << "without a face across the edge, 1.69";
 }
 
 TEST(Ldm, ResidualsSayMoreThanLeastSquaresHears) {
