@@ -122,9 +122,9 @@ constexpr CaseText kCaseTexts[] = {
      "On a busy machine the loop is woken late. Velocities that are computed from the nominal "
      "time then spike, and with them damping and force.",
      "A trace of wake-ups with gaps of up to 16 ms, made from a seed.",
-     "No spike of velocity while the tool touches, and the step of the force is capped. (In free "
+     "No spike of velocity while the tool touches, and the step of the force is capped. In free "
      "air the tool is where the device is, and goes as far at once as the hand has gone: held "
-     "back it would be felt.)"},
+     "back it would be felt."},
     {"cutting_energy", "Cutting does not add up",
      "Where voxels are removed by rules that do not follow from work done, what is cut depends "
      "on the voxel size and the rate, and soft tissue may cut no faster than hard.",
