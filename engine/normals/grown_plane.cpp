@@ -10,14 +10,14 @@ namespace sulcus {
 
 namespace {
 
-constexpr float kSlack = 0.1f;      // of a residual beyond half the cosine, voxels
-constexpr float kMostMean = 0.32f;  // of the residuals' root mean square, share of the cosine
-constexpr float kBeyond = 1.02f;    // the bound that residuals keep, of the largest of them
+constexpr float kPlaneSlack = 0.1f;      // of a residual beyond half the cosine, voxels
+constexpr float kMostPlaneMean = 0.32f;  // of the residuals' root mean square, share of the cosine
+constexpr float kBeyond = 1.02f;         // the bound that residuals keep, of the largest of them
 
 HeightPlane plane_through(const Foot& foot) {
   const float per = 1.0f / foot.normal_z;
   return {foot.offset * per, -foot.normal_x * per, -foot.normal_y * per, foot.normal_z,
-          kSlack + 0.5f * foot.normal_z};
+          kPlaneSlack + 0.5f * foot.normal_z};
 }
 
 /// Adds `share` of what a step's sums give. False where they give nothing, or too steep a
@@ -44,14 +44,14 @@ std::optional<Foot> grow_plane(const HeightMap& map, const Foot& first, int leas
   if (fit) {
     kernels.plane_step(map, plane, PlaneWeight::kTaper, 0.0f, step);
     if (!add(step, 1.0f, plane)) return {};
-    plane.slack = kSlack + 0.5f * plane.cosine;
+    plane.slack = kPlaneSlack + 0.5f * plane.cosine;
   }
   kernels.plane_step(map, plane, PlaneWeight::kQuartic, 0.0f, step);
   if (!add(step, 1.0f / 3.0f, plane)) return {};
 
   PlaneLook look;
   kernels.look_at_plane(map, plane, look);
-  const float mean = kMostMean * plane.cosine;
+  const float mean = kMostPlaneMean * plane.cosine;
   if (look.count < least ||
       look.residuals.sum_squares > static_cast<float>(look.count) * mean * mean) {
     return {};
