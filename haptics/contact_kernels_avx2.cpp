@@ -10,8 +10,7 @@ namespace sulcus {
 
 namespace {
 
-constexpr ContactKernels kAvx2{"avx2",    leaf_keys_of, find_near, leaf_distances_of,
-                               take_kept, measure_all,  turn_all,  forces_of};
+constexpr ContactKernels kAvx2 = kernels_named("avx2");
 
 }  // namespace
 

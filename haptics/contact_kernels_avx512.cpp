@@ -11,8 +11,7 @@ namespace sulcus {
 
 namespace {
 
-constexpr ContactKernels kAvx512{"avx512",  leaf_keys_of, find_near, leaf_distances_of,
-                                 take_kept, measure_all,  turn_all,  forces_of};
+constexpr ContactKernels kAvx512 = kernels_named("avx512");
 
 }  // namespace
 

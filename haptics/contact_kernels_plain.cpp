@@ -4,8 +4,7 @@ namespace sulcus {
 
 namespace {
 
-constexpr ContactKernels kPlain{"plain",   leaf_keys_of, find_near, leaf_distances_of,
-                                take_kept, measure_all,  turn_all,  forces_of};
+constexpr ContactKernels kPlain = kernels_named("plain");
 
 }  // namespace
 
@@ -21,16 +20,8 @@ ContactArrays arrays_of(Contacts& contacts) noexcept {
 }
 
 const ContactKernels* contact_kernels_of(InstructionSet set) noexcept {
-  if (!has(set)) return nullptr;
-  switch (set) {
-    case InstructionSet::kAvx512:
-      return avx512_contact_kernels();
-    case InstructionSet::kAvx2:
-      return avx2_contact_kernels();
-    case InstructionSet::kPlain:
-      break;
-  }
-  return &kPlain;
+  return kernels_of<ContactKernels>(set,
+                                    {&kPlain, avx2_contact_kernels(), avx512_contact_kernels()});
 }
 
 const ContactKernels& contact_kernels() noexcept {

@@ -168,24 +168,6 @@ inline Lanes3 to_world(const ContactFrame& f, const Lanes3& v) {
   return {row(0), row(1), row(2)};
 }
 
-#if defined(__AVX2__) && SULCUS_LANES == 8
-/// Lanes that a mask keeps, in order, by the mask.
-struct KeepTable {
-  alignas(32) std::int32_t lane[256][kLaneCount];
-};
-constexpr KeepTable make_keep_table() {
-  KeepTable table{};
-  for (int mask = 0; mask < 256; ++mask) {
-    int kept = 0;
-    for (int lane = 0; lane < kLaneCount; ++lane) {
-      if ((mask >> lane & 1) != 0) table.lane[mask][kept++] = lane;
-    }
-  }
-  return table;
-}
-constexpr KeepTable kKeep = make_keep_table();
-#endif
-
 /// Appends what a mask keeps of a group of keys and four numbers each to arrays that have room for
 /// a whole group more; returns how many.
 inline std::size_t append(const IntLanes& mask, const std::uint32_t* keys, const Lanes (&values)[4],
@@ -198,7 +180,7 @@ inline std::size_t append(const IntLanes& mask, const std::uint32_t* keys, const
   return static_cast<std::size_t>(__builtin_popcount(kept));
 #elif defined(__AVX2__)
   const unsigned kept = bits_of(mask);
-  const auto order = _mm256_load_si256(reinterpret_cast<const __m256i*>(kKeep.lane[kept]));
+  const __m256i order = to_front(kept);
   const auto from = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(keys));
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(to_keys),
                       _mm256_permutevar8x32_epi32(from, order));
@@ -223,6 +205,7 @@ inline std::size_t leaf_keys_of(const LeafBits& voxels, std::uint32_t first_key,
     const std::uint64_t word = voxels.words.begin()[k];
     const std::uint32_t slice = first_key + voxel_key(0, 0, k);
 #if SULCUS_LANES == 16
+    constexpr auto kNextRow = static_cast<std::int32_t>(voxel_key(0, 1, 0));
     alignas(64) std::uint8_t bits[64];
     for (int bit = 0; bit < 64; ++bit) bits[bit] = static_cast<std::uint8_t>(bit);
     _mm512_store_si512(bits, _mm512_maskz_compress_epi8(word, _mm512_load_si512(bits)));
@@ -230,7 +213,7 @@ inline std::size_t leaf_keys_of(const LeafBits& voxels, std::uint32_t first_key,
     for (int done = 0; done < count; done += kLaneCount) {
       const auto bit = reinterpret_cast<IntLanes>(
           _mm512_cvtepu8_epi32(_mm_load_si128(reinterpret_cast<const __m128i*>(bits + done))));
-      store((bit & 7) + (bit >> 3 << 10) + static_cast<std::int32_t>(slice),
+      store((bit & 7) + (bit >> 3) * kNextRow + static_cast<std::int32_t>(slice),
             reinterpret_cast<std::int32_t*>(out + done));
     }
     out += count;
@@ -503,6 +486,11 @@ inline void forces_of(const ForceTerms& terms, const ContactArrays& contacts,
     terms.cutting ? add_forces<true, false>(terms, contacts, sums)
                   : add_forces<false, false>(terms, contacts, sums);
   }
+}
+
+constexpr ContactKernels kernels_named(const char* name) {
+  return {name,      leaf_keys_of, find_near, leaf_distances_of,
+          take_kept, measure_all,  turn_all,  forces_of};
 }
 
 }  // namespace

@@ -22,6 +22,14 @@ inline const char* instruction_set_name() noexcept {
   return kInstructionSetNames[static_cast<std::size_t>(instruction_set())];
 }
 
+/// Of kernels compiled for each set (null: not in this build), in their order, those of one; null
+/// too where the processor lacks it.
+template <class Kernels>
+const Kernels* kernels_of(InstructionSet set,
+                          const std::array<const Kernels*, 3>& compiled) noexcept {
+  return has(set) ? compiled[static_cast<std::size_t>(set)] : nullptr;
+}
+
 /// Of kernels written for several sets, those of the last one to be used that there are any for;
 /// `kernels_of(set)` is null where the build has none. There are plain ones.
 template <class KernelsOf>

@@ -92,6 +92,29 @@ inline unsigned bits_of(const IntLanes& mask) {
 }
 inline bool any(const IntLanes& mask) { return bits_of(mask) != 0; }
 
+#ifdef __AVX2__
+/// By a mask of eight lanes: those that are in it, in order.
+struct LanesOfMasks {
+  alignas(8) std::uint8_t lane[256][8];
+};
+constexpr LanesOfMasks make_lanes_of_masks() {
+  LanesOfMasks table{};
+  for (int mask = 0; mask < 256; ++mask) {
+    int to = 0;
+    for (int lane = 0; lane < 8; ++lane) {
+      if ((mask >> lane & 1) != 0) table.lane[mask][to++] = static_cast<std::uint8_t>(lane);
+    }
+  }
+  return table;
+}
+inline constexpr LanesOfMasks kLanesOfMasks = make_lanes_of_masks();
+/// What permutes eight lanes so that those of a mask come first, in order.
+inline __m256i to_front(unsigned mask) {
+  return _mm256_cvtepu8_epi32(
+      _mm_loadl_epi64(reinterpret_cast<const __m128i*>(kLanesOfMasks.lane[mask])));
+}
+#endif
+
 /// Adds to sums in eight lanes: of sixteen, the lower eight first.
 inline void add(DoubleLanes& sum, const Lanes& v) {
 #if SULCUS_LANES == 16

@@ -132,7 +132,7 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
     std::array<bool, MapGroup::kSize> explained{};
     for (std::size_t k = 0; k < count; ++k) {
       const int place = static_cast<int>(k);
-      ResidualCubes left;
+      ResidualCubes left{};
       explained[k] = explains(group.maps[k], group.surfaces.surface(place),
                               group.surfaces.foot(place).normal_z, left);
       group.surfaces.put_residuals(place, left);

@@ -211,16 +211,7 @@ constexpr MapKernels kPlain{
 }  // namespace
 
 const MapKernels* map_kernels_of(InstructionSet set) noexcept {
-  if (!has(set)) return nullptr;
-  switch (set) {
-    case InstructionSet::kAvx512:
-      return avx512_map_kernels();
-    case InstructionSet::kAvx2:
-      return avx2_map_kernels();
-    case InstructionSet::kPlain:
-      break;
-  }
-  return &kPlain;
+  return kernels_of<MapKernels>(set, {&kPlain, avx2_map_kernels(), avx512_map_kernels()});
 }
 
 const MapKernels& map_kernels() noexcept {

@@ -250,24 +250,6 @@ inline void residuals_on_plane(const HeightMap& map, int half, const HeightPlane
 
 // --- Points in a ball ---------------------------------------------------------------------------
 
-#ifdef __AVX2__
-/// By a mask of eight lanes: those that are in it, from the first on.
-struct PackTable {
-  alignas(8) std::uint8_t lane[256][8];
-};
-constexpr PackTable make_pack_table() {
-  PackTable table{};
-  for (int mask = 0; mask < 256; ++mask) {
-    int to = 0;
-    for (int lane = 0; lane < 8; ++lane) {
-      if ((mask >> lane & 1) != 0) table.lane[mask][to++] = static_cast<std::uint8_t>(lane);
-    }
-  }
-  return table;
-}
-constexpr PackTable kPack = make_pack_table();
-#endif
-
 /// Appends the lanes in a mask; beyond them seven floats more may be written.
 class PointWriter {
  public:
@@ -276,9 +258,8 @@ class PointWriter {
   void append(const IntLanes& mask, const Lanes& weight, const Lanes& u, const Lanes& w,
               const Lanes& n) {
 #ifdef __AVX2__
-    const auto bits = static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(mask)));
-    const __m256i from =
-        _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(kPack.lane[bits])));
+    const unsigned bits = bits_of(mask);
+    const __m256i from = to_front(bits);
     const auto put = [&](const Lanes& v, float* to) {
       store(_mm256_permutevar8x32_ps(v, from), to + count_);
     };

@@ -367,18 +367,23 @@ void read_normal_error(SceneTable& table, HapticsSettings& h) {
   h.trace = choice->trace;
 }
 
+/// Where a scene names none: see HapticsSettings::neighbourhood.
+int usual_neighbourhood(NormalMethod normals, bool coupled) {
+  const bool ours = normals == NormalMethod::kLdm || normals == NormalMethod::kLdmFast;
+  return coupled && ours ? 10 : HapticsSettings{}.neighbourhood;
+}
+
 HapticsSettings read_haptics(SceneTable& root) {
-  // Of HapticsSettings::neighbourhood.
-  constexpr int kCoupledNeighbourhood = 10;
   HapticsSettings h;
-  if (root.has("coupling")) h.neighbourhood = kCoupledNeighbourhood;
   auto table = root.table("haptics");
-  if (!table) return h;
+  if (!table) {
+    h.neighbourhood = usual_neighbourhood(h.normals, root.has("coupling"));
+    return h;
+  }
   h.rate_hz = table->number("rate_hz");
   h.normals = NormalMethod(table->choice("normals"));
-  const bool by_map = h.normals == NormalMethod::kLdm || h.normals == NormalMethod::kLdmFast;
-  if (!by_map) h.neighbourhood = HapticsSettings{}.neighbourhood;
-  h.neighbourhood = table->whole("neighbourhood", h.neighbourhood);
+  h.neighbourhood =
+      table->whole("neighbourhood", usual_neighbourhood(h.normals, root.has("coupling")));
   h.trace = table->whole("trace", h.normals == NormalMethod::kLdmPaper ? 5 : 12);
   read_normal_error(*table, h);
   h.scaling = Scaling(table->choice("scaling"));

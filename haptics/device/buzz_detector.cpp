@@ -8,7 +8,7 @@ namespace sulcus {
 
 namespace {
 
-constexpr double kWindow_s = 0.07;
+constexpr double kWindow_s = 0.07, kSilence_s = 0.05;
 /// Of a swing to that before the last. Impacts that die away lose more than that, but for the
 /// rounding to quanta, on which two swings in a row may be equal though the motion dies.
 constexpr double kSustained = 0.95;
@@ -61,6 +61,7 @@ bool buzz(const Eigen::Vector3d& force_N, double threshold_N, double dt_s,
   follow(force_N, threshold_N, state);
   return state.seen >= BuzzState::kReversals &&
          static_cast<double>(state.tick - state.seen_ticks.front()) * dt_s <= kWindow_s &&
+         static_cast<double>(state.tick - state.seen_ticks.back()) * dt_s <= kSilence_s &&
          sustained(state);
 }
 

@@ -23,14 +23,14 @@ struct BuzzState {
 };
 
 /// Whether a force buzzes: true when its last four reversals were seen within 70 ms (at a tick of
-/// `dt_s`), so from 22 Hz on, as slowly as a heavy arm begins to, and the swings did not die away,
-/// each at least 0.95 of that before the last, which went the same way. A reversal is seen when the
-/// force has come back from where it was furthest by more than `threshold_N`, along the line on
-/// which it came but for 60 degrees: so it is counted along whatever direction the force changes
-/// in, and a force that turns a corner does not reverse. The threshold is to lie above what a
-/// device's resolution makes of a wall of stiffness K at rest, which is under 1.5 K x resolution:
-/// see buzz_threshold_N. Once a tick, with the force that is asked for, before the edge cuts it
-/// short. One that is not finite is passed over.
+/// `dt_s`), so from 22 Hz on, as slowly as a heavy arm begins to, the last within 50 ms, and the
+/// swings did not die away, each at least 0.95 of that before the last, which went the same way. A
+/// reversal is seen when the force has come back from where it was furthest by more than
+/// `threshold_N`, along the line on which it came but for 60 degrees: so it is counted along
+/// whatever direction the force changes in, and a force that turns a corner does not reverse. The
+/// threshold is to lie above what a device's resolution makes of a wall of stiffness K at rest,
+/// which is under 1.5 K x resolution: see buzz_threshold_N. Once a tick, with the force that is
+/// asked for, before the edge cuts it short. One that is not finite is passed over.
 bool buzz(const Eigen::Vector3d& force_N, double threshold_N, double dt_s,
           BuzzState& state) noexcept;
 

@@ -39,9 +39,7 @@ constexpr CaseText kCaseTexts[] = {
      "The closed loop of device and hand against a flat face, at 0.5 to 1.5 times the largest "
      "stiffness that is stable.",
      "Up to 0.8 of that stiffness the force's swing, peak to peak, stays under 1.5 times "
-     "stiffness times device resolution; at 1.1 of it the buzz detector speaks within 50 ms, or "
-     "two "
-     "swings where a heavy arm's take longer."},
+     "stiffness times device resolution; at 1.1 of it the buzz detector speaks within 50 ms."},
     {"edge_normals", "The force jerks at an edge",
      "On a ridge the two faces pull the normals their own way. As voxels enter and leave, the "
      "net direction jumps from one face to the other instead of turning.",
@@ -122,9 +120,7 @@ constexpr CaseText kCaseTexts[] = {
      "On a busy machine the loop is woken late. Velocities that are computed from the nominal "
      "time then spike, and with them damping and force.",
      "A trace of wake-ups with gaps of up to 16 ms, made from a seed.",
-     "No spike of velocity while the tool touches, and the step of the force is capped. In free "
-     "air the tool is where the device is, and goes as far at once as the hand has gone: held "
-     "back it would be felt."},
+     "No spike of velocity, and the step of the force is capped."},
     {"cutting_energy", "Cutting does not add up",
      "Where voxels are removed by rules that do not follow from work done, what is cut depends "
      "on the voxel size and the rate, and soft tissue may cut no faster than hard.",

@@ -59,10 +59,12 @@ struct EdgeWay {
 
 /// Two ways over two ridges: round the edge so deep all the way, which the force should follow by
 /// 1.4 degrees a tick, and straight across. Behind the default coupling 0.1 mm gives 0.07 N, which
-/// is never judged; so it is run 0.2 mm deep as well, and 0.1 mm deep with a Falcon's coupling.
-/// What never exceeds 0.1 N has no limit: there is nothing to hold to it.
+/// is never judged; so it is run 0.2 mm deep as well, 0.1 mm deep with a Falcon's coupling, and
+/// with the tool itself put there, its contact so stiff that a face gives about 1 N. What never
+/// exceeds 0.1 N has no limit: there is nothing to hold to it.
 CaseResult edge_normals(const CaseOptions& options) {
   constexpr double kSpeed_mm_per_s = 10.0, kJudged_N = 0.1, kTurn_deg = 2.5;
+  constexpr double kPutStiffness_N_per_m = 15e3;
   struct Ridge {
     const char* name;
     VoxelModel solid;
@@ -76,18 +78,25 @@ CaseResult edge_normals(const CaseOptions& options) {
     ridges.push_back(
         {"edge of a block", block_edge_solid(), {half, 0.0, half}, {half, 0.0, -half}});
   }
+  enum class Hold { kScene, kStiffCoupling, kPut };
   struct Setting {
     double depth_mm;
-    const char *coupling = "", *text = "";
+    Hold hold;
+    const char* text = "";
   };
   CaseResult result;
   for (const ContactMethod method : options.methods) {
-    std::vector<Setting> settings{{0.1}, {0.2}};
+    std::vector<Setting> settings{{0.1, Hold::kScene}, {0.2, Hold::kScene}};
     if (method == ContactMethod::kCoupling) {
-      settings.push_back({0.1, kStiffCoupling, " coupling of 3 N/mm"});
+      settings.push_back({0.1, Hold::kStiffCoupling, " coupling of 3 N/mm"});
+      settings.push_back({0.1, Hold::kPut, " tool put there"});
     }
-    for (const auto& [depth_mm, coupling, text] : settings) {
-      const Scene scene = method_scene(method, case_text(coupling));
+    for (const auto& [depth_mm, hold, text] : settings) {
+      const bool put = hold == Hold::kPut;
+      Scene scene =
+          method_scene(method, case_text(hold == Hold::kStiffCoupling ? kStiffCoupling : ""),
+                       put ? std::optional(kPutStiffness_N_per_m) : std::optional<double>());
+      if (put) scene.coupling.reset();
       for (const Ridge& ridge : ridges) {
         for (const bool round : {true, false}) {
           if (round && method == ContactMethod::kSinglePoint) continue;  // its way has no arc
