@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/shapes.hpp"
+#include "tools/sulcus_lab/stability/clinical_pushes.hpp"
 #include "tools/sulcus_lab/stability/pushes.hpp"
 #include "tools/sulcus_lab/stability/random_pushes.hpp"
 
@@ -33,6 +34,15 @@ TEST(StabilityPushes, ACoupledPressIsHeldAndFeltAsStiffAsTheCoupling) {
   EXPECT_GT(held.stiffness_N_per_m, 0.9 * 700.0);
   EXPECT_NEAR(held.contact_N, 1.0, 0.1);
   EXPECT_EQ(held.buzz_ticks, 0u);
+}
+
+TEST(StabilityPushes, ClinicalOnesAreHeldAndFeltInTheirShortForm) {
+  int judged = 0;
+  for (const StabilityRow& row : clinical_pushes(true).rows) {
+    judged += row.limit ? 1 : 0;
+    EXPECT_TRUE(row.pass()) << row.quantity << " " << row.value;
+  }
+  EXPECT_EQ(judged, 30);
 }
 
 TEST(StabilityPushes, ThePlainPenaltyLetsTheSamePressThroughOrBuzzes) {

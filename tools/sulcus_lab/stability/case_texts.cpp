@@ -158,9 +158,9 @@ std::span<const CaseText> other_texts() {
        "0.5, 1 and 2 N on faces at four tilts and at three places of the molar's sulcus; round, "
        "fissure and flame burrs, on tips and sides; two devices, three hands, no delay and one "
        "tick; the spindle stopped, and cutting. A row has the worst of its settings.",
-       "None through, the handle shakes by less than a resolution over the last 0.6 s (while "
-       "cutting: about its own straight line), and from 1 N on at least 90 % of the coupling's "
-       "stiffness is felt."},
+       "None through and none slid off; the handle shakes by less than a resolution over the last "
+       "0.6 s (while cutting: about its own straight line); and at least 90 % of the coupling's "
+       "stiffness is felt, from 1 to 2 N, and on faces from first contact on."},
       {"coupled_tick", "What the coupling costs",
        "It evaluates the contact several times in a tick.",
        "Burrs with about 30 and 2,000 voxels in contact slide over a face at 1 to 20 mm/s; beside "

@@ -43,20 +43,23 @@ constexpr std::array<Head, 7> kHeads{
 struct Site {
   std::string name, workpiece;
   Vector3d point_m, out;
+  bool is_face;
 };
 
 std::vector<Site> sites(bool brief) {
   std::vector<Site> all;
+  // A burr that turns on its side walks: pressed with 2 N it drags the light hand 6 mm along before
+  // that holds it. So far the face must go, or it walks off.
   for (const double tilt_deg : {30.0, 0.0, 15.0, 45.0}) {
     char text[200];
     std::snprintf(text, sizeof(text),
-                  "[workpiece]\nshape = 'plate'\ncells = [192, 192, 192]\n"
+                  "[workpiece]\nshape = 'plate'\ncells = [192, 512, 192]\n"
                   "plate.thickness_mm = 2.0\nplate.tilt_deg = %g\n",
                   tilt_deg);
     const double tilt = tilt_deg * kDegree;
     const Vector3d out(std::sin(tilt), 0.0, std::cos(tilt));
-    all.push_back(
-        {"face at " + std::to_string(static_cast<int>(tilt_deg)) + " deg", text, 1e-3 * out, out});
+    all.push_back({"face at " + std::to_string(static_cast<int>(tilt_deg)) + " deg", text,
+                   1e-3 * out, out, true});
     if (brief) break;
   }
   // Places on the way along the sulcus of scenes/cut_sulcus.toml, put in the middle of the grid.
@@ -72,7 +75,7 @@ std::vector<Site> sites(bool brief) {
                   "[workpiece]\nshape = 'molar'\ncells = [192, 192, 192]\n"
                   "position_mm = [%g, %g, %g]\n",
                   -pit.x_mm, -pit.y_mm, -pit.z_mm);
-    all.push_back({pit.name, text, Vector3d::Zero(), Vector3d::UnitZ()});
+    all.push_back({pit.name, text, Vector3d::Zero(), Vector3d::UnitZ(), false});
     if (brief) break;
   }
   return all;
@@ -134,7 +137,25 @@ void run(Task& task) {
 
 }  // namespace
 
+/// Contact was made, and what is pressed with is what is felt in the end: the tool has not gone
+/// through, nor slid off. A quarter is for the encoders, whose quantum is 8 % of 0.5 N.
+bool is_held(const Task& task) {
+  const PushResult& r = task.result;
+  return r.reached && !r.popped && r.contact_N > 0.75 * task.push.force_N;
+}
+
+/// Felt stiffness from one push to a harder one, over the coupling's.
+double share_between(const Task& light, const Task& hard) {
+  const double felt_N = hard.result.contact_N - light.result.contact_N;
+  const double way_m = hard.result.in_device_m - light.result.in_device_m;
+  return felt_N / way_m / device_preset(hard.push.device).stiffness_N_per_m;
+}
+
+// Felt stiffness is taken from 1 N up: from the push of 1 N to that of 2. From first contact on it
+// would be, in a pit, of how far the burr slides down before it lies at the bottom; so that is
+// judged on faces alone.
 CaseResult clinical_pushes(bool brief) {
+  constexpr double kLeastShare = 0.9;
   const std::vector<Site> all_sites = sites(brief);
   const std::size_t heads = brief ? 2 : kHeads.size();
   std::vector<Task> tasks = tasks_of(all_sites, heads, brief);
@@ -145,14 +166,15 @@ CaseResult clinical_pushes(bool brief) {
     for (std::size_t h = 0; h < heads; ++h) {
       for (const bool cutting : {false, true}) {
         double runs = 0.0, not_held = 0.0, unstable = 0.0, step_N = 0.0;
-        double rms = 0.0, share = HUGE_VAL;
-        const Task *worst_rms = nullptr, *worst_share = nullptr;
+        double rms = 0.0, share = HUGE_VAL, whole_share = HUGE_VAL;
+        const Task *worst_rms = nullptr, *worst_share = nullptr, *worst_whole = nullptr;
+        const Task* of_1_N = nullptr;  // with the same device, hand and delay
         for (const Task& task : tasks) {
           if (task.site != &site || task.head != &kHeads[h] || task.push.cutting != cutting)
             continue;
           const PushResult& r = task.result;
           ++runs;
-          not_held += !r.reached || r.popped;
+          not_held += !is_held(task);
           unstable += !r.stable();
           step_N = std::max(step_N, r.step_N);
           if (!worst_rms || r.rms_m / r.resolution_m > rms) {
@@ -160,9 +182,16 @@ CaseResult clinical_pushes(bool brief) {
             worst_rms = &task;
           }
           if (task.push.force_N < 1.0) continue;
-          const double s = r.stiffness_N_per_m / device_preset(task.push.device).stiffness_N_per_m;
-          if (s < share) {
-            share = s;
+          const double whole =
+              r.stiffness_N_per_m / device_preset(task.push.device).stiffness_N_per_m;
+          if (whole < whole_share) {
+            whole_share = whole;
+            worst_whole = &task;
+          }
+          if (task.push.force_N == 1.0) {
+            of_1_N = &task;
+          } else if (const double between = share_between(*of_1_N, task); between < share) {
+            share = between;
             worst_share = &task;
           }
         }
@@ -184,11 +213,13 @@ CaseResult clinical_pushes(bool brief) {
           result.rows.push_back(row);
         };
         add("runs", runs, {}, false, nullptr);
-        add("popped through", not_held, 0.0, false, nullptr);
+        add("not held", not_held, 0.0, false, nullptr);
         add("unstable", unstable, 0.0, false, nullptr);
         add("rms of the handle over one resolution", rms, 1.0, false, worst_rms);
-        if (!cutting && worst_share) {
-          add("felt share of the coupling", share, 0.9, true, worst_share);
+        if (!cutting) {
+          add("felt share of the coupling from 1 to 2 N", share, kLeastShare, true, worst_share);
+          add("felt share of the coupling from first contact on", whole_share,
+              site.is_face ? std::optional(kLeastShare) : std::nullopt, true, worst_whole);
         }
         add("force_step_N", step_N, {}, false, nullptr);
       }

@@ -88,16 +88,12 @@ PushResult run_push(const Push& push, const std::string& text, const Eigen::Vect
     const double depth_m = (felt.tool.position - touch).dot(push.into);
     result.felt_N.push_back(static_cast<float>(felt.force_N.norm()));
     result.depth_mm.push_back(static_cast<float>(1e3 * depth_m));
-    // While cutting the surface itself recedes: the tool then pops through where its head is wholly
-    // beneath, with nothing in contact.
-    if (!push.cutting && depth_m > radius_m) result.popped = true;
+    // While cutting the surface itself recedes.
+    result.popped |= push.cutting ? rig.is_inside(felt.tool) : depth_m > radius_m;
     if (felt.contacts > 0) ++touched;
     if (touched > 5) result.step_N = std::max(result.step_N, (felt.force_N - last_N).norm());
     last_N = felt.force_N;
     if (tick < judged_from) continue;
-    if (push.cutting && felt.contacts == 0 && felt.force_N.norm() > 0.9 * push.force_N) {
-      result.popped = true;
-    }
     const SimulatedDeviceState& state = device.state();
     handle_m.push_back(state.position.dot(push.into));
     tool_m.push_back(felt.tool.position.dot(push.into));
@@ -114,9 +110,9 @@ PushResult run_push(const Push& push, const std::string& text, const Eigen::Vect
   result.tool_rms_m = rms_of(tool_m);
   result.contact_N = mean(felt_N);
   result.contacts = mean(contacts);
-  const double in_device_mean_m = mean(in_device_m);
+  result.in_device_m = mean(in_device_m);
   result.stiffness_N_per_m =
-      in_device_mean_m > 0.0 ? result.contact_N / in_device_mean_m : HUGE_VAL;
+      result.in_device_m > 0.0 ? result.contact_N / result.in_device_m : HUGE_VAL;
   result.torque_Nm = mean(torque_Nm);
   result.turn = mean(turned);
   result.turn_rms = rms_of(turned);

@@ -24,12 +24,13 @@ struct Push {
 
 /// Judged over the last 0.6 s.
 struct PushResult {
-  bool popped = false;      // the tool came deeper than the burr's radius
+  bool popped = false;      // came deeper than its radius; while cutting, its middle is inside
   bool reached = false;     // contact was made at all
   double rms_m = 0.0;       // of the handle about its mean; while cutting about its straight line
   double tool_rms_m = 0.0;  // of the tool
   double resolution_m = 0.0;
   double contact_N = 0.0;              // mean felt force, along the press
+  double in_device_m = 0.0;            // mean: how far the device is in, from first contact on
   double stiffness_N_per_m = 0.0;      // felt: force over how far the device is in
   double contacts = 0.0;               // mean
   double step_N = 0.0;                 // largest change in a tick after first contact

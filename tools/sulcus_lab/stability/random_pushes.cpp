@@ -145,10 +145,7 @@ RandomPush run_random_push(const Workpiece& tooth, std::uint64_t seed) {
       touching += felt.contacts > 0 ? 1 : 0;
       if (touching > 5) push.step_N = std::max(push.step_N, (felt.force_N - last_N).norm());
       last_N = felt.force_N;
-      const Eigen::Vector3d middle = felt.tool.point(middle_tool);
-      const Eigen::Vector3d index = part.grid.index_from_world(middle);
-      push.crossed |=
-          rig.simulation().workpiece().solid((index.array() + 0.5).floor().cast<int>().matrix());
+      push.crossed |= rig.is_inside(felt.tool);
       if (!push.finite) break;
     }
     push.touched = touching > 5;

@@ -87,6 +87,13 @@ Rig::Rig(ContactMethod method, const Scene& scene, std::optional<VoxelModel> sol
   }
 }
 
+bool Rig::is_inside(const Pose& tool) const {
+  const Workpiece& workpiece = simulation_->workpiece();
+  const Eigen::Vector3d middle = tool.point({0.0, 0.5 * head_m(), 0.0});
+  const Eigen::Vector3d index = workpiece.grid().index_from_world(middle);
+  return workpiece.solid((index.array() + 0.5).floor().cast<int>().matrix());
+}
+
 Felt Rig::step(Device& device, std::span<const std::uint32_t> vanish) {
   Felt felt;
   if (!point_) {

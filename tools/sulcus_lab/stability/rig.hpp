@@ -72,6 +72,9 @@ class Rig {
   Felt step(Device& device, std::span<const std::uint32_t> vanish = {});
   const Simulation& simulation() const { return *simulation_; }
   double head_m() const { return simulation_->burr().head_length_m; }
+  /// Whether the middle of the burr's head lies in what is left of the solid: the tool has gone
+  /// through its surface.
+  bool is_inside(const Pose& tool) const;
 
  private:
   std::unique_ptr<Simulation> simulation_;
