@@ -80,12 +80,14 @@ struct TiltedFrame {
   float radius = 0.0f;
 };
 
-/// The points of a map in a ball one after the other, coordinates in the tilted frame in units of
-/// the radius; weights 1 - r^2 / (1.05 R^2). All zero from `count` to the end of its eight.
+/// The points of a map in a ball one after the other, row by row, coordinates in the tilted frame
+/// in units of the radius; weights 1 - r^2 / (1.05 R^2). All zero from `count` to the end of its
+/// sixteen.
 struct TiltedPoints {
-  static constexpr int kCapacity = HeightMap::kMaxRows * HeightMap::kMaxLanes + 8;
+  static constexpr int kTogether = 16;  // are added up side by side
+  static constexpr int kCapacity = HeightMap::kMaxRows * HeightMap::kMaxLanes + kTogether;
   int count = 0;
-  alignas(32) float weight[kCapacity], u[kCapacity], w[kCapacity], n[kCapacity];
+  alignas(64) float weight[kCapacity], u[kCapacity], w[kCapacity], n[kCapacity];
 };
 
 /// Sums over points: m[a][b] of weight u^a w^b, z[a][b] of weight u^a w^b n.

@@ -9,7 +9,7 @@ namespace sulcus {
 
 namespace {
 
-/// The columns of a map by eight of the same row, as seen from a plane. kNone is far from all
+/// The columns of a map by rows, or parts of them, as seen from a plane. kNone is far from all
 /// planes whose cosine to the columns is at least kLeastPlaneCosine.
 class ColumnsOverPlane {
  public:
@@ -21,33 +21,33 @@ class ColumnsOverPlane {
         c2_(plane.c2 * plane.cosine),
         slack_(plane.slack) {}
 
-  /// How far eight columns lie from the plane, across it, and which lie on it.
-  struct Eight {
-    Lanes residual;
-    IntLanes on;
+  /// How far columns lie from the plane, across it, and which lie on it.
+  struct Seen {
+    RowLanes residual;
+    RowMask on;
   };
-  /// Calls `middle(eight, x)` for the columns of the middle row, `pair(above, below, x, y)` for
+  /// Calls `middle(seen, x)` for the columns of the middle row, `pair(above, below, x, y)` for
   /// those of the rows +y and -y, and `end(x)` after all of the same x.
   template <class Middle, class Pair, class End>
   void walk(const Middle& middle, const Pair& pair, const End& end) const {
     const int mid = map_.lanes / 2;
-    for (int group = (mid - map_.ns) / 8; group < (mid + map_.ns) / 8 + 1; ++group) {
-      const Lanes x = kAlong + static_cast<float>(8 * group - mid), level = c0_ + c1_ * x;
-      const signed char* const row = map_.height.data() + map_.ns * map_.lanes + 8 * group;
-      middle(eight(row, level), x);
+    for (int at = (mid - map_.ns) & -kRowStep; at <= mid + map_.ns; at += kRowStep) {
+      const RowLanes x = kAlong + static_cast<float>(at - mid), level = c0_ + c1_ * x;
+      const signed char* const row = map_.height.data() + map_.ns * map_.lanes + at;
+      middle(seen(row, level), x);
       for (int j = 1; j <= map_.ns; ++j) {
         const auto y = static_cast<float>(j);
-        pair(eight(row + j * map_.lanes, level + c2_ * y),
-             eight(row - j * map_.lanes, level - c2_ * y), x, y);
+        pair(seen(row + j * map_.lanes, level + c2_ * y),
+             seen(row - j * map_.lanes, level - c2_ * y), x, y);
       }
       end(x);
     }
   }
 
  private:
-  Eight eight(const signed char* row, const Lanes& level) const {
-    const Lanes r = to_float(heights(row)) * scale_ - level;
-    return {r, abs(r) <= slack_};
+  Seen seen(const signed char* row, const RowLanes& level) const {
+    const RowLanes r = heights(row) * scale_ - level;
+    return {r, at_most(abs(r), slack_)};
   }
 
   const HeightMap& map_;
@@ -55,7 +55,7 @@ class ColumnsOverPlane {
 };
 
 struct Weighed {
-  Lanes weight, right;
+  RowLanes weight, right;
 };
 
 /// Sums of a weight and a right side, which `weigh(residual, its square, x^2 + y^2)` gives, over
@@ -65,29 +65,29 @@ inline void sum_plane(const HeightMap& map, const HeightPlane& plane, const Weig
                       PlaneSums& sums) {
   Lanes n{}, i{}, j{}, ii{}, ij{}, jj{}, z{}, iz{}, jz{};
   // Powers of x wait until the rows are added up.
-  Lanes w0{}, w1{}, w2{}, right0{}, right1{};
-  using Eight = ColumnsOverPlane::Eight;
-  const auto weighed = [&](const Eight& columns, const Lanes& distance2) {
+  RowLanes w0{}, w1{}, w2{}, right0{}, right1{};
+  using Seen = ColumnsOverPlane::Seen;
+  const auto weighed = [&](const Seen& columns, const RowLanes& distance2) {
     auto [weight, right] = weigh(columns.residual, columns.residual * columns.residual, distance2);
     return Weighed{where(columns.on, weight), where(columns.on, right)};
   };
   ColumnsOverPlane(map, plane)
       .walk(
-          [&](const Eight& columns, const Lanes& x) {
+          [&](const Seen& columns, const RowLanes& x) {
             const Weighed w = weighed(columns, x * x);
-            w0 = w.weight, w1 = w2 = right1 = Lanes{}, right0 = w.right;
+            w0 = w.weight, w1 = w2 = right1 = RowLanes{}, right0 = w.right;
           },
-          [&](const Eight& above, const Eight& below, const Lanes& x, float y) {
-            const Lanes distance2 = x * x + y * y;
+          [&](const Seen& above, const Seen& below, const RowLanes& x, float y) {
+            const RowLanes distance2 = x * x + y * y;
             const Weighed a = weighed(above, distance2), b = weighed(below, distance2);
-            const Lanes both = a.weight + b.weight;
-            w0 += both, w1 += (a.weight - b.weight) * y, w2 += both * (y * y);
+            const RowLanes sum = a.weight + b.weight;
+            w0 += sum, w1 += (a.weight - b.weight) * y, w2 += sum * (y * y);
             right0 += a.right + b.right, right1 += (a.right - b.right) * y;
           },
-          [&](const Lanes& x) {
-            n += w0, i += w0 * x, ii += w0 * x * x;
-            j += w1, ij += w1 * x, jj += w2;
-            z += right0, iz += right0 * x, jz += right1;
+          [&](const RowLanes& x) {
+            add_row(n, w0), add_row(i, w0 * x), add_row(ii, w0 * x * x);
+            add_row(j, w1), add_row(ij, w1 * x), add_row(jj, w2);
+            add_row(z, right0), add_row(iz, right0 * x), add_row(jz, right1);
           });
   sums = {sum_of(n),  sum_of(i), sum_of(j),  sum_of(ii), sum_of(ij),
           sum_of(jj), sum_of(z), sum_of(iz), sum_of(jz)};
@@ -101,24 +101,24 @@ inline void plane_step(const HeightMap& map, const HeightPlane& plane, PlaneWeig
     case PlaneWeight::kTaper:
       return sum_plane(
           map, plane,
-          [=](const Lanes& r, const Lanes&, const Lanes& distance2) {
-            const Lanes weight = 1.0f - fall * distance2;
+          [=](const RowLanes& r, const RowLanes&, const RowLanes& distance2) {
+            const RowLanes weight = 1.0f - fall * distance2;
             return Weighed{weight, weight * r};
           },
           sums);
     case PlaneWeight::kQuartic:
       return sum_plane(
           map, plane,
-          [=](const Lanes& r, const Lanes& r2, const Lanes& distance2) {
-            const Lanes weight = (1.0f - fall * distance2) * r2;
+          [=](const RowLanes& r, const RowLanes& r2, const RowLanes& distance2) {
+            const RowLanes weight = (1.0f - fall * distance2) * r2;
             return Weighed{weight, weight * r};
           },
           sums);
     case PlaneWeight::kInterior:
       return sum_plane(
           map, plane,
-          [=](const Lanes& r, const Lanes& r2, const Lanes&) {
-            const Lanes inverse = 1.0f / (bound2 - r2);
+          [=](const RowLanes& r, const RowLanes& r2, const RowLanes&) {
+            const RowLanes inverse = 1.0f / (bound2 - r2);
             return Weighed{(bound2 + r2) * inverse * inverse, r * inverse};
           },
           sums);
@@ -127,25 +127,28 @@ inline void plane_step(const HeightMap& map, const HeightPlane& plane, PlaneWeig
 
 inline void look_at_plane(const HeightMap& map, const HeightPlane& plane,
                           PlaneLook& look) noexcept {
-  Lanes largest{}, squares{};
-  IntLanes count{};
-  using Eight = ColumnsOverPlane::Eight;
-  const auto take = [&](const Eight& columns) {
-    const Lanes size = where(columns.on, abs(columns.residual));
+  RowLanes largest{}, squares{};
+  Lanes total{};
+  int count = 0;
+  using Seen = ColumnsOverPlane::Seen;
+  const auto take = [&](const Seen& columns) {
+    const RowLanes size = where(columns.on, abs(columns.residual));
     largest = larger(largest, size);
     squares += size * size;
-    count -= columns.on;
+    count += count_of(columns.on);
   };
   ColumnsOverPlane(map, plane)
-      .walk([&](const Eight& columns, const Lanes&) { take(columns); },
-            [&](const Eight& above, const Eight& below, const Lanes&, float) {
-              take(above);
-              take(below);
-            },
-            [](const Lanes&) {});
-  look.residuals = {largest_of(largest), sum_of(squares)};
-  look.count = 0;
-  for (int lane = 0; lane < 8; ++lane) look.count += count[lane];
+      .walk(
+          [&](const Seen& columns, const RowLanes&) {
+            squares = RowLanes{};
+            take(columns);
+          },
+          [&](const Seen& above, const Seen& below, const RowLanes&, float) {
+            take(above);
+            take(below);
+          },
+          [&](const RowLanes&) { add_row(total, squares); });
+  look = {{largest_of(largest), sum_of(total)}, count};
 }
 
 }  // namespace

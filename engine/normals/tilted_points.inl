@@ -1,29 +1,14 @@
 // The loops of map_kernels.hpp in single precision, written once and compiled for each instruction
-// set by the files that include this. Eight lanes everywhere: the bits do not depend on the set.
+// set by the files that include this; the bits do not depend on the set (row_lanes.inl).
 
 #pragma once
 
-#include "engine/core/lanes.hpp"
 #include "engine/normals/map_kernels.hpp"
+#include "engine/normals/row_lanes.inl"
 
 namespace sulcus {
 
 namespace {
-
-/// Eight heights of a row as they lie.
-inline IntLanes heights(const signed char* row) {
-#ifdef __AVX2__
-  const __m128i eight = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(row));
-  return reinterpret_cast<IntLanes>(_mm256_cvtepi8_epi32(eight));
-#else
-  return IntLanes{row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7]};
-#endif
-}
-/// The surface is half a voxel beyond the centre of the outermost solid voxel.
-inline Lanes outward(const IntLanes& heights, int sign) {
-  return __builtin_convertvector(heights, Lanes) * static_cast<float>(sign) + 0.5f;
-}
-constexpr Lanes kAlong = {0, 1, 2, 3, 4, 5, 6, 7};
 
 inline FilterSolutionOf<IntLanes, Lanes> solutions_of(const SurfaceGroup& g) {
   return {load(g.weights[0]),  load(g.weights[1]),  load(g.solution[0]), load(g.solution[1]),
@@ -93,50 +78,52 @@ inline float map_residuals(const HeightMap& map, const ColumnQuadric& surface,
   const float tx = surface.t_x * stride, ty = surface.t_y * stride, cubic = c5 * ty;
   const Taper taper = taper_of(map.ns);
   const auto centre = static_cast<float>(taper.centre), fall = static_cast<float>(taper.fall);
-  const int middle = map.lanes / 2, first = (middle - map.ns) / 8, end = (middle + map.ns) / 8 + 1;
-  Lanes largest{}, one{}, i{}, j{}, ii{}, ij{}, jj{};
-  for (int group = first; group < end; ++group) {
-    const Lanes x = kAlong + static_cast<float>(8 * group - middle);
-    const IntLanes inside = abs(x) <= static_cast<float>(map.ns);
+  const int middle = map.lanes / 2;
+  RowLanes largest{};
+  Lanes one{}, i{}, j{}, ii{}, ij{}, jj{};
+  for (int at = (middle - map.ns) & -kRowStep; at <= middle + map.ns; at += kRowStep) {
+    const RowLanes x = kAlong + static_cast<float>(at - middle);
+    const RowMask inside = at_most(abs(x), static_cast<float>(map.ns));
     // By powers of y.
-    const Lanes z2 = c3 * x * x, twist = c4 * x, t = 1.0f + tx * x;
-    const Lanes a0 = c0 + c1 * x + z2 * t, a1 = c2 + twist * t + z2 * ty, a2 = c5 * t + twist * ty;
-    const Lanes weight_x = centre - fall * x * x;
-    Lanes most{}, cube0{}, cube1{}, cube2{};
-    const auto take = [&](const Lanes& r, const Lanes& weight) {
+    const RowLanes z2 = c3 * x * x, twist = c4 * x, t = 1.0f + tx * x;
+    const RowLanes a0 = c0 + c1 * x + z2 * t, a1 = c2 + twist * t + z2 * ty,
+                   a2 = c5 * t + twist * ty;
+    const RowLanes weight_x = centre - fall * x * x;
+    RowLanes most{}, cube0{}, cube1{}, cube2{};
+    const auto take = [&](const RowLanes& r, const RowLanes& weight) {
       most = larger(most, abs(r));
       return weight * r * (r * r);
     };
-    const signed char* const row = map.height.data() + map.ns * map.lanes + 8 * group;
-    cube0 = take(to_float(heights(row)) - a0, weight_x);
+    const signed char* const row = map.height.data() + map.ns * map.lanes + at;
+    cube0 = take(heights(row) - a0, weight_x);
     // Rows +j and -j together: what is even in y, and what is odd.
-    Lanes y{};
+    RowLanes y{};
     for (int v = 1; v <= map.ns; ++v) {
       y += 1.0f;
-      const Lanes yy = y * y;
-      const Lanes even = a2 * yy + a0, odd = (a1 + cubic * yy) * y;
-      const Lanes weight = weight_x - fall * yy;
-      const Lanes above = take(to_float(heights(row + v * map.lanes)) - (even + odd), weight);
-      const Lanes below = take(to_float(heights(row - v * map.lanes)) - (even - odd), weight);
-      const Lanes both = above + below;
-      cube0 += both, cube1 += (above - below) * y, cube2 += both * yy;
+      const RowLanes yy = y * y;
+      const RowLanes even = a2 * yy + a0, odd = (a1 + cubic * yy) * y;
+      const RowLanes weight = weight_x - fall * yy;
+      const RowLanes above = take(heights(row + v * map.lanes) - (even + odd), weight);
+      const RowLanes below = take(heights(row - v * map.lanes) - (even - odd), weight);
+      const RowLanes sum = above + below;
+      cube0 += sum, cube1 += (above - below) * y, cube2 += sum * yy;
     }
     cube0 = where(inside, cube0), cube1 = where(inside, cube1), cube2 = where(inside, cube2);
     largest = larger(largest, where(inside, most));
-    one += cube0, i += cube0 * x, ii += cube0 * x * x;
-    j += cube1, ij += cube1 * x, jj += cube2;
+    add_row(one, cube0), add_row(i, cube0 * x), add_row(ii, cube0 * x * x);
+    add_row(j, cube1), add_row(ij, cube1 * x), add_row(jj, cube2);
   }
   cubes = {sign * sum_of(one), sign * sum_of(i),  sign * sum_of(j),
            sign * sum_of(ii),  sign * sum_of(ij), sign * sum_of(jj)};
   return largest_of(largest);
 }
 
-// --- Half-discs. Rows of sixteen lanes, i = -8 to 7, whatever the map's.
-// --------------------------
+// --- Half-discs. Rows of sixteen lanes, i = -8 to 7, whatever the map's. ------------------------
 
 struct DiscMasks {
   static constexpr int kRows = 2 * kDiscReach + 1;
-  alignas(32) int half[kHalves][kRows][2][8];  // -1: in it
+  alignas(32) int half[kHalves][kRows][16];  // -1: in it
+  std::uint16_t bits[kHalves][kRows];
 };
 constexpr DiscMasks make_disc_masks() {
   DiscMasks masks{};
@@ -148,7 +135,9 @@ constexpr DiscMasks make_disc_masks() {
         const int i = lane - 8, j = row - kDiscReach;
         const bool in_disc = 100 * (i * i + j * j) <= 68 * 68;
         const bool in_half = i * kRays[d][0] + j * kRays[d][1] >= 0;
-        masks.half[d][row][lane / 8][lane % 8] = in_disc && in_half ? -1 : 0;
+        if (!in_disc || !in_half) continue;
+        masks.half[d][row][lane] = -1;
+        masks.bits[d][row] = static_cast<std::uint16_t>(masks.bits[d][row] | 1 << lane);
       }
     }
   }
@@ -156,36 +145,43 @@ constexpr DiscMasks make_disc_masks() {
 }
 constexpr DiscMasks kDiscMasks = make_disc_masks();
 
-/// Calls `each(found, x, y, twice z, row, group)` for eight pixels of the disc's rows after the
-/// other.
+inline RowMask in_half(int half, int row, [[maybe_unused]] int lane) {
+#ifdef __AVX512F__
+  return kDiscMasks.bits[half][row];
+#else
+  return load(kDiscMasks.half[half][row] + lane);
+#endif
+}
+
+/// Calls `each(found, x, y, twice z, row, lane)` for the pixels of the disc's rows, from a lane on,
+/// one row after the other.
 template <class Each>
-inline void for_disc(const HeightMap& map, const Each& each) {
+inline void for_disc(const HeightMap& map, int lane, const Each& each) {
   const int reach = map.ns < kDiscReach ? map.ns : kDiscReach;
   const auto twice_sign = static_cast<float>(2 * map.sign);
-  for (int group = 0; group < 2; ++group) {
-    const Lanes x = kAlong + static_cast<float>(8 * group - 8);
-    const signed char* row =
-        map.height.data() + (map.ns - reach) * map.lanes + map.lanes / 2 - 8 + 8 * group;
-    for (int j = -reach; j <= reach; ++j, row += map.lanes) {
-      const IntLanes height = heights(row);
-      each(height != int{HeightMap::kNone}, x, static_cast<float>(j),
-           __builtin_convertvector(height, Lanes) * twice_sign + 1.0f, j + kDiscReach, group);
-    }
+  const RowLanes x = kAlong + static_cast<float>(lane - 8);
+  const signed char* row =
+      map.height.data() + (map.ns - reach) * map.lanes + map.lanes / 2 - 8 + lane;
+  for (int j = -reach; j <= reach; ++j, row += map.lanes) {
+    const RowLanes height = heights(row);
+    each(above(height, static_cast<float>(HeightMap::kNone)), x, static_cast<float>(j),
+         height * twice_sign + 1.0f, j + kDiscReach);
   }
 }
 
+/// Whole numbers: exact in any order.
 struct LaneSums9 {
-  Lanes n{}, i{}, j{}, ii{}, ij{}, jj{}, z{}, iz{}, jz{};
+  RowLanes n{}, i{}, j{}, ii{}, ij{}, jj{}, z{}, iz{}, jz{};
 
-  void add(const IntLanes& mask, const Lanes& x, float y, const Lanes& z2) {
-    const Lanes one = where(mask, Lanes{} + 1.0f), mi = where(mask, x), mz = where(mask, z2);
-    const Lanes mj = one * y;
+  void add(const RowMask& mask, const RowLanes& x, float y, const RowLanes& z2) {
+    const RowLanes one = where(mask, RowLanes{} + 1.0f), mi = where(mask, x), mz = where(mask, z2);
+    const RowLanes mj = one * y;
     n += one, i += mi, j += mj, ii += mi * x, ij += mi * y, jj += mj * y;
     z += mz, iz += mz * x, jz += mz * y;
   }
   PlaneSums total() const {
-    return {sum_of(n),  sum_of(i), sum_of(j),  sum_of(ii), sum_of(ij),
-            sum_of(jj), sum_of(z), sum_of(iz), sum_of(jz)};
+    return {row_sum(n),  row_sum(i), row_sum(j),  row_sum(ii), row_sum(ij),
+            row_sum(jj), row_sum(z), row_sum(iz), row_sum(jz)};
   }
 };
 
@@ -194,89 +190,107 @@ inline void close_sums(const HeightMap& map, PlaneSums& sums) noexcept {
   constexpr float kReach4 = 51.0f;  // 4 * 3.6^2
   const int reach = map.ns < kReach ? map.ns : kReach;
   const auto twice_sign = static_cast<float>(2 * map.sign);
-  const Lanes x = kAlong - static_cast<float>(kReach);
-  const Lanes four_xx = 4.0f * x * x;
+  LaneSums9 s;
+  const RowLanes x = kAlong - static_cast<float>(kReach);
+  // Beyond i = 4 there may be columns of the next row.
+  const RowLanes four_xx = 4.0f * x * x;
   const signed char* row =
       map.height.data() + (map.ns - reach) * map.lanes + map.lanes / 2 - kReach;
-  LaneSums9 s;
   for (int j = -reach; j <= reach; ++j, row += map.lanes) {
     const auto y = static_cast<float>(j);
-    const Lanes z2 = __builtin_convertvector(heights(row), Lanes) * twice_sign + 1.0f;
+    const RowLanes z2 = heights(row) * twice_sign + 1.0f;
     // kNone is far out of it.
-    s.add(four_xx + 4.0f * y * y + z2 * z2 <= kReach4, x, y, z2);
+    s.add(at_most(four_xx + 4.0f * y * y + z2 * z2, kReach4), x, y, z2);
   }
   sums = s.total();
 }
 
 inline void half_sums(const HeightMap& map, std::array<PlaneSums, kHalves>& sums) noexcept {
-  for (unsigned d = 0; d < kHalves; ++d) {
+  for (int d = 0; d < kHalves; ++d) {
     LaneSums9 s;
-    for_disc(map,
-             [&](const IntLanes& found, const Lanes& x, float y, const Lanes& z2, int row,
-                 int group) { s.add(found & load(kDiscMasks.half[d][row][group]), x, y, z2); });
-    sums[d] = s.total();
+    for (int lane = 0; lane < 16; lane += kRowStep) {
+      for_disc(map, lane,
+               [&](const RowMask& found, const RowLanes& x, float y, const RowLanes& z2, int row) {
+                 s.add(both(found, in_half(d, row, lane)), x, y, z2);
+               });
+    }
+    sums[static_cast<std::size_t>(d)] = s.total();
   }
 }
 
-inline Lanes residual_across(const HeightPlane& plane, const Lanes& x, float y, const Lanes& z2) {
+inline RowLanes residual_across(const HeightPlane& plane, const RowLanes& x, float y,
+                                const RowLanes& z2) {
   return (z2 * 0.5f - (plane.c0 + plane.c2 * y) - plane.c1 * x) * plane.cosine;
 }
 
 inline void sums_on_plane(const HeightMap& map, int half, const HeightPlane& plane,
                           PlaneSums& sums) noexcept {
   LaneSums9 s;
-  for_disc(map, [&](const IntLanes& found, const Lanes& x, float y, const Lanes& z2, int row,
-                    int group) {
-    const IntLanes on = abs(residual_across(plane, x, y, z2)) <= plane.slack;
-    s.add(found & on & load(kDiscMasks.half[half][row][group]), x, y, z2);
-  });
+  for (int lane = 0; lane < 16; lane += kRowStep) {
+    for_disc(map, lane,
+             [&](const RowMask& found, const RowLanes& x, float y, const RowLanes& z2, int row) {
+               const RowMask on = at_most(abs(residual_across(plane, x, y, z2)), plane.slack);
+               s.add(both(both(found, on), in_half(half, row, lane)), x, y, z2);
+             });
+  }
   sums = s.total();
 }
 
 inline void residuals_on_plane(const HeightMap& map, int half, const HeightPlane& first,
                                const HeightPlane& plane, Residuals& residuals) noexcept {
-  Lanes largest{}, squares{};
-  for_disc(map, [&](const IntLanes& found, const Lanes& x, float y, const Lanes& z2, int row,
-                    int group) {
-    const IntLanes on = abs(residual_across(first, x, y, z2)) <= first.slack;
-    const Lanes r = where(found & on & load(kDiscMasks.half[half][row][group]),
-                          residual_across(plane, x, y, z2));
-    largest = larger(largest, abs(r));
-    squares += r * r;
-  });
+  RowLanes largest{};
+  Lanes total{};
+  for (int lane = 0; lane < 16; lane += kRowStep) {
+    RowLanes squares{};
+    for_disc(map, lane,
+             [&](const RowMask& found, const RowLanes& x, float y, const RowLanes& z2, int row) {
+               const RowMask on = at_most(abs(residual_across(first, x, y, z2)), first.slack);
+               const RowLanes r = where(both(both(found, on), in_half(half, row, lane)),
+                                        residual_across(plane, x, y, z2));
+               largest = larger(largest, abs(r));
+               squares += r * r;
+             });
+    add_row(total, squares);
+  }
   residuals.largest = largest_of(largest);
-  residuals.sum_squares = sum_of(squares);
+  residuals.sum_squares = sum_of(total);
 }
 
 // --- Points in a ball ---------------------------------------------------------------------------
 
-/// Appends the lanes in a mask; beyond them seven floats more may be written.
+/// Appends the lanes in a mask; beyond them a row's may be written.
 class PointWriter {
  public:
   explicit PointWriter(TiltedPoints& points) : points_(points) {}
 
-  void append(const IntLanes& mask, const Lanes& weight, const Lanes& u, const Lanes& w,
-              const Lanes& n) {
-#ifdef __AVX2__
-    const unsigned bits = bits_of(mask);
-    const __m256i from = to_front(bits);
-    const auto put = [&](const Lanes& v, float* to) {
+  void append(const RowMask& mask, const RowLanes& weight, const RowLanes& u, const RowLanes& w,
+              const RowLanes& n) {
+#if defined(__AVX512F__)
+    const auto put = [&](const RowLanes& v, float* to) {
+      _mm512_storeu_ps(to + count_, _mm512_maskz_compress_ps(mask, v));
+    };
+    put(weight, points_.weight), put(u, points_.u), put(w, points_.w), put(n, points_.n);
+#elif defined(__AVX2__)
+    const __m256i from = to_front(bits_of(mask));
+    const auto put = [&](const RowLanes& v, float* to) {
       store(_mm256_permutevar8x32_ps(v, from), to + count_);
     };
     put(weight, points_.weight), put(u, points_.u), put(w, points_.w), put(n, points_.n);
-    count_ += __builtin_popcount(bits);
 #else
-    for (int lane = 0; lane < 8; ++lane) {
+    for (int lane = 0, to = count_; lane < kRowStep; ++lane) {
       if (mask[lane] == 0) continue;
-      points_.weight[count_] = weight[lane], points_.u[count_] = u[lane];
-      points_.w[count_] = w[lane], points_.n[count_] = n[lane];
-      ++count_;
+      points_.weight[to] = weight[lane], points_.u[to] = u[lane];
+      points_.w[to] = w[lane], points_.n[to] = n[lane];
+      ++to;
     }
 #endif
+    count_ += count_of(mask);
   }
   void finish() {
-    store(Lanes{}, points_.weight + count_), store(Lanes{}, points_.u + count_);
-    store(Lanes{}, points_.w + count_), store(Lanes{}, points_.n + count_);
+    for (int k = 0; k < TiltedPoints::kTogether; k += kLaneCount) {
+      store(Lanes{}, points_.weight + count_ + k), store(Lanes{}, points_.u + count_ + k);
+      store(Lanes{}, points_.w + count_ + k), store(Lanes{}, points_.n + count_ + k);
+    }
     points_.count = count_;
   }
 
@@ -289,87 +303,100 @@ inline void gather_points(const HeightMap& map, const TiltedFrame& frame,
                           TiltedPoints& points) noexcept {
   const float radius = frame.radius, unit = 1.0f / radius;
   const int reach = radius < static_cast<float>(map.ns) ? static_cast<int>(radius) : map.ns;
-  const int middle = map.lanes / 2, first = (middle - reach) / 8, end = (middle + reach) / 8 + 1;
+  const int middle = map.lanes / 2, first = (middle - reach) & -kRowStep;
   const float limit = radius * radius, fall = 1.0f / (1.05f * limit);
   // By value: what is stored below could be what a reference refers to.
   const auto [u0, u1, u2] = frame.u;
   const auto [w0, w1, w2] = frame.w;
   const auto [n0, n1, n2] = frame.n;
-  const int sign = map.sign, lanes = map.lanes;
+  const auto sign = static_cast<float>(map.sign);
+  const int lanes = map.lanes;
   PointWriter writer(points);
-  for (int group = first; group < end; ++group) {
-    const Lanes x = kAlong + static_cast<float>(8 * group - middle);
-    const Lanes xx = x * x, x_u = x * (u0 * unit), x_w = x * (w0 * unit), x_n = x * (n0 * unit);
-    const signed char* row = map.height.data() + (map.ns - reach) * lanes + 8 * group;
-    for (int j = -reach; j <= reach; ++j, row += lanes) {
-      const float y = static_cast<float>(j), y_unit = y * unit;
-      const Lanes z = outward(heights(row), sign), z_unit = z * unit;
-      const Lanes r2 = xx + y * y + z * z;
+  const signed char* row = map.height.data() + (map.ns - reach) * lanes;
+  for (int j = -reach; j <= reach; ++j, row += lanes) {
+    const float y = static_cast<float>(j), y_unit = y * unit;
+    for (int at = first; at <= middle + reach; at += kRowStep) {
+      const RowLanes x = kAlong + static_cast<float>(at - middle);
+      // The surface is half a voxel beyond the centre of the outermost solid voxel.
+      const RowLanes z = heights(row + at) * sign + 0.5f, z_unit = z * unit;
+      const RowLanes r2 = x * x + y * y + z * z;
       // kNone is far out of every ball.
-      writer.append(r2 <= limit, 1.0f - r2 * fall, x_u + y_unit * u1 + z_unit * u2,
-                    x_w + y_unit * w1 + z_unit * w2, x_n + y_unit * n1 + z_unit * n2);
+      writer.append(
+          at_most(r2, limit), 1.0f - r2 * fall, x * (u0 * unit) + y_unit * u1 + z_unit * u2,
+          x * (w0 * unit) + y_unit * w1 + z_unit * w2, x * (n0 * unit) + y_unit * n1 + z_unit * n2);
     }
   }
   writer.finish();
 }
 
-// Two passes: the sums of one take all the registers there are.
-inline void tilted_moments(const TiltedPoints& points, TiltedMoments& moments) noexcept {
-  const TiltedPoints& p = points;
-  {
-    Lanes m00{}, m01{}, m02{}, m10{}, m11{}, m20{}, z00{}, z01{}, z02{}, z10{}, z11{}, z20{};
-    for (int k = 0; k < p.count; k += 8) {
-      const Lanes weight = load(p.weight + k), u = load(p.u + k), w = load(p.w + k),
-                  n = load(p.n + k);
-      const Lanes w1 = weight * w, u1 = weight * u, w2 = w1 * w, uw = u1 * w, u2 = u1 * u;
-      m00 += weight, m01 += w1, m02 += w2, m10 += u1, m11 += uw, m20 += u2;
-      z00 += weight * n, z01 += w1 * n, z02 += w2 * n;
-      z10 += u1 * n, z11 += uw * n, z20 += u2 * n;
-    }
-    auto& m = moments.m;
-    m[0][0] = sum_of(m00), m[0][1] = sum_of(m01), m[0][2] = sum_of(m02);
-    m[1][0] = sum_of(m10), m[1][1] = sum_of(m11), m[2][0] = sum_of(m20);
-    auto& z = moments.z;
-    z[0][0] = sum_of(z00), z[0][1] = sum_of(z01), z[0][2] = sum_of(z02);
-    z[1][0] = sum_of(z10), z[1][1] = sum_of(z11), z[2][0] = sum_of(z20);
+/// Sixteen sums side by side, over points that are taken sixteen at a time: all at once, or those
+/// of the first eights and of the second ones. `from` is 0, then 8.
+template <std::size_t kSums, class Add>
+inline std::array<float, kSums> sum_points(const TiltedPoints& points, const Add& add) {
+  std::array<Lanes, kSums> total{};
+  for (int from = 0; from < TiltedPoints::kTogether; from += kRowStep) {
+    RowLanes sums[kSums]{};
+    for (int k = from; k < points.count; k += TiltedPoints::kTogether) add(k, sums);
+#pragma GCC unroll 16
+    for (std::size_t f = 0; f < kSums; ++f) add_row(total.begin()[f], sums[f]);
   }
-  Lanes m03{}, m04{}, m12{}, m13{}, m21{}, m22{}, m30{}, m31{}, m40{};
-  for (int k = 0; k < p.count; k += 8) {
-    const Lanes weight = load(p.weight + k), u = load(p.u + k), w = load(p.w + k);
-    const Lanes w2 = weight * w * w, w3 = w2 * w, uw2 = w2 * u;
-    const Lanes u2 = weight * u * u, u3 = u2 * u, u2w = u2 * w;
-    m03 += w3, m04 += w3 * w, m12 += uw2, m13 += uw2 * w;
-    m21 += u2w, m22 += u2w * w, m30 += u3, m31 += u3 * w, m40 += u3 * u;
-  }
-  auto& m = moments.m;
-  m[0][3] = sum_of(m03), m[0][4] = sum_of(m04), m[1][2] = sum_of(m12), m[1][3] = sum_of(m13);
-  m[2][1] = sum_of(m21), m[2][2] = sum_of(m22);
-  m[3][0] = sum_of(m30), m[3][1] = sum_of(m31), m[4][0] = sum_of(m40);
+  std::array<float, kSums> all;
+#pragma GCC unroll 16
+  for (std::size_t f = 0; f < kSums; ++f) all.begin()[f] = sum_of(total.begin()[f]);
+  return all;
 }
 
-inline Lanes residual_of(const TiltedPoints& p, int k, const Quadric& c) {
-  const Lanes u = load(p.u + k), w = load(p.w + k);
-  return load(p.n + k) - (c[0] + (c[1] + c[3] * u + c[4] * w) * u + (c[2] + c[5] * w) * w);
+// In two passes: the sums of one take all the registers there are.
+inline void tilted_moments(const TiltedPoints& points, TiltedMoments& moments) noexcept {
+  const TiltedPoints& p = points;
+  auto& m = moments.m;
+  auto& z = moments.z;
+  const auto low = sum_points<12>(p, [&](int k, RowLanes* s) {
+    const RowLanes weight = load_row(p.weight + k), u = load_row(p.u + k), w = load_row(p.w + k),
+                   n = load_row(p.n + k);
+    const RowLanes w1 = weight * w, u1 = weight * u, w2 = w1 * w, uw = u1 * w, u2 = u1 * u;
+    s[0] += weight, s[1] += w1, s[2] += w2, s[3] += u1, s[4] += uw, s[5] += u2;
+    s[6] += weight * n, s[7] += w1 * n, s[8] += w2 * n;
+    s[9] += u1 * n, s[10] += uw * n, s[11] += u2 * n;
+  });
+  m[0][0] = low[0], m[0][1] = low[1], m[0][2] = low[2];
+  m[1][0] = low[3], m[1][1] = low[4], m[2][0] = low[5];
+  z[0][0] = low[6], z[0][1] = low[7], z[0][2] = low[8];
+  z[1][0] = low[9], z[1][1] = low[10], z[2][0] = low[11];
+  const auto high = sum_points<9>(p, [&](int k, RowLanes* s) {
+    const RowLanes weight = load_row(p.weight + k), u = load_row(p.u + k), w = load_row(p.w + k);
+    const RowLanes w2 = weight * w * w, w3 = w2 * w, uw2 = w2 * u;
+    const RowLanes u2 = weight * u * u, u3 = u2 * u, u2w = u2 * w;
+    s[0] += w3, s[1] += w3 * w, s[2] += uw2, s[3] += uw2 * w;
+    s[4] += u2w, s[5] += u2w * w, s[6] += u3, s[7] += u3 * w, s[8] += u3 * u;
+  });
+  m[0][3] = high[0], m[0][4] = high[1], m[1][2] = high[2], m[1][3] = high[3];
+  m[2][1] = high[4], m[2][2] = high[5];
+  m[3][0] = high[6], m[3][1] = high[7], m[4][0] = high[8];
+}
+
+inline RowLanes residual_of(const TiltedPoints& p, int k, const Quadric& c) {
+  const RowLanes u = load_row(p.u + k), w = load_row(p.w + k);
+  return load_row(p.n + k) - (c[0] + (c[1] + c[3] * u + c[4] * w) * u + (c[2] + c[5] * w) * w);
 }
 
 inline void tilted_residuals(const TiltedPoints& points, const Quadric& c,
                              Residuals& residuals) noexcept {
-  Lanes largest{}, squares{};
-  for (int k = 0; k < points.count; k += 8) {
-    const Lanes residual = residual_of(points, k, c);
-    const Lanes r = load(points.weight + k) > 0.0f ? residual : Lanes{};
+  RowLanes largest{};
+  const auto squares = sum_points<1>(points, [&](int k, RowLanes* s) {
+    const RowLanes r = where(above(load_row(points.weight + k), 0.0f), residual_of(points, k, c));
     largest = larger(largest, abs(r));
-    squares += r * r;
-  }
+    s[0] += r * r;
+  });
   residuals.largest = largest_of(largest);
-  residuals.sum_squares = sum_of(squares);
+  residuals.sum_squares = squares[0];
 }
 
 inline void sharpen_points(const Quadric& c, TiltedPoints& points) noexcept {
-  for (int k = 0; k < points.count; k += 8) {
-    const Lanes r = residual_of(points, k, c);
-    store(load(points.weight + k) * r * r, points.weight + k);
-    store(r, points.n + k);
+  for (int k = 0; k < points.count; k += kRowStep) {
+    const RowLanes r = residual_of(points, k, c);
+    store_row(load_row(points.weight + k) * r * r, points.weight + k);
+    store_row(r, points.n + k);
   }
 }
 

@@ -106,7 +106,7 @@ struct TickedRun {
 
 class SavedState : public ::testing::Test {
  protected:
-  static constexpr int kTicks = 500;
+  static constexpr int kTicks = 700;
 
   SavedState()
       : trajectory_(make_trajectory(run_.scene.trajectory)),

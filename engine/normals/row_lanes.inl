@@ -1,0 +1,85 @@
+// Columns of a map's row side by side: sixteen with AVX-512, else eight. Whatever is added up is
+// added up in eight lanes, those of the lower half first, so that the bits do not depend on the
+// set.
+
+#pragma once
+
+#include "engine/core/lanes.hpp"
+
+namespace sulcus {
+
+namespace {
+
+#ifdef __AVX512F__
+
+inline constexpr int kRowStep = 16;
+using RowLanes = float __attribute__((vector_size(4 * kRowStep)));
+using RowMask = __mmask16;
+constexpr RowLanes kAlong = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+
+/// Heights of a row as they lie.
+inline RowLanes heights(const signed char* row) {
+  const __m128i bytes = _mm_loadu_si128(reinterpret_cast<const __m128i*>(row));
+  return _mm512_cvtepi32_ps(_mm512_cvtepi8_epi32(bytes));
+}
+inline RowLanes abs(const RowLanes& v) { return _mm512_abs_ps(v); }
+inline RowLanes larger(const RowLanes& a, const RowLanes& b) { return _mm512_max_ps(b, a); }
+/// v where the mask is set, else zero.
+inline RowLanes where(RowMask mask, const RowLanes& v) { return _mm512_maskz_mov_ps(mask, v); }
+inline RowMask at_most(const RowLanes& v, float limit) {
+  return _mm512_cmp_ps_mask(v, RowLanes{} + limit, _CMP_LE_OQ);
+}
+inline RowMask above(const RowLanes& v, float limit) {
+  return _mm512_cmp_ps_mask(v, RowLanes{} + limit, _CMP_GT_OQ);
+}
+inline RowMask both(RowMask a, RowMask b) { return _kand_mask16(a, b); }
+inline int count_of(RowMask mask) { return __builtin_popcount(mask); }
+inline Lanes lower_half(const RowLanes& v) { return _mm512_castps512_ps256(v); }
+inline Lanes upper_half(const RowLanes& v) { return _mm512_extractf32x8_ps(v, 1); }
+inline void add_row(Lanes& sum, const RowLanes& v) {
+  sum += lower_half(v);
+  sum += upper_half(v);
+}
+inline float largest_of(const RowLanes& v) {
+  return largest_of(larger(lower_half(v), upper_half(v)));
+}
+
+#else
+
+inline constexpr int kRowStep = 8;
+using RowLanes = Lanes;
+using RowMask = IntLanes;
+constexpr RowLanes kAlong = {0, 1, 2, 3, 4, 5, 6, 7};
+
+/// Heights of a row as they lie.
+inline RowLanes heights(const signed char* row) {
+#ifdef __AVX2__
+  const __m128i eight = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(row));
+  return to_float(reinterpret_cast<IntLanes>(_mm256_cvtepi8_epi32(eight)));
+#else
+  return to_float(IntLanes{row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7]});
+#endif
+}
+inline RowMask at_most(const RowLanes& v, float limit) { return v <= limit; }
+inline RowMask above(const RowLanes& v, float limit) { return v > limit; }
+inline RowMask both(const RowMask& a, const RowMask& b) { return a & b; }
+inline int count_of(const RowMask& mask) { return __builtin_popcount(bits_of(mask)); }
+inline void add_row(Lanes& sum, const RowLanes& v) { sum += v; }
+
+#endif
+
+inline RowLanes load_row(const float* p) {
+  RowLanes v;
+  __builtin_memcpy(&v, p, sizeof v);
+  return v;
+}
+inline void store_row(const RowLanes& v, float* p) { __builtin_memcpy(p, &v, sizeof v); }
+inline float row_sum(const RowLanes& v) {
+  Lanes sum{};
+  add_row(sum, v);
+  return sum_of(sum);
+}
+
+}  // namespace
+
+}  // namespace sulcus
