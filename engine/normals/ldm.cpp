@@ -26,9 +26,8 @@ constexpr float kNearEdge = 3.0f;                     // a ball no larger than t
 constexpr float kMostBend = 0.2f;                     // of a face, across it, half a map out
 
 /// Whether the quadric of a whole map explains its heights; with what it leaves of them.
-bool explains(const HeightMap& map, const ColumnQuadric& surface, float cosine,
+bool explains(const MapRows& map, const ColumnQuadric& surface, float cosine,
               ResidualCubes& left) noexcept {
-  if (map.whole_rings < map.ns) return false;
   const auto rim = static_cast<float>(map.ns * map.stride);
   if (!((std::abs(surface.t_x) + std::abs(surface.t_y)) * rim < kMostCubic)) return false;
   const float most = map.stride == 1 ? kMostResidual + 0.5f * cosine : kMostWideResidual;
@@ -36,14 +35,14 @@ bool explains(const HeightMap& map, const ColumnQuadric& surface, float cosine,
 }
 
 /// The face that a whole map shows, where its quadric is as good as flat.
-std::optional<Foot> flat_face(const HeightMap& map, const ColumnQuadric& surface,
+std::optional<Foot> flat_face(MapGroup& group, std::size_t k, const ColumnQuadric& surface,
                               const Foot& foot) noexcept {
   const auto& c = surface.c;
-  const auto rim = static_cast<float>(map.ns * map.stride);
+  const int ns = group.rows(k).ns;
+  const auto rim = static_cast<float>(ns);
   const float bend = (std::abs(c[3]) + std::abs(c[4]) + std::abs(c[5])) * rim * rim;
   if (bend * foot.normal_z > kMostBend) return {};
-  const int columns = (2 * map.ns + 1) * (2 * map.ns + 1);
-  return grow_plane(map, foot, columns, false);
+  return grow_plane(group.map(k), foot, (2 * ns + 1) * (2 * ns + 1), false);
 }
 
 /// The surface of a map of stride 2, where that is whole and a quadric explains it.
@@ -61,7 +60,7 @@ std::optional<Foot> fit_wide(const Workpiece& workpiece, const Cell& voxel, cons
   ColumnQuadric surface = column_quadric(quadric_of(sums, level, level, map.sign, filter.solution),
                                          filter.answers, static_cast<float>(map.stride));
   ResidualCubes left;
-  if (!explains(map, surface, foot_of(surface).normal_z, left)) return {};
+  if (!explains(rows_of(map), surface, foot_of(surface).normal_z, left)) return {};
   sharpen(filter.solution, left, static_cast<float>(map.stride), surface);
   return foot_of(surface);
 }
@@ -124,22 +123,22 @@ SurfaceEstimate estimate_in_parts(const Workpiece& workpiece, const Cell& voxel,
 
 void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
                   int neighbourhood, int trace, std::span<SurfaceEstimate> estimates) noexcept {
+  const bool has_wide = lanes_of(neighbourhood) == lanes_of(1);
   MapGroup group;
   LeafTiles tiles(workpiece, queries, neighbourhood);
-  for (std::size_t first = 0; first < queries.size(); first += MapGroup::kSize) {
-    const std::size_t count = group.trace(workpiece, queries, first, neighbourhood, trace, tiles);
-    group.fit([](const HeightMap& map) { return map.whole_rings == map.ns ? map.ns : 0; });
+  for (std::size_t first = 0, count; first < queries.size(); first += count) {
+    count = group.take(workpiece, queries, first, neighbourhood, trace, tiles);
     std::array<bool, MapGroup::kSize> explained{};
     for (std::size_t k = 0; k < count; ++k) {
       const int place = static_cast<int>(k);
       ResidualCubes left{};
-      explained[k] = explains(group.maps[k], group.surfaces.surface(place),
-                              group.surfaces.foot(place).normal_z, left);
+      explained[k] = group.is_whole(k) && explains(group.rows(k), group.surfaces.surface(place),
+                                                   group.surfaces.foot(place).normal_z, left);
       group.surfaces.put_residuals(place, left);
     }
     map_kernels().sharpen_group(group.surfaces);
     for (std::size_t k = 0; k < count; ++k) {
-      const HeightMap& map = group.maps[k];
+      const Cell& voxel = queries[first + k].voxel;
       const MapAxes& axes = group.axes[k];
       const Vector3f& coarse = group.coarse[k];
       SurfaceEstimate& estimate = estimates[first + k];
@@ -147,24 +146,23 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
       if (coarse == Vector3f::Zero()) continue;
       std::uint8_t windows = axes.window();
       const Vector3f tool = heard(queries[first + k].outward, coarse);
-      const int place = static_cast<int>(k);
-      const Foot foot = group.surfaces.foot(place);
       if (explained[k]) {
-        const bool level = foot.normal_z > kLevelCosine && map.lanes == 16;
+        const int place = static_cast<int>(k);
+        const Foot foot = group.surfaces.foot(place);
+        const bool level = foot.normal_z > kLevelCosine && has_wide;
         if (level) windows |= SurfaceEstimate::kWideWindow;
         const std::optional<Foot> wide =
-            level ? fit_wide(workpiece, queries[first + k].voxel, axes, neighbourhood, trace)
-                  : std::optional<Foot>();
+            level ? fit_wide(workpiece, voxel, axes, neighbourhood, trace) : std::optional<Foot>();
         const std::optional<Foot> face =
-            wide ? wide : flat_face(map, group.surfaces.surface(place), foot);
+            wide ? wide : flat_face(group, k, group.surfaces.surface(place), foot);
         estimate = to_index_space(face ? *face : foot, axes);
       } else {
-        estimate = estimate_in_parts(workpiece, queries[first + k].voxel, map, axes, trace, coarse,
-                                     tool, windows);
+        estimate =
+            estimate_in_parts(workpiece, voxel, group.map(k), axes, trace, coarse, tool, windows);
       }
       if (!stands(estimate.normal, coarse, tool)) {
-        const std::optional<SurfaceEstimate> face = nearest_face(
-            workpiece, queries[first + k].voxel, map, axes, trace, coarse, tool, windows);
+        const std::optional<SurfaceEstimate> face =
+            nearest_face(workpiece, voxel, group.map(k), axes, trace, coarse, tool, windows);
         estimate = face ? *face : last_resort(coarse, tool, windows);
       }
       estimate.windows = windows;

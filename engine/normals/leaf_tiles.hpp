@@ -24,9 +24,7 @@ class LeafTiles {
   /// The tile for the map of a query along an axis; null where there is none. Valid until a query
   /// of another leaf is asked for.
   const HeightTile* find(std::size_t query, const MapAxes& axes) noexcept {
-    const Cell& c = queries_[query].voxel;
-    const int apart = (c.x() ^ origin_.x()) | (c.y() ^ origin_.y()) | (c.z() ^ origin_.z());
-    if ((apart & -kLeafEdge) != 0) enter(query);
+    if (!is_of_leaf(queries_[query].voxel)) enter(query);
     if (!worthwhile_) return nullptr;
     const auto place = static_cast<std::size_t>(2 * axes.axis + (axes.sign > 0 ? 1 : 0));
     if (!made_[place]) {
@@ -34,6 +32,12 @@ class LeafTiles {
       make(axes, tiles_[place]);
     }
     return &tiles_[place];
+  }
+
+  /// Whether a voxel is of the leaf that the last query was asked for in.
+  bool is_of_leaf(const Cell& c) const noexcept {
+    const int apart = (c.x() ^ origin_.x()) | (c.y() ^ origin_.y()) | (c.z() ^ origin_.z());
+    return (apart & -kLeafEdge) == 0;
   }
 
  private:

@@ -6,46 +6,79 @@
 
 namespace sulcus {
 
-Eigen::Vector3f coarse_of(const Workpiece& workpiece, const VoxelQuery& query) noexcept {
-  const Eigen::Vector3f coarse = coarse_normal(workpiece, query.voxel).cast<float>();
-  return coarse == Eigen::Vector3f::Zero() ? query.outward : coarse;
-}
-
-bool trace_or_cut(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes, int trace,
-                  const HeightTile* tile, HeightMap& map) noexcept {
-  map.sign = axes.sign;
-  if (tile) {
-    const Eigen::Vector3i at = in_tile(voxel, axes);
-    if (map_kernels().cut(*tile, at.x(), at.y(), at.z(), trace, map)) return true;
-  }
-  trace_along(workpiece, voxel, axes, trace, map);
-  return false;
-}
-
-std::size_t MapGroup::trace(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
-                            std::size_t first, int neighbourhood, int trace,
-                            LeafTiles& tiles) noexcept {
+std::size_t MapGroup::take(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
+                           std::size_t first, int neighbourhood, int trace,
+                           LeafTiles& tiles) noexcept {
   count_ = std::min(queries.size() - first, kSize);
+  trace_ = trace;
+  std::array<ColumnBits::Windows, kSize> rows;
+  std::array<std::array<std::int32_t, 3>, kSize> sums;
+  for (std::size_t k = 0; k < count_; ++k) {
+    rows[k] = coarse_rows(workpiece, queries[first + k].voxel);
+  }
+  map_kernels().coarse(rows.data(), count_, sums.data());
+
+  const QuadricFilter& whole = quadric_filter(neighbourhood, lanes_of(neighbourhood));
+  filled_ = 0;
+  std::array<ColumnBits::Windows, kSize> columns;
+  bool tiled = false;
   for (std::size_t k = 0; k < count_; ++k) {
     const VoxelQuery& query = queries[first + k];
-    coarse[k] = coarse_of(workpiece, query);
+    if (tiled && !tiles.is_of_leaf(query.voxel)) {
+      count_ = k;  // its tiles would take the place of those that are in use
+      break;
+    }
+    coarse[k] = coarse_of(sums[k]);
+    if (coarse[k] == Eigen::Vector3f::Zero()) coarse[k] = query.outward;
     axes[k] = dominant_axes(coarse[k]);
-
-    HeightMap& map = maps[k];
+    tiles_[k] = nullptr;
+    is_whole_[k] = false;
+    if (coarse[k] == Eigen::Vector3f::Zero()) continue;
+    const HeightTile* const tile = tiles.find(first + k, axes[k]);
+    const Eigen::Vector3i at = at_[k] = in_tile(query.voxel, axes[k]);
+    if (tile && tile->has_map(at.x(), at.y(), at.z(), trace)) {
+      tiled = is_whole_[k] = true;
+      tiles_[k] = tile;
+      put_tile_sums(*tile, at, whole, surfaces, static_cast<int>(k));
+      continue;
+    }
+    HeightMap& map = maps_[filled_];
     map.ns = neighbourhood;
     map.stride = 1;
     map.sign = axes[k].sign;
-    map.whole_rings = map.even_rings = -1;
-    summed_[k] = false;
-    if (coarse[k] == Eigen::Vector3f::Zero()) continue;
-    const HeightTile* tile = tiles.find(first + k, axes[k]);
-    summed_[k] = trace_or_cut(workpiece, query.voxel, axes[k], trace, tile, map);
-    if (summed_[k]) {
-      put_tile_sums(*tile, in_tile(query.voxel, axes[k]), quadric_filter(neighbourhood, map.lanes),
-                    surfaces, static_cast<int>(k));
-    }
+    columns[filled_] = columns_about(workpiece, query.voxel, axes[k]);
+    slots_[k] = filled_++;
   }
+  if (filled_ > 0) fit_traced(columns, whole);
+  map_kernels().surfaces(surfaces, 1);
   return count_;
+}
+
+void MapGroup::fit_traced(const std::array<ColumnBits::Windows, kSize>& columns,
+                          const QuadricFilter& whole) noexcept {
+  map_kernels().trace_all(columns.data(), filled_, trace_, maps_.data());
+  for (std::size_t k = 0; k < count_; ++k) {
+    if (tiles_[k] || coarse[k] == Eigen::Vector3f::Zero()) continue;
+    const HeightMap& map = maps_[slots_[k]];
+    is_whole_[k] = map.whole_rings == map.ns;
+    if (!is_whole_[k]) continue;
+    QuadricSums sums;
+    map_kernels().fit(map.middle_row(), map.lanes, whole, sums);
+    surfaces.put(static_cast<int>(k), sums, map.at(0, 0), map.at(0, 0), map.sign, whole);
+  }
+}
+
+const HeightMap& MapGroup::map(std::size_t k) noexcept {
+  if (tiles_[k]) {
+    HeightMap& map = maps_[filled_];
+    map.ns = tiles_[k]->ns;
+    map.stride = 1;
+    map.sign = axes[k].sign;
+    map_kernels().cut(*tiles_[k], at_[k].x(), at_[k].y(), at_[k].z(), trace_, map);
+    slots_[k] = filled_++;
+    tiles_[k] = nullptr;
+  }
+  return maps_[slots_[k]];
 }
 
 }  // namespace sulcus

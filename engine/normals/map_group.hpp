@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <span>
 
@@ -22,32 +21,36 @@ struct MapGroup {
 
   std::array<Eigen::Vector3f, kSize> coarse;  // of any length; zero: no side, and no map
   std::array<MapAxes, kSize> axes;
-  std::array<HeightMap, kSize> maps;
-  SurfaceGroup surfaces;
+  SurfaceGroup surfaces;  // of whole maps
 
   /// Coarse normals, of the tool where the solid has none, and the maps along them, of `queries`
-  /// from `first` on, up to kSize. `tiles` are of the same queries. Returns how many.
-  std::size_t trace(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
-                    std::size_t first, int neighbourhood, int trace, LeafTiles& tiles) noexcept;
+  /// from `first` on, up to kSize, and the surfaces of those that are whole. `tiles` are of the
+  /// same queries. Returns how many; what is in the group is valid until the next.
+  std::size_t take(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
+                   std::size_t first, int neighbourhood, int trace, LeafTiles& tiles) noexcept;
 
-  /// Fits the innermost `rings_of(map)` rings of each map that has them, and takes the surfaces.
-  template <class RingsOf>
-  void fit(const RingsOf& rings_of) noexcept {
-    for (std::size_t k = 0; k < count_; ++k) {
-      const HeightMap& map = maps[k];
-      const int rings = rings_of(map);
-      if (rings < 1 || (rings == map.ns && summed_[k])) continue;
-      const QuadricFilter& filter = quadric_filter(rings, map.lanes);
-      QuadricSums sums;
-      map_kernels().fit(map.middle_row(), map.lanes, filter, sums);
-      surfaces.put(static_cast<int>(k), sums, map.at(0, 0), map.at(0, 0), map.sign, filter);
-    }
-    map_kernels().surfaces(surfaces, maps[0].stride);
+  bool is_whole(std::size_t k) const { return is_whole_[k]; }
+  /// Of a whole map.
+  MapRows rows(std::size_t k) const {
+    const Eigen::Vector3i& at = at_[k];
+    return tiles_[k] ? rows_of(*tiles_[k], at.x(), at.y(), at.z()) : rows_of(maps_[slots_[k]]);
   }
+  /// The map itself, cut out of its tile where it is still there alone. Of a voxel that has one.
+  const HeightMap& map(std::size_t k) noexcept;
 
  private:
+  /// Traces the first `filled_` maps, and puts the sums of those that are whole.
+  void fit_traced(const std::array<ColumnBits::Windows, kSize>& columns,
+                  const QuadricFilter& whole) noexcept;
+
   std::size_t count_ = 0;
-  std::array<bool, kSize> summed_{};  // whole: the sums are there, from a tile
+  int trace_ = 0;
+  std::array<const HeightTile*, kSize> tiles_{};  // that have the whole map
+  std::array<Eigen::Vector3i, kSize> at_;         // where
+  std::array<bool, kSize> is_whole_{};
+  std::array<HeightMap, kSize> maps_;  // what is traced or cut, in that order
+  std::array<std::size_t, kSize> slots_{};
+  std::size_t filled_ = 0;
 };
 
 /// What the tool has to say: nothing on the far side of a wall, where the coarse normal points away
@@ -69,9 +72,6 @@ inline bool stands(const Eigen::Vector3f& normal, const Eigen::Vector3f& coarse,
   return normal.dot(coarse) > 0.0f && !(normal.dot(tool) < 0.0f);
 }
 
-/// The coarse normal of a query's voxel, of the tool where the solid has none.
-Eigen::Vector3f coarse_of(const Workpiece& workpiece, const VoxelQuery& query) noexcept;
-
 /// Puts the sums of a whole map that a tile can tell, of the voxel `at`, as one of a group;
 /// `filter` is that of all its rings.
 inline void put_tile_sums(const HeightTile& tile, const Eigen::Vector3i& at,
@@ -81,11 +81,6 @@ inline void put_tile_sums(const HeightTile& tile, const Eigen::Vector3i& at,
   for (std::size_t f = 0; f < kQuadric; ++f) sums[f] = tile.sums[v][f][u];
   group.put(place, sums, height, height - at.z(), tile.sign, filter);
 }
-
-/// The map of a voxel along an axis, cut out of a tile where there is one and it can tell; `map.ns`
-/// is set, and the stride 1. Whether it was cut.
-bool trace_or_cut(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes, int trace,
-                  const HeightTile* tile, HeightMap& map) noexcept;
 
 /// The columns around a voxel, as maps along an axis are traced from them.
 inline ColumnBits::Windows columns_about(const Workpiece& workpiece, const Cell& voxel,

@@ -95,6 +95,21 @@ struct TiltedMoments {
   float m[5][5], z[3][3];
 };
 
+/// The rows of a whole map, where they lie: in the map itself, or in a tile.
+struct MapRows {
+  const signed char* middle = nullptr;  // row through the voxel, lanes / 2 lanes before it
+  std::ptrdiff_t pitch = 0;             // from one row to the next
+  int level = 0;                        // of the voxel, as the heights count
+  int ns = 0, stride = 1, sign = 1, lanes = 0;
+};
+inline MapRows rows_of(const HeightMap& map) {
+  return {map.middle_row(), map.lanes, 0, map.ns, map.stride, map.sign, map.lanes};
+}
+/// Of the map of the voxel at (u, v, w) in the leaf, which the tile has.
+inline MapRows rows_of(const HeightTile& tile, int u, int v, int w) {
+  return {tile.middle_row(u, v), HeightTile::kLanes, w, tile.ns, 1, tile.sign, lanes_of(tile.ns)};
+}
+
 /// Residuals of a surface over points.
 struct Residuals {
   float largest = 0.0f, sum_squares = 0.0f;
@@ -176,7 +191,7 @@ struct MapKernels {
 
   /// Largest |height - surface| over a whole map, voxels, the surface without its quartic part, and
   /// sums of the cubes of such residuals.
-  float (*map_residuals)(const HeightMap& map, const ColumnQuadric& surface,
+  float (*map_residuals)(const MapRows& map, const ColumnQuadric& surface,
                          ResidualCubes& cubes) noexcept;
 
   /// Sums over the columns within 3.6 voxels of the voxel, in space.

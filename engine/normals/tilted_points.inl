@@ -67,10 +67,11 @@ inline void sharpen_group(SurfaceGroup& g) noexcept {
   store_surfaces(q, g);
 }
 
-inline float map_residuals(const HeightMap& map, const ColumnQuadric& surface,
+inline float map_residuals(const MapRows& map, const ColumnQuadric& surface,
                            ResidualCubes& cubes) noexcept {
   // Of the heights as they are stored: the surface is turned inward instead, once.
   const auto sign = static_cast<float>(map.sign), stride = static_cast<float>(map.stride);
+  const auto voxel = static_cast<float>(map.level);
   const float c0 = (surface.c[0] - 0.5f) * sign, c1 = surface.c[1] * sign * stride,
               c2 = surface.c[2] * sign * stride;
   const float area = sign * stride * stride;
@@ -90,12 +91,13 @@ inline float map_residuals(const HeightMap& map, const ColumnQuadric& surface,
                    a2 = c5 * t + twist * ty;
     const RowLanes weight_x = centre - fall * x * x;
     RowLanes most{}, cube0{}, cube1{}, cube2{};
-    const auto take = [&](const RowLanes& r, const RowLanes& weight) {
+    const signed char* const row = map.middle + at;
+    const auto take = [&](int v, const RowLanes& surface_at, const RowLanes& weight) {
+      const RowLanes r = (heights(row + v * map.pitch) - voxel) - surface_at;
       most = larger(most, abs(r));
       return weight * r * (r * r);
     };
-    const signed char* const row = map.height.data() + map.ns * map.lanes + at;
-    cube0 = take(heights(row) - a0, weight_x);
+    cube0 = take(0, a0, weight_x);
     // Rows +j and -j together: what is even in y, and what is odd.
     RowLanes y{};
     for (int v = 1; v <= map.ns; ++v) {
@@ -103,8 +105,8 @@ inline float map_residuals(const HeightMap& map, const ColumnQuadric& surface,
       const RowLanes yy = y * y;
       const RowLanes even = a2 * yy + a0, odd = (a1 + cubic * yy) * y;
       const RowLanes weight = weight_x - fall * yy;
-      const RowLanes above = take(heights(row + v * map.lanes) - (even + odd), weight);
-      const RowLanes below = take(heights(row - v * map.lanes) - (even - odd), weight);
+      const RowLanes above = take(v, even + odd, weight);
+      const RowLanes below = take(-v, even - odd, weight);
       const RowLanes sum = above + below;
       cube0 += sum, cube1 += (above - below) * y, cube2 += sum * yy;
     }

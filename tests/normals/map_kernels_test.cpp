@@ -155,8 +155,8 @@ TEST_P(MapKernelsTest, FitsAndResidualsAreTheSameBitForBit) {
       const ColumnQuadric surface = column_quadric(
           quadric_of(a, level, level, map.sign, filter.solution), filter.answers, 1.0f);
       ResidualCubes p, q;
-      const float largest = plain_->map_residuals(map, surface, p);
-      ASSERT_EQ(largest, fast_->map_residuals(map, surface, q));
+      const float largest = plain_->map_residuals(rows_of(map), surface, p);
+      ASSERT_EQ(largest, fast_->map_residuals(rows_of(map), surface, q));
       ASSERT_EQ(p, q);
       // The second way: column by column.
       double most = 0.0, cubes = 0.0, across = 0.0;
