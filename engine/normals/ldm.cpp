@@ -31,7 +31,7 @@ bool explains(const MapRows& map, const ColumnQuadric& surface, float cosine,
   const auto rim = static_cast<float>(map.ns * map.stride);
   if (!((std::abs(surface.t_x) + std::abs(surface.t_y)) * rim < kMostCubic)) return false;
   const float most = map.stride == 1 ? kMostResidual + 0.5f * cosine : kMostWideResidual;
-  return map_kernels().map_residuals(map, surface, left) <= most;
+  return map_kernels().map_residuals(map, surface, left) <= most * most;
 }
 
 /// The face that a whole map shows, where its quadric is as good as flat.

@@ -189,8 +189,8 @@ struct MapKernels {
   /// Surfaces of stride 1 sharpened by their residuals, and their feet.
   void (*sharpen_group)(SurfaceGroup& group) noexcept;
 
-  /// Largest |height - surface| over a whole map, voxels, the surface without its quartic part, and
-  /// sums of the cubes of such residuals.
+  /// Largest (height - surface)^2 over a whole map, voxels^2, the surface without its quartic part,
+  /// and sums of the cubes of such residuals.
   float (*map_residuals)(const MapRows& map, const ColumnQuadric& surface,
                          ResidualCubes& cubes) noexcept;
 

@@ -17,7 +17,13 @@ using RowLanes = float __attribute__((vector_size(4 * kRowStep)));
 using RowMask = __mmask16;
 constexpr RowLanes kAlong = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 
-/// Heights of a row as they lie.
+/// Heights of a row, less that of the voxel. Of what is none, any number.
+inline RowLanes heights_above(const signed char* row, int level) {
+  const __m128i bytes = _mm_sub_epi8(_mm_loadu_si128(reinterpret_cast<const __m128i*>(row)),
+                                     _mm_set1_epi8(static_cast<char>(level)));
+  return _mm512_cvtepi32_ps(_mm512_cvtepi8_epi32(bytes));
+}
+/// As they lie.
 inline RowLanes heights(const signed char* row) {
   const __m128i bytes = _mm_loadu_si128(reinterpret_cast<const __m128i*>(row));
   return _mm512_cvtepi32_ps(_mm512_cvtepi8_epi32(bytes));
@@ -59,6 +65,10 @@ inline RowLanes heights(const signed char* row) {
 #else
   return to_float(IntLanes{row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7]});
 #endif
+}
+/// Less that of the voxel. Of what is none, any number.
+inline RowLanes heights_above(const signed char* row, int level) {
+  return heights(row) - static_cast<float>(level);
 }
 inline RowMask at_most(const RowLanes& v, float limit) { return v <= limit; }
 inline RowMask above(const RowLanes& v, float limit) { return v > limit; }

@@ -67,57 +67,70 @@ inline void sharpen_group(SurfaceGroup& g) noexcept {
   store_surfaces(q, g);
 }
 
+/// The filters' weights, centre - fall (i^2 + j^2), of all rings of a map: of row +j or -j, by
+/// lane, the middle one at kMaxLanes / 2; zero beyond the map.
+struct TaperTable {
+  alignas(64) float weight[kMaxNeighbourhood + 1][kMaxNeighbourhood + 1][HeightMap::kMaxLanes];
+};
+constexpr TaperTable make_tapers() {
+  TaperTable table{};
+  for (int ns = 1; ns <= kMaxNeighbourhood; ++ns) {
+    for (int j = 0; j <= ns; ++j) {
+      for (int i = -ns; i <= ns; ++i) {
+        table.weight[ns][j][HeightMap::kMaxLanes / 2 + i] =
+            static_cast<float>(taper_of(ns).centre - taper_of(ns).fall * (i * i + j * j));
+      }
+    }
+  }
+  return table;
+}
+constexpr TaperTable kTapers = make_tapers();
+
 inline float map_residuals(const MapRows& map, const ColumnQuadric& surface,
                            ResidualCubes& cubes) noexcept {
   // Of the heights as they are stored: the surface is turned inward instead, once.
   const auto sign = static_cast<float>(map.sign), stride = static_cast<float>(map.stride);
-  const auto voxel = static_cast<float>(map.level);
   const float c0 = (surface.c[0] - 0.5f) * sign, c1 = surface.c[1] * sign * stride,
               c2 = surface.c[2] * sign * stride;
   const float area = sign * stride * stride;
   const float c3 = surface.c[3] * area, c4 = surface.c[4] * area, c5 = surface.c[5] * area;
   const float tx = surface.t_x * stride, ty = surface.t_y * stride, cubic = c5 * ty;
-  const Taper taper = taper_of(map.ns);
-  const auto centre = static_cast<float>(taper.centre), fall = static_cast<float>(taper.fall);
   const int middle = map.lanes / 2;
-  RowLanes largest{};
+  RowLanes largest2{};
   Lanes one{}, i{}, j{}, ii{}, ij{}, jj{};
   for (int at = (middle - map.ns) & -kRowStep; at <= middle + map.ns; at += kRowStep) {
     const RowLanes x = kAlong + static_cast<float>(at - middle);
-    const RowMask inside = at_most(abs(x), static_cast<float>(map.ns));
     // By powers of y.
     const RowLanes z2 = c3 * x * x, twist = c4 * x, t = 1.0f + tx * x;
     const RowLanes a0 = c0 + c1 * x + z2 * t, a1 = c2 + twist * t + z2 * ty,
                    a2 = c5 * t + twist * ty;
-    const RowLanes weight_x = centre - fall * x * x;
-    RowLanes most{}, cube0{}, cube1{}, cube2{};
     const signed char* const row = map.middle + at;
-    const auto take = [&](int v, const RowLanes& surface_at, const RowLanes& weight) {
-      const RowLanes r = (heights(row + v * map.pitch) - voxel) - surface_at;
-      most = larger(most, abs(r));
-      return weight * r * (r * r);
+    const auto* weights = &kTapers.weight[map.ns][0][HeightMap::kMaxLanes / 2 - middle + at];
+    RowLanes most2{};
+    const auto cube_at = [&](const signed char* heights_at, const RowLanes& surface_at) {
+      const RowLanes r = heights_above(heights_at, map.level) - surface_at, r2 = r * r;
+      most2 = larger(most2, r2);
+      return r2 * r;
     };
-    cube0 = take(0, a0, weight_x);
+    RowLanes cube0 = load_row(weights) * cube_at(row, a0), cube1{}, cube2{};
     // Rows +j and -j together: what is even in y, and what is odd.
-    RowLanes y{};
     for (int v = 1; v <= map.ns; ++v) {
-      y += 1.0f;
-      const RowLanes yy = y * y;
-      const RowLanes even = a2 * yy + a0, odd = (a1 + cubic * yy) * y;
-      const RowLanes weight = weight_x - fall * yy;
-      const RowLanes above = take(v, even + odd, weight);
-      const RowLanes below = take(-v, even - odd, weight);
-      const RowLanes sum = above + below;
-      cube0 += sum, cube1 += (above - below) * y, cube2 += sum * yy;
+      const auto y = static_cast<float>(v);
+      const float yy = y * y, bent = cubic * yy;
+      const RowLanes even = a2 * yy + a0, odd = (a1 + bent) * y;
+      const RowLanes above = cube_at(row + v * map.pitch, even + odd);
+      const RowLanes below = cube_at(row - v * map.pitch, even - odd);
+      const RowLanes weight = load_row(weights + v * HeightMap::kMaxLanes);
+      const RowLanes sum = weight * (above + below), difference = weight * (above - below);
+      cube0 += sum, cube1 += difference * y, cube2 += sum * yy;
     }
-    cube0 = where(inside, cube0), cube1 = where(inside, cube1), cube2 = where(inside, cube2);
-    largest = larger(largest, where(inside, most));
+    largest2 = larger(largest2, where(at_most(abs(x), static_cast<float>(map.ns)), most2));
     add_row(one, cube0), add_row(i, cube0 * x), add_row(ii, cube0 * x * x);
     add_row(j, cube1), add_row(ij, cube1 * x), add_row(jj, cube2);
   }
   cubes = {sign * sum_of(one), sign * sum_of(i),  sign * sum_of(j),
            sign * sum_of(ii),  sign * sum_of(ij), sign * sum_of(jj)};
-  return largest_of(largest);
+  return largest_of(largest2);
 }
 
 // --- Half-discs. Rows of sixteen lanes, i = -8 to 7, whatever the map's. ------------------------
