@@ -11,16 +11,14 @@ std::size_t MapGroup::take(const Workpiece& workpiece, std::span<const VoxelQuer
                            LeafTiles& tiles) noexcept {
   count_ = std::min(queries.size() - first, kSize);
   trace_ = trace;
-  std::array<ColumnBits::Windows, kSize> rows;
   std::array<std::array<std::int32_t, 3>, kSize> sums;
   for (std::size_t k = 0; k < count_; ++k) {
-    rows[k] = coarse_rows(workpiece, queries[first + k].voxel);
+    columns_[k] = coarse_rows(workpiece, queries[first + k].voxel);
   }
-  map_kernels().coarse(rows.data(), count_, sums.data());
+  map_kernels().coarse(columns_.data(), count_, sums.data());
 
   const QuadricFilter& whole = quadric_filter(neighbourhood, lanes_of(neighbourhood));
   filled_ = 0;
-  std::array<ColumnBits::Windows, kSize> columns;
   bool tiled = false;
   for (std::size_t k = 0; k < count_; ++k) {
     const VoxelQuery& query = queries[first + k];
@@ -35,7 +33,8 @@ std::size_t MapGroup::take(const Workpiece& workpiece, std::span<const VoxelQuer
     is_whole_[k] = false;
     if (coarse[k] == Eigen::Vector3f::Zero()) continue;
     const HeightTile* const tile = tiles.find(first + k, axes[k]);
-    const Eigen::Vector3i at = at_[k] = in_tile(query.voxel, axes[k]);
+    // By reference: what is written number by number cannot be read as one at once.
+    const Eigen::Vector3i& at = at_[k] = in_tile(query.voxel, axes[k]);
     if (tile && tile->has_map(at.x(), at.y(), at.z(), trace)) {
       tiled = is_whole_[k] = true;
       tiles_[k] = tile;
@@ -46,17 +45,16 @@ std::size_t MapGroup::take(const Workpiece& workpiece, std::span<const VoxelQuer
     map.ns = neighbourhood;
     map.stride = 1;
     map.sign = axes[k].sign;
-    columns[filled_] = columns_about(workpiece, query.voxel, axes[k]);
+    columns_[filled_] = columns_about(workpiece, query.voxel, axes[k]);
     slots_[k] = filled_++;
   }
-  if (filled_ > 0) fit_traced(columns, whole);
+  if (filled_ > 0) fit_traced(whole);
   map_kernels().surfaces(surfaces, 1);
   return count_;
 }
 
-void MapGroup::fit_traced(const std::array<ColumnBits::Windows, kSize>& columns,
-                          const QuadricFilter& whole) noexcept {
-  map_kernels().trace_all(columns.data(), filled_, trace_, maps_.data());
+void MapGroup::fit_traced(const QuadricFilter& whole) noexcept {
+  map_kernels().trace_all(columns_.data(), filled_, trace_, maps_.data());
   for (std::size_t k = 0; k < count_; ++k) {
     if (tiles_[k] || coarse[k] == Eigen::Vector3f::Zero()) continue;
     const HeightMap& map = maps_[slots_[k]];

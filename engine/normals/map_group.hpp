@@ -40,15 +40,15 @@ struct MapGroup {
 
  private:
   /// Traces the first `filled_` maps, and puts the sums of those that are whole.
-  void fit_traced(const std::array<ColumnBits::Windows, kSize>& columns,
-                  const QuadricFilter& whole) noexcept;
+  void fit_traced(const QuadricFilter& whole) noexcept;
 
   std::size_t count_ = 0;
   int trace_ = 0;
   std::array<const HeightTile*, kSize> tiles_{};  // that have the whole map
   std::array<Eigen::Vector3i, kSize> at_;         // where
   std::array<bool, kSize> is_whole_{};
-  std::array<HeightMap, kSize> maps_;  // what is traced or cut, in that order
+  std::array<ColumnBits::Windows, kSize> columns_;  // of the coarse normals, then of what is traced
+  std::array<HeightMap, kSize> maps_;               // what is traced or cut, in that order
   std::array<std::size_t, kSize> slots_{};
   std::size_t filled_ = 0;
 };
