@@ -25,24 +25,30 @@ constexpr float kRadii[] = {7.6f, 5.8f, 4.2f, 2.6f};  // at NS = 6
 constexpr float kNearEdge = 3.0f;                     // a ball no larger than this
 constexpr float kMostBend = 0.2f;                     // of a face, across it, half a map out
 
-/// Whether the quadric of a whole map explains its heights; with what it leaves of them.
-bool explains(const MapRows& map, const ColumnQuadric& surface, float cosine,
-              ResidualCubes& left) noexcept {
-  const auto rim = static_cast<float>(map.ns * map.stride);
-  if (!((std::abs(surface.t_x) + std::abs(surface.t_y)) * rim < kMostCubic)) return false;
-  const float most = map.stride == 1 ? kMostResidual + 0.5f * cosine : kMostWideResidual;
-  return map_kernels().map_residuals(map, surface, left) <= most * most;
+/// Whether a quadric may explain the heights of a whole map, as far as it can be told without them.
+bool may_explain(float t_x, float t_y, float rim) noexcept {
+  return (std::abs(t_x) + std::abs(t_y)) * rim < kMostCubic;
+}
+float most_residual2(float cosine) noexcept {
+  const float most = kMostResidual + 0.5f * cosine;
+  return most * most;
 }
 
-/// The face that a whole map shows, where its quadric is as good as flat.
-std::optional<Foot> flat_face(MapGroup& group, std::size_t k, const ColumnQuadric& surface,
-                              const Foot& foot) noexcept {
-  const auto& c = surface.c;
-  const int ns = group.rows(k).ns;
-  const auto rim = static_cast<float>(ns);
-  const float bend = (std::abs(c[3]) + std::abs(c[4]) + std::abs(c[5])) * rim * rim;
-  if (bend * foot.normal_z > kMostBend) return {};
-  return grow_plane(group.map(k), foot, (2 * ns + 1) * (2 * ns + 1), false);
+/// Which of a group's whole maps their quadrics explain, a bit for each; with what those leave.
+unsigned explained_of(MapGroup& group, std::size_t count, int neighbourhood) noexcept {
+  const auto rim = static_cast<float>(neighbourhood);
+  SurfaceGroup& surfaces = group.surfaces;
+  unsigned explained = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const bool may = group.is_whole(k) && may_explain(surfaces.t_x[k], surfaces.t_y[k], rim);
+    explained |= (may ? 1u : 0u) << k;
+  }
+  map_kernels().group_residuals(group.rows(), explained, surfaces);
+  for (std::size_t k = 0; k < count; ++k) {
+    const bool beyond = !(surfaces.largest2[k] <= most_residual2(surfaces.normal_z[k]));
+    explained &= ~((beyond ? 1u : 0u) << k);
+  }
+  return explained;
 }
 
 /// The surface of a map of stride 2, where that is whole and a quadric explains it.
@@ -59,8 +65,13 @@ std::optional<Foot> fit_wide(const Workpiece& workpiece, const Cell& voxel, cons
   const int level = map.at(0, 0);
   ColumnQuadric surface = column_quadric(quadric_of(sums, level, level, map.sign, filter.solution),
                                          filter.answers, static_cast<float>(map.stride));
+  const auto rim = static_cast<float>(map.ns * map.stride);
   ResidualCubes left;
-  if (!explains(rows_of(map), surface, foot_of(surface).normal_z, left)) return {};
+  if (!may_explain(surface.t_x, surface.t_y, rim) ||
+      !(map_kernels().map_residuals(rows_of(map), surface, left) <=
+        kMostWideResidual * kMostWideResidual)) {
+    return {};
+  }
   sharpen(filter.solution, left, static_cast<float>(map.stride), surface);
   return foot_of(surface);
 }
@@ -124,37 +135,41 @@ SurfaceEstimate estimate_in_parts(const Workpiece& workpiece, const Cell& voxel,
 void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
                   int neighbourhood, int trace, std::span<SurfaceEstimate> estimates) noexcept {
   const bool has_wide = lanes_of(neighbourhood) == lanes_of(1);
+  const int columns = (2 * neighbourhood + 1) * (2 * neighbourhood + 1);
+  const float flat = kMostBend / static_cast<float>(neighbourhood * neighbourhood);
   MapGroup group;
+  const SurfaceGroup& surfaces = group.surfaces;
   LeafTiles tiles(workpiece, queries, neighbourhood);
   for (std::size_t first = 0, count; first < queries.size(); first += count) {
     count = group.take(workpiece, queries, first, neighbourhood, trace, tiles);
-    std::array<bool, MapGroup::kSize> explained{};
-    for (std::size_t k = 0; k < count; ++k) {
-      const int place = static_cast<int>(k);
-      ResidualCubes left{};
-      explained[k] = group.is_whole(k) && explains(group.rows(k), group.surfaces.surface(place),
-                                                   group.surfaces.foot(place).normal_z, left);
-      group.surfaces.put_residuals(place, left);
-    }
+    const unsigned explained = explained_of(group, count, neighbourhood);
     map_kernels().sharpen_group(group.surfaces);
     for (std::size_t k = 0; k < count; ++k) {
       const Cell& voxel = queries[first + k].voxel;
       const MapAxes& axes = group.axes[k];
       const Vector3f& coarse = group.coarse[k];
       SurfaceEstimate& estimate = estimates[first + k];
-      estimate = {};
-      if (coarse == Vector3f::Zero()) continue;
+      if (coarse == Vector3f::Zero()) {
+        estimate = {};
+        continue;
+      }
+      const int place = static_cast<int>(k);
+      const bool is_explained = (explained >> k & 1u) != 0;
+      const bool level = is_explained && surfaces.normal_z[k] > kLevelCosine && has_wide;
+      const bool as_it_is = is_explained && !level && !(surfaces.bend[k] <= flat);
       std::uint8_t windows = axes.window();
+      if (as_it_is && surfaces.agrees[k] != 0) {
+        estimate = {surfaces.normal(place), surfaces.offset[k], true, windows};
+        continue;
+      }
       const Vector3f tool = heard(queries[first + k].outward, coarse);
-      if (explained[k]) {
-        const int place = static_cast<int>(k);
-        const Foot foot = group.surfaces.foot(place);
-        const bool level = foot.normal_z > kLevelCosine && has_wide;
+      if (is_explained) {
         if (level) windows |= SurfaceEstimate::kWideWindow;
-        const std::optional<Foot> wide =
-            level ? fit_wide(workpiece, voxel, axes, neighbourhood, trace) : std::optional<Foot>();
-        const std::optional<Foot> face =
-            wide ? wide : flat_face(group, k, group.surfaces.surface(place), foot);
+        const Foot foot = surfaces.foot(place);
+        std::optional<Foot> face =
+            level ? fit_wide(workpiece, voxel, axes, neighbourhood, trace) : std::nullopt;
+        if (!face && surfaces.bend[k] <= flat)
+          face = grow_plane(group.map(k), foot, columns, false);
         estimate = to_index_space(face ? *face : foot, axes);
       } else {
         estimate =

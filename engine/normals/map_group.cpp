@@ -32,12 +32,15 @@ std::size_t MapGroup::take(const Workpiece& workpiece, std::span<const VoxelQuer
     tiles_[k] = nullptr;
     is_whole_[k] = false;
     if (coarse[k] == Eigen::Vector3f::Zero()) continue;
+    surfaces.put_axes(static_cast<int>(k), axes[k].axis, coarse[k].data());
+    surfaces.put_tool(static_cast<int>(k), query.outward.data());
     const HeightTile* const tile = tiles.find(first + k, axes[k]);
     // By reference: what is written number by number cannot be read as one at once.
     const Eigen::Vector3i& at = at_[k] = in_tile(query.voxel, axes[k]);
     if (tile && tile->has_map(at.x(), at.y(), at.z(), trace)) {
       tiled = is_whole_[k] = true;
       tiles_[k] = tile;
+      rows_[k] = rows_of(*tile, at.x(), at.y(), at.z());
       put_tile_sums(*tile, at, whole, surfaces, static_cast<int>(k));
       continue;
     }
@@ -60,6 +63,7 @@ void MapGroup::fit_traced(const QuadricFilter& whole) noexcept {
     const HeightMap& map = maps_[slots_[k]];
     is_whole_[k] = map.whole_rings == map.ns;
     if (!is_whole_[k]) continue;
+    rows_[k] = rows_of(map);
     QuadricSums sums;
     map_kernels().fit(map.middle_row(), map.lanes, whole, sums);
     surfaces.put(static_cast<int>(k), sums, map.at(0, 0), map.at(0, 0), map.sign, whole);

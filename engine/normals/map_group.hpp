@@ -30,11 +30,8 @@ struct MapGroup {
                    std::size_t first, int neighbourhood, int trace, LeafTiles& tiles) noexcept;
 
   bool is_whole(std::size_t k) const { return is_whole_[k]; }
-  /// Of a whole map.
-  MapRows rows(std::size_t k) const {
-    const Eigen::Vector3i& at = at_[k];
-    return tiles_[k] ? rows_of(*tiles_[k], at.x(), at.y(), at.z()) : rows_of(maps_[slots_[k]]);
-  }
+  /// Of the whole maps.
+  const MapRows* rows() const { return rows_.data(); }
   /// The map itself, cut out of its tile where it is still there alone. Of a voxel that has one.
   const HeightMap& map(std::size_t k) noexcept;
 
@@ -47,6 +44,7 @@ struct MapGroup {
   std::array<const HeightTile*, kSize> tiles_{};  // that have the whole map
   std::array<Eigen::Vector3i, kSize> at_;         // where
   std::array<bool, kSize> is_whole_{};
+  std::array<MapRows, kSize> rows_;
   std::array<ColumnBits::Windows, kSize> columns_;  // of the coarse normals, then of what is traced
   std::array<HeightMap, kSize> maps_;               // what is traced or cut, in that order
   std::array<std::size_t, kSize> slots_{};

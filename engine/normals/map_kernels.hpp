@@ -29,13 +29,17 @@ struct alignas(32) SurfaceGroup {
   // Of `feet` alone: the axis that the columns run along, and the coarse normal, index space.
   std::int32_t axis[kSize]{};
   float coarse[3][kSize]{};
-  float cubes[kQuadric][kSize]{};  // of their residuals
+  float tool[3][kSize]{};  // of `sharpen_group`: what the tool says, index space
+  // Of their residuals, by `group_residuals`: sums of the cubes, and the largest square.
+  float cubes[kQuadric][kSize]{}, largest2[kSize]{};
   // Filled in:
   float c[kQuadric][kSize], t_x[kSize], t_y[kSize], quartic[kSize];
   float normal_x[kSize], normal_y[kSize], normal_z[kSize], offset[kSize];
-  // By `feet`: the normal in index space, and whether (-1) it points the coarse one's way.
+  // By `feet` and `sharpen_group`: the normal in index space, and whether (-1) it points the coarse
+  // one's way, and by the latter whether it stands.
   float index_normal[3][kSize];
   std::int32_t agrees[kSize];
+  float bend[kSize];  // by `sharpen_group`: of the surface across itself, a column out
 
   void put(int k, const QuadricSums& of, int at_centre, int above_voxel, int outward,
            const QuadricFilter& filter) {
@@ -59,11 +63,11 @@ struct alignas(32) SurfaceGroup {
     axis[k] = columns;
     for (int a = 0; a < 3; ++a) coarse[a][k] = coarse_normal[a];
   }
+  void put_tool(int k, const float* outward) {
+    for (int a = 0; a < 3; ++a) tool[a][k] = outward[a];
+  }
   Eigen::Vector3f normal(int k) const {
     return {index_normal[0][k], index_normal[1][k], index_normal[2][k]};
-  }
-  void put_residuals(int k, const ResidualCubes& of) {
-    for (std::size_t f = 0; f < kQuadric; ++f) cubes[f][k] = of[f];
   }
   ColumnQuadric surface(int k) const {
     return {{c[0][k], c[1][k], c[2][k], c[3][k], c[4][k], c[5][k]}, t_x[k], t_y[k], quartic[k]};
@@ -186,7 +190,10 @@ struct MapKernels {
   /// Feet, and the normals in index space, of so many groups of stride 1.
   void (*feet)(SurfaceGroup* groups, std::size_t count) noexcept;
 
-  /// Surfaces of stride 1 sharpened by their residuals, and their feet.
+  /// Residuals of surfaces of stride 1 over their whole maps, as `map_residuals`; `which` has a bit
+  /// for each that is asked for.
+  void (*group_residuals)(const MapRows* maps, unsigned which, SurfaceGroup& group) noexcept;
+  /// Surfaces of stride 1 sharpened by their residuals, their feet, and which stand.
   void (*sharpen_group)(SurfaceGroup& group) noexcept;
 
   /// Largest (height - surface)^2 over a whole map, voxels^2, the surface without its quartic part,

@@ -202,11 +202,11 @@ bool cut_map(const HeightTile& tile, int u, int v, int w, int trace, HeightMap& 
 }
 
 constexpr MapKernels kPlain{
-    "plain",       coarse_sums,        trace_map,     trace_maps,     read_tile,
-    cut_map,       fit_rows,           surfaces_of,   feet_of,        sharpen_group,
-    map_residuals, close_sums,         plane_step,    look_at_plane,  half_sums,
-    sums_on_plane, residuals_on_plane, gather_points, tilted_moments, tilted_residuals,
-    sharpen_points};
+    "plain",          coarse_sums,   trace_map,          trace_maps,    read_tile,
+    cut_map,          fit_rows,      surfaces_of,        feet_of,       group_residuals,
+    sharpen_group,    map_residuals, close_sums,         plane_step,    look_at_plane,
+    half_sums,        sums_on_plane, residuals_on_plane, gather_points, tilted_moments,
+    tilted_residuals, sharpen_points};
 
 }  // namespace
 

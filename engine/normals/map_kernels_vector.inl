@@ -588,10 +588,27 @@ void fit_rows(const signed char* middle, std::ptrdiff_t pitch, const QuadricFilt
 }
 
 constexpr MapKernels vector_kernels(const char* name) {
-  return {name,          coarse_sums,        trace_map,     trace_maps,     read_tile,
-          cut_map,       fit_rows,           surfaces_of,   feet_of,        sharpen_group,
-          map_residuals, close_sums,         plane_step,    look_at_plane,  half_sums,
-          sums_on_plane, residuals_on_plane, gather_points, tilted_moments, tilted_residuals,
+  return {name,
+          coarse_sums,
+          trace_map,
+          trace_maps,
+          read_tile,
+          cut_map,
+          fit_rows,
+          surfaces_of,
+          feet_of,
+          group_residuals,
+          sharpen_group,
+          map_residuals,
+          close_sums,
+          plane_step,
+          look_at_plane,
+          half_sums,
+          sums_on_plane,
+          residuals_on_plane,
+          gather_points,
+          tilted_moments,
+          tilted_residuals,
           sharpen_points};
 }
 

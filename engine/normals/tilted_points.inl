@@ -34,29 +34,57 @@ inline FootOf<Lanes> store_feet(const ColumnQuadricOf<Lanes>& q, SurfaceGroup& g
   return foot;
 }
 
+using Lanes3 = std::array<Lanes, 3>;
+
+inline Lanes3 load3(const float (&v)[3][SurfaceGroup::kSize]) {
+  return {load(v[0]), load(v[1]), load(v[2])};
+}
+inline Lanes dot(const Lanes3& a, const Lanes3& b) {
+  return a[0] * b[0] + (a[1] * b[1] + a[2] * b[2]);
+}
+
+/// The normals in index space (to_index_space), by lane.
+inline Lanes3 store_normals(const FootOf<Lanes>& foot, SurfaceGroup& g) {
+  const Lanes u = foot.normal_x, v = foot.normal_y, w = load(g.sign) * foot.normal_z;
+  const IntLanes axis = load(g.axis), along_x = axis == 0, along_y = axis == 1;
+  const Lanes3 normal{along_x   ? w
+                      : along_y ? v
+                                : u,
+                      along_x   ? u
+                      : along_y ? w
+                                : v,
+                      along_x   ? v
+                      : along_y ? u
+                                : w};
+  for (unsigned a = 0; a < 3; ++a) store(normal[a], g.index_normal[a]);
+  return normal;
+}
+
 inline void feet_of(SurfaceGroup* groups, std::size_t count) noexcept {
   for (SurfaceGroup* g = groups; g != groups + count; ++g) {
-    const FootOf<Lanes> foot = store_feet(quadrics_of(*g, 1), *g);
-    // Map space to index space (to_index_space), by lane.
-    const Lanes u = foot.normal_x, v = foot.normal_y, w = load(g->sign) * foot.normal_z;
-    const IntLanes axis = load(g->axis), along_x = axis == 0, along_y = axis == 1;
-    const Lanes x = along_x ? w : along_y ? v : u;
-    const Lanes y = along_x ? u : along_y ? w : v;
-    const Lanes z = along_x ? v : along_y ? u : w;
-    store(x, g->index_normal[0]), store(y, g->index_normal[1]), store(z, g->index_normal[2]);
-    const Lanes cosine = x * load(g->coarse[0]) + (y * load(g->coarse[1]) + z * load(g->coarse[2]));
-    store(cosine > 0.0f, g->agrees);
+    const Lanes3 normal = store_normals(store_feet(quadrics_of(*g, 1), *g), *g);
+    store(dot(normal, load3(g->coarse)) > 0.0f, g->agrees);
   }
 }
 
-inline void store_surfaces(const ColumnQuadricOf<Lanes>& q, SurfaceGroup& g) {
+inline FootOf<Lanes> store_surfaces(const ColumnQuadricOf<Lanes>& q, SurfaceGroup& g) {
   for (unsigned f = 0; f < kQuadric; ++f) store(q.c[f], g.c[f]);
   store(q.t_x, g.t_x), store(q.t_y, g.t_y), store(q.quartic, g.quartic);
-  store_feet(q, g);
+  return store_feet(q, g);
 }
 
 inline void surfaces_of(SurfaceGroup& g, int stride) noexcept {
   store_surfaces(quadrics_of(g, stride), g);
+}
+
+/// What the tool has to say of each (heard).
+inline Lanes3 tools_heard(const Lanes3& coarse, const SurfaceGroup& g) {
+  Lanes3 tool = load3(g.tool);
+  const Lanes along = dot(coarse, tool);
+  const IntLanes far_side =
+      (along < 0.0f) & (along * along > 0.25f * dot(coarse, coarse) * dot(tool, tool));
+  for (Lanes& component : tool) component = where(~far_side, component);
+  return tool;
 }
 
 inline void sharpen_group(SurfaceGroup& g) noexcept {
@@ -64,7 +92,10 @@ inline void sharpen_group(SurfaceGroup& g) noexcept {
   ResidualCubesOf<Lanes> cubes;
   for (unsigned f = 0; f < kQuadric; ++f) q.c[f] = load(g.c[f]), cubes[f] = load(g.cubes[f]);
   sharpen(solutions_of(g), cubes, 1.0f, q);
-  store_surfaces(q, g);
+  const Lanes3 normal = store_normals(store_surfaces(q, g), g), coarse = load3(g.coarse);
+  store((abs(q.c[3]) + abs(q.c[4]) + abs(q.c[5])) * load(g.normal_z), g.bend);
+  const Lanes tool = dot(normal, tools_heard(coarse, g));
+  store((dot(normal, coarse) > 0.0f) & ~(tool < 0.0f), g.agrees);
 }
 
 /// The filters' weights, centre - fall (i^2 + j^2), of all rings of a map: of row +j or -j, by
@@ -86,24 +117,42 @@ constexpr TaperTable make_tapers() {
 }
 constexpr TaperTable kTapers = make_tapers();
 
-inline float map_residuals(const MapRows& map, const ColumnQuadric& surface,
-                           ResidualCubes& cubes) noexcept {
-  // Of the heights as they are stored: the surface is turned inward instead, once.
-  const auto sign = static_cast<float>(map.sign), stride = static_cast<float>(map.stride);
-  const float c0 = (surface.c[0] - 0.5f) * sign, c1 = surface.c[1] * sign * stride,
-              c2 = surface.c[2] * sign * stride;
-  const float area = sign * stride * stride;
-  const float c3 = surface.c[3] * area, c4 = surface.c[4] * area, c5 = surface.c[5] * area;
-  const float tx = surface.t_x * stride, ty = surface.t_y * stride, cubic = c5 * ty;
+/// A surface turned inward and told in columns, as stored heights are compared with it: the
+/// coefficients, and those of x, y and y^3 beyond second order.
+template <class Number>
+struct InwardOf {
+  Number c[kQuadric], tx, ty, cubic;
+};
+template <class Number>
+inline InwardOf<Number> inward(const ColumnQuadricOf<Number>& surface, const Number& sign,
+                               float stride) {
+  const Number per_column = sign * stride, area = per_column * stride;
+  const auto& c = surface.c;
+  const Number ty = surface.t_y * stride, c5 = c[5] * area;
+  return {
+      {(c[0] - 0.5f) * sign, c[1] * per_column, c[2] * per_column, c[3] * area, c[4] * area, c5},
+      surface.t_x * stride,
+      ty,
+      c5 * ty};
+}
+
+/// Sums of eight lanes each, of the cubes; the largest square.
+struct ResidualSums {
+  Lanes of[kQuadric];
+  float largest2;
+};
+
+[[gnu::always_inline]] inline ResidualSums residual_sums(const MapRows& map,
+                                                         const InwardOf<float>& s) {
   const int middle = map.lanes / 2;
   RowLanes largest2{};
   Lanes one{}, i{}, j{}, ii{}, ij{}, jj{};
   for (int at = (middle - map.ns) & -kRowStep; at <= middle + map.ns; at += kRowStep) {
     const RowLanes x = kAlong + static_cast<float>(at - middle);
     // By powers of y.
-    const RowLanes z2 = c3 * x * x, twist = c4 * x, t = 1.0f + tx * x;
-    const RowLanes a0 = c0 + c1 * x + z2 * t, a1 = c2 + twist * t + z2 * ty,
-                   a2 = c5 * t + twist * ty;
+    const RowLanes z2 = s.c[3] * x * x, twist = s.c[4] * x, t = 1.0f + s.tx * x;
+    const RowLanes a0 = s.c[0] + s.c[1] * x + z2 * t, a1 = s.c[2] + twist * t + z2 * s.ty,
+                   a2 = s.c[5] * t + twist * s.ty;
     const signed char* const row = map.middle + at;
     const auto* weights = &kTapers.weight[map.ns][0][HeightMap::kMaxLanes / 2 - middle + at];
     RowLanes most2{};
@@ -116,7 +165,7 @@ inline float map_residuals(const MapRows& map, const ColumnQuadric& surface,
     // Rows +j and -j together: what is even in y, and what is odd.
     for (int v = 1; v <= map.ns; ++v) {
       const auto y = static_cast<float>(v);
-      const float yy = y * y, bent = cubic * yy;
+      const float yy = y * y, bent = s.cubic * yy;
       const RowLanes even = a2 * yy + a0, odd = (a1 + bent) * y;
       const RowLanes above = cube_at(row + v * map.pitch, even + odd);
       const RowLanes below = cube_at(row - v * map.pitch, even - odd);
@@ -128,9 +177,34 @@ inline float map_residuals(const MapRows& map, const ColumnQuadric& surface,
     add_row(one, cube0), add_row(i, cube0 * x), add_row(ii, cube0 * x * x);
     add_row(j, cube1), add_row(ij, cube1 * x), add_row(jj, cube2);
   }
-  cubes = {sign * sum_of(one), sign * sum_of(i),  sign * sum_of(j),
-           sign * sum_of(ii),  sign * sum_of(ij), sign * sum_of(jj)};
-  return largest_of(largest2);
+  return {{one, i, j, ii, ij, jj}, largest_of(largest2)};
+}
+
+inline float map_residuals(const MapRows& map, const ColumnQuadric& surface,
+                           ResidualCubes& cubes) noexcept {
+  const auto sign = static_cast<float>(map.sign);
+  const ResidualSums sums =
+      residual_sums(map, inward(surface, sign, static_cast<float>(map.stride)));
+  for (unsigned f = 0; f < kQuadric; ++f) cubes[f] = sign * sum_of(sums.of[f]);
+  return sums.largest2;
+}
+
+inline void group_residuals(const MapRows* maps, unsigned which, SurfaceGroup& g) noexcept {
+  ColumnQuadricOf<Lanes> q;
+  for (unsigned f = 0; f < kQuadric; ++f) q.c[f] = load(g.c[f]);
+  q.t_x = load(g.t_x), q.t_y = load(g.t_y);
+  const InwardOf<Lanes> all = inward(q, load(g.sign), 1.0f);
+  alignas(32) float c[kQuadric][SurfaceGroup::kSize], tx[SurfaceGroup::kSize],
+      ty[SurfaceGroup::kSize], cubic[SurfaceGroup::kSize];
+  for (unsigned f = 0; f < kQuadric; ++f) store(all.c[f], c[f]);
+  store(all.tx, tx), store(all.ty, ty), store(all.cubic, cubic);
+  for (unsigned k = 0; k < SurfaceGroup::kSize; ++k) {
+    if ((which >> k & 1u) == 0) continue;
+    const ResidualSums sums = residual_sums(
+        maps[k], {{c[0][k], c[1][k], c[2][k], c[3][k], c[4][k], c[5][k]}, tx[k], ty[k], cubic[k]});
+    for (unsigned f = 0; f < kQuadric; ++f) g.cubes[f][k] = g.sign[k] * sum_of(sums.of[f]);
+    g.largest2[k] = sums.largest2;
+  }
 }
 
 // --- Half-discs. Rows of sixteen lanes, i = -8 to 7, whatever the map's. ------------------------

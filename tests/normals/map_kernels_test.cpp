@@ -224,7 +224,7 @@ TEST_P(MapKernelsTest, SurfacesOfAGroupAreThoseOfEachOfIts) {
         cubes[k][f] = static_cast<float>(std::sin(static_cast<double>(7 * k + 5 * f)));
       }
       before.push_back(a.surface(k));
-      a.put_residuals(k, cubes[k]), b.put_residuals(k, cubes[k]);
+      for (std::size_t f = 0; f < kQuadric; ++f) a.cubes[f][k] = b.cubes[f][k] = cubes[k][f];
     }
     plain_->sharpen_group(a);
     fast_->sharpen_group(b);
@@ -238,6 +238,40 @@ TEST_P(MapKernelsTest, SurfacesOfAGroupAreThoseOfEachOfIts) {
       }
     }
   }
+}
+
+TEST_P(MapKernelsTest, ResidualsOfAGroupAreThoseOfEachOfItsMaps) {
+  int groups = 0;
+  for_maps([&](const ColumnBits::Windows& columns, int sign) {
+    HeightMap map = ask(6, 1, sign);
+    plain_->trace(columns, 12, map);
+    if (map.whole_rings < map.ns) return;
+    SurfaceGroup a, b;
+    std::array<MapRows, SurfaceGroup::kSize> rows;
+    constexpr unsigned kWhich = 0x9b;
+    for (int k = 0; k < SurfaceGroup::kSize; ++k) {
+      const QuadricFilter& filter = quadric_filter(1 + k % 6, map.lanes);
+      QuadricSums sums;
+      plain_->fit(map.middle_row(), map.lanes, filter, sums);
+      a.put(k, sums, map.at(0, 0), map.at(0, 0), sign, filter);
+      rows[static_cast<std::size_t>(k)] = rows_of(map);
+    }
+    plain_->surfaces(a, 1);
+    b = a;
+    plain_->group_residuals(rows.data(), kWhich, a);
+    fast_->group_residuals(rows.data(), kWhich, b);
+    for (int k = 0; k < SurfaceGroup::kSize; ++k) {
+      ResidualCubes one{};
+      const float largest2 =
+          (kWhich >> k & 1u) != 0 ? plain_->map_residuals(rows_of(map), a.surface(k), one) : 0.0f;
+      for (const SurfaceGroup* group : {&a, &b}) {
+        EXPECT_EQ(group->largest2[k], largest2);
+        for (std::size_t f = 0; f < kQuadric; ++f) EXPECT_EQ(group->cubes[f][k], one[f]);
+      }
+    }
+    ++groups;
+  });
+  EXPECT_GT(groups, 100);
 }
 
 TEST_P(MapKernelsTest, CoarseSumsAreThoseOfTheSolidVoxelsAround) {
