@@ -46,6 +46,9 @@ inline void add_row(Lanes& sum, const RowLanes& v) {
   sum += lower_half(v);
   sum += upper_half(v);
 }
+inline void take_larger(Lanes& largest, const RowLanes& v) {
+  largest = larger(largest, larger(lower_half(v), upper_half(v)));
+}
 inline float largest_of(const RowLanes& v) {
   return largest_of(larger(lower_half(v), upper_half(v)));
 }
@@ -75,7 +78,47 @@ inline RowMask above(const RowLanes& v, float limit) { return v > limit; }
 inline RowMask both(const RowMask& a, const RowMask& b) { return a & b; }
 inline int count_of(const RowMask& mask) { return __builtin_popcount(bits_of(mask)); }
 inline void add_row(Lanes& sum, const RowLanes& v) { sum += v; }
+inline void take_larger(Lanes& largest, const RowLanes& v) { largest = larger(largest, v); }
 
+#endif
+
+/// Of eight vectors what `sum_of`, or `largest_of`, makes of each.
+#ifdef __AVX2__
+template <class Join>
+inline Lanes fold_each(const Lanes (&v)[8], const Join& join) {
+  // Halves of each vector, of two at a time, then the halves of those, and so on: always first
+  // with third, then second.
+  __m256 four[4], two[2];
+  for (int k = 0; k < 4; ++k) {
+    four[k] = join(_mm256_permute2f128_ps(v[k], v[k + 4], 0x20),
+                   _mm256_permute2f128_ps(v[k], v[k + 4], 0x31));
+  }
+  for (int k = 0; k < 2; ++k) {
+    two[k] = join(_mm256_shuffle_ps(four[k], four[k + 2], 0x44),
+                  _mm256_shuffle_ps(four[k], four[k + 2], 0xee));
+  }
+  // Of vectors 0, 2 and, in the upper half, 4, 6; and of the odd ones.
+  const __m256 even = _mm256_shuffle_ps(two[0], two[1], 0x88),
+               odd = _mm256_shuffle_ps(two[0], two[1], 0xdd);
+  return _mm256_permute_ps(join(even, odd), 0xd8);
+}
+inline Lanes sum_each(const Lanes (&v)[8]) {
+  return fold_each(v, [](__m256 a, __m256 b) { return _mm256_add_ps(a, b); });
+}
+inline Lanes largest_each(const Lanes (&v)[8]) {
+  return fold_each(v, [](__m256 a, __m256 b) { return _mm256_max_ps(a, b); });
+}
+#else
+inline Lanes sum_each(const Lanes (&v)[8]) {
+  Lanes each;
+  for (int k = 0; k < 8; ++k) each[k] = sum_of(v[k]);
+  return each;
+}
+inline Lanes largest_each(const Lanes (&v)[8]) {
+  Lanes each;
+  for (int k = 0; k < 8; ++k) each[k] = largest_of(v[k]);
+  return each;
+}
 #endif
 
 inline RowLanes load_row(const float* p) {

@@ -136,25 +136,27 @@ inline InwardOf<Number> inward(const ColumnQuadricOf<Number>& surface, const Num
       c5 * ty};
 }
 
-/// Sums of eight lanes each, of the cubes; the largest square.
+/// Of the cubes, in eight lanes each; and of the largest squares.
 struct ResidualSums {
-  Lanes of[kQuadric];
-  float largest2;
+  Lanes of[kQuadric], largest2;
 };
 
-[[gnu::always_inline]] inline ResidualSums residual_sums(const MapRows& map,
+/// `kNarrow`: the map has rows of sixteen lanes.
+template <bool kNarrow>
+[[gnu::always_inline]] inline ResidualSums residual_sums(const MapRows& map, int ns,
                                                          const InwardOf<float>& s) {
-  const int middle = map.lanes / 2;
-  RowLanes largest2{};
-  Lanes one{}, i{}, j{}, ii{}, ij{}, jj{};
-  for (int at = (middle - map.ns) & -kRowStep; at <= middle + map.ns; at += kRowStep) {
+  const int middle = kNarrow ? 8 : HeightMap::kMaxLanes / 2;
+  const int first = kNarrow ? 0 : (middle - ns) & -kRowStep;
+  const int end = kNarrow ? 2 * middle : middle + ns + 1;
+  ResidualSums sums{};
+  for (int at = first; at < end; at += kRowStep) {
     const RowLanes x = kAlong + static_cast<float>(at - middle);
     // By powers of y.
     const RowLanes z2 = s.c[3] * x * x, twist = s.c[4] * x, t = 1.0f + s.tx * x;
     const RowLanes a0 = s.c[0] + s.c[1] * x + z2 * t, a1 = s.c[2] + twist * t + z2 * s.ty,
                    a2 = s.c[5] * t + twist * s.ty;
     const signed char* const row = map.middle + at;
-    const auto* weights = &kTapers.weight[map.ns][0][HeightMap::kMaxLanes / 2 - middle + at];
+    const auto* weights = &kTapers.weight[ns][0][HeightMap::kMaxLanes / 2 - middle + at];
     RowLanes most2{};
     const auto cube_at = [&](const signed char* heights_at, const RowLanes& surface_at) {
       const RowLanes r = heights_above(heights_at, map.level) - surface_at, r2 = r * r;
@@ -163,7 +165,7 @@ struct ResidualSums {
     };
     RowLanes cube0 = load_row(weights) * cube_at(row, a0), cube1{}, cube2{};
     // Rows +j and -j together: what is even in y, and what is odd.
-    for (int v = 1; v <= map.ns; ++v) {
+    for (int v = 1; v <= ns; ++v) {
       const auto y = static_cast<float>(v);
       const float yy = y * y, bent = s.cubic * yy;
       const RowLanes even = a2 * yy + a0, odd = (a1 + bent) * y;
@@ -173,38 +175,53 @@ struct ResidualSums {
       const RowLanes sum = weight * (above + below), difference = weight * (above - below);
       cube0 += sum, cube1 += difference * y, cube2 += sum * yy;
     }
-    largest2 = larger(largest2, where(at_most(abs(x), static_cast<float>(map.ns)), most2));
-    add_row(one, cube0), add_row(i, cube0 * x), add_row(ii, cube0 * x * x);
-    add_row(j, cube1), add_row(ij, cube1 * x), add_row(jj, cube2);
+    add_row(sums.of[0], cube0), add_row(sums.of[1], cube0 * x), add_row(sums.of[2], cube1);
+    add_row(sums.of[3], cube0 * x * x), add_row(sums.of[4], cube1 * x), add_row(sums.of[5], cube2);
+    take_larger(sums.largest2, where(at_most(abs(x), static_cast<float>(ns)), most2));
   }
-  return {{one, i, j, ii, ij, jj}, largest_of(largest2)};
+  return sums;
 }
 
 inline float map_residuals(const MapRows& map, const ColumnQuadric& surface,
                            ResidualCubes& cubes) noexcept {
   const auto sign = static_cast<float>(map.sign);
+  const InwardOf<float> s = inward(surface, sign, static_cast<float>(map.stride));
   const ResidualSums sums =
-      residual_sums(map, inward(surface, sign, static_cast<float>(map.stride)));
+      map.lanes == 16 ? residual_sums<true>(map, map.ns, s) : residual_sums<false>(map, map.ns, s);
   for (unsigned f = 0; f < kQuadric; ++f) cubes[f] = sign * sum_of(sums.of[f]);
-  return sums.largest2;
+  return largest_of(sums.largest2);
 }
 
-inline void group_residuals(const MapRows* maps, unsigned which, SurfaceGroup& g) noexcept {
+template <bool kNarrow>
+inline void group_residuals(const MapRows* maps, int ns, unsigned which, SurfaceGroup& g) {
+  constexpr unsigned kSize = SurfaceGroup::kSize;
   ColumnQuadricOf<Lanes> q;
   for (unsigned f = 0; f < kQuadric; ++f) q.c[f] = load(g.c[f]);
   q.t_x = load(g.t_x), q.t_y = load(g.t_y);
   const InwardOf<Lanes> all = inward(q, load(g.sign), 1.0f);
-  alignas(32) float c[kQuadric][SurfaceGroup::kSize], tx[SurfaceGroup::kSize],
-      ty[SurfaceGroup::kSize], cubic[SurfaceGroup::kSize];
+  alignas(32) float c[kQuadric][kSize], tx[kSize], ty[kSize], cubic[kSize];
   for (unsigned f = 0; f < kQuadric; ++f) store(all.c[f], c[f]);
   store(all.tx, tx), store(all.ty, ty), store(all.cubic, cubic);
-  for (unsigned k = 0; k < SurfaceGroup::kSize; ++k) {
-    if ((which >> k & 1u) == 0) continue;
-    const ResidualSums sums = residual_sums(
-        maps[k], {{c[0][k], c[1][k], c[2][k], c[3][k], c[4][k], c[5][k]}, tx[k], ty[k], cubic[k]});
-    for (unsigned f = 0; f < kQuadric; ++f) g.cubes[f][k] = g.sign[k] * sum_of(sums.of[f]);
-    g.largest2[k] = sums.largest2;
+  Lanes of[kQuadric][kSize], largest2[kSize];
+  for (unsigned k = 0; k < kSize; ++k) {
+    ResidualSums sums{};
+    if ((which >> k & 1u) != 0) {
+      sums = residual_sums<kNarrow>(
+          maps[k], ns,
+          {{c[0][k], c[1][k], c[2][k], c[3][k], c[4][k], c[5][k]}, tx[k], ty[k], cubic[k]});
+    }
+    for (unsigned f = 0; f < kQuadric; ++f) of[f][k] = sums.of[f];
+    largest2[k] = sums.largest2;
   }
+  for (unsigned f = 0; f < kQuadric; ++f) store(load(g.sign) * sum_each(of[f]), g.cubes[f]);
+  store(largest_each(largest2), g.largest2);
+}
+
+inline void group_residuals(const MapRows* maps, unsigned which, SurfaceGroup& g) noexcept {
+  if (which == 0) return;
+  const MapRows& first = maps[__builtin_ctz(which)];
+  first.lanes == 16 ? group_residuals<true>(maps, first.ns, which, g)
+                    : group_residuals<false>(maps, first.ns, which, g);
 }
 
 // --- Half-discs. Rows of sixteen lanes, i = -8 to 7, whatever the map's. ------------------------
