@@ -35,18 +35,24 @@ float most_residual2(float cosine) noexcept {
 }
 
 /// Which of a group's whole maps their quadrics explain, a bit for each; with what those leave.
-unsigned explained_of(MapGroup& group, std::size_t count, int neighbourhood) noexcept {
+std::uint32_t explained_of(MapGroup& group, int neighbourhood) noexcept {
+  static_assert(MapGroup::kSize <= 32);
   const auto rim = static_cast<float>(neighbourhood);
-  SurfaceGroup& surfaces = group.surfaces;
-  unsigned explained = 0;
-  for (std::size_t k = 0; k < count; ++k) {
-    const bool may = group.is_whole(k) && may_explain(surfaces.t_x[k], surfaces.t_y[k], rim);
-    explained |= (may ? 1u : 0u) << k;
-  }
-  map_kernels().group_residuals(group.rows(), explained, surfaces);
-  for (std::size_t k = 0; k < count; ++k) {
-    const bool beyond = !(surfaces.largest2[k] <= most_residual2(surfaces.normal_z[k]));
-    explained &= ~((beyond ? 1u : 0u) << k);
+  std::uint32_t explained = 0;
+  for (std::size_t e = 0; e < group.eights(); ++e) {
+    SurfaceGroup& surfaces = group.surfaces[e];
+    unsigned may = 0, does = 0;
+    for (unsigned k = 0; k < SurfaceGroup::kSize; ++k) {
+      const bool asked = group.is_whole(e * SurfaceGroup::kSize + k) &&
+                         may_explain(surfaces.t_x[k], surfaces.t_y[k], rim);
+      may |= (asked ? 1u : 0u) << k;
+    }
+    map_kernels().group_residuals(group.rows(e), may, surfaces);
+    for (unsigned k = 0; k < SurfaceGroup::kSize; ++k) {
+      const bool within = surfaces.largest2[k] <= most_residual2(surfaces.normal_z[k]);
+      does |= (within ? 1u : 0u) << k;
+    }
+    explained |= (may & does) << (e * SurfaceGroup::kSize);
   }
   return explained;
 }
@@ -138,12 +144,11 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
   const int columns = (2 * neighbourhood + 1) * (2 * neighbourhood + 1);
   const float flat = kMostBend / static_cast<float>(neighbourhood * neighbourhood);
   MapGroup group;
-  const SurfaceGroup& surfaces = group.surfaces;
   LeafTiles tiles(workpiece, queries, neighbourhood);
   for (std::size_t first = 0, count; first < queries.size(); first += count) {
     count = group.take(workpiece, queries, first, neighbourhood, trace, tiles);
-    const unsigned explained = explained_of(group, count, neighbourhood);
-    map_kernels().sharpen_group(group.surfaces);
+    const std::uint32_t explained = explained_of(group, neighbourhood);
+    for (std::size_t e = 0; e < group.eights(); ++e) map_kernels().sharpen_group(group.surfaces[e]);
     for (std::size_t k = 0; k < count; ++k) {
       const Cell& voxel = queries[first + k].voxel;
       const MapAxes& axes = group.axes[k];
@@ -153,13 +158,14 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
         estimate = {};
         continue;
       }
-      const int place = static_cast<int>(k);
+      const SurfaceGroup& surfaces = group.eight(k);
+      const int place = MapGroup::place(k);
       const bool is_explained = (explained >> k & 1u) != 0;
-      const bool level = is_explained && surfaces.normal_z[k] > kLevelCosine && has_wide;
-      const bool as_it_is = is_explained && !level && !(surfaces.bend[k] <= flat);
+      const bool level = is_explained && surfaces.normal_z[place] > kLevelCosine && has_wide;
+      const bool as_it_is = is_explained && !level && !(surfaces.bend[place] <= flat);
       std::uint8_t windows = axes.window();
-      if (as_it_is && surfaces.agrees[k] != 0) {
-        estimate = {surfaces.normal(place), surfaces.offset[k], true, windows};
+      if (as_it_is && surfaces.agrees[place] != 0) {
+        estimate = {surfaces.normal(place), surfaces.offset[place], true, windows};
         continue;
       }
       const Vector3f tool = heard(queries[first + k].outward, coarse);
@@ -168,7 +174,7 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
         const Foot foot = surfaces.foot(place);
         std::optional<Foot> face =
             level ? fit_wide(workpiece, voxel, axes, neighbourhood, trace) : std::nullopt;
-        if (!face && surfaces.bend[k] <= flat)
+        if (!face && surfaces.bend[place] <= flat)
           face = grow_plane(group.map(k), foot, columns, false);
         estimate = to_index_space(face ? *face : foot, axes);
       } else {

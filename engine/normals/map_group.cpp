@@ -19,6 +19,7 @@ std::size_t MapGroup::take(const Workpiece& workpiece, std::span<const VoxelQuer
 
   const QuadricFilter& whole = quadric_filter(neighbourhood, lanes_of(neighbourhood));
   filled_ = 0;
+  is_whole_.fill(false);
   bool tiled = false;
   for (std::size_t k = 0; k < count_; ++k) {
     const VoxelQuery& query = queries[first + k];
@@ -30,10 +31,9 @@ std::size_t MapGroup::take(const Workpiece& workpiece, std::span<const VoxelQuer
     if (coarse[k] == Eigen::Vector3f::Zero()) coarse[k] = query.outward;
     axes[k] = dominant_axes(coarse[k]);
     tiles_[k] = nullptr;
-    is_whole_[k] = false;
     if (coarse[k] == Eigen::Vector3f::Zero()) continue;
-    surfaces.put_axes(static_cast<int>(k), axes[k].axis, coarse[k].data());
-    surfaces.put_tool(static_cast<int>(k), query.outward.data());
+    eight(k).put_axes(place(k), axes[k].axis, coarse[k].data());
+    eight(k).put_tool(place(k), query.outward.data());
     const HeightTile* const tile = tiles.find(first + k, axes[k]);
     // By reference: what is written number by number cannot be read as one at once.
     const Eigen::Vector3i& at = at_[k] = in_tile(query.voxel, axes[k]);
@@ -41,7 +41,7 @@ std::size_t MapGroup::take(const Workpiece& workpiece, std::span<const VoxelQuer
       tiled = is_whole_[k] = true;
       tiles_[k] = tile;
       rows_[k] = rows_of(*tile, at.x(), at.y(), at.z());
-      put_tile_sums(*tile, at, whole, surfaces, static_cast<int>(k));
+      put_tile_sums(*tile, at, whole, eight(k), place(k));
       continue;
     }
     HeightMap& map = maps_[filled_];
@@ -52,7 +52,7 @@ std::size_t MapGroup::take(const Workpiece& workpiece, std::span<const VoxelQuer
     slots_[k] = filled_++;
   }
   if (filled_ > 0) fit_traced(whole);
-  map_kernels().surfaces(surfaces, 1);
+  for (std::size_t e = 0; e < eights(); ++e) map_kernels().surfaces(surfaces[e], 1);
   return count_;
 }
 
@@ -66,7 +66,7 @@ void MapGroup::fit_traced(const QuadricFilter& whole) noexcept {
     rows_[k] = rows_of(map);
     QuadricSums sums;
     map_kernels().fit(map.middle_row(), map.lanes, whole, sums);
-    surfaces.put(static_cast<int>(k), sums, map.at(0, 0), map.at(0, 0), map.sign, whole);
+    eight(k).put(place(k), sums, map.at(0, 0), map.at(0, 0), map.sign, whole);
   }
 }
 

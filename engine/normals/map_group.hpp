@@ -13,15 +13,15 @@
 
 namespace sulcus {
 
-/// The maps of eight voxels, each along the dominant axis of its own coarse normal, taken together
+/// The maps of some voxels, each along the dominant axis of its own coarse normal, taken together
 /// stage by stage: one after the other a voxel's stages wait for one another, side by side they do
 /// not.
 struct MapGroup {
-  static constexpr std::size_t kSize = SurfaceGroup::kSize;
+  static constexpr std::size_t kEights = 2, kSize = kEights * SurfaceGroup::kSize;
 
   std::array<Eigen::Vector3f, kSize> coarse;  // of any length; zero: no side, and no map
   std::array<MapAxes, kSize> axes;
-  SurfaceGroup surfaces;  // of whole maps
+  std::array<SurfaceGroup, kEights> surfaces;  // of whole maps, by eights
 
   /// Coarse normals, of the tool where the solid has none, and the maps along them, of `queries`
   /// from `first` on, up to kSize, and the surfaces of those that are whole. `tiles` are of the
@@ -29,9 +29,14 @@ struct MapGroup {
   std::size_t take(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
                    std::size_t first, int neighbourhood, int trace, LeafTiles& tiles) noexcept;
 
+  SurfaceGroup& eight(std::size_t k) { return surfaces[k / SurfaceGroup::kSize]; }
+  static int place(std::size_t k) { return static_cast<int>(k % SurfaceGroup::kSize); }
+  std::size_t eights() const { return (count_ + SurfaceGroup::kSize - 1) / SurfaceGroup::kSize; }
   bool is_whole(std::size_t k) const { return is_whole_[k]; }
-  /// Of the whole maps.
-  const MapRows* rows() const { return rows_.data(); }
+  /// Of the whole maps of an eight.
+  const MapRows* rows(std::size_t eight) const {
+    return rows_.data() + eight * SurfaceGroup::kSize;
+  }
   /// The map itself, cut out of its tile where it is still there alone. Of a voxel that has one.
   const HeightMap& map(std::size_t k) noexcept;
 

@@ -46,6 +46,8 @@ inline void add_row(Lanes& sum, const RowLanes& v) {
   sum += lower_half(v);
   sum += upper_half(v);
 }
+/// What `add_row` adds to nothing.
+inline Lanes halves_of(const RowLanes& v) { return lower_half(v) + upper_half(v); }
 inline void take_larger(Lanes& largest, const RowLanes& v) {
   largest = larger(largest, larger(lower_half(v), upper_half(v)));
 }
@@ -78,6 +80,7 @@ inline RowMask above(const RowLanes& v, float limit) { return v > limit; }
 inline RowMask both(const RowMask& a, const RowMask& b) { return a & b; }
 inline int count_of(const RowMask& mask) { return __builtin_popcount(bits_of(mask)); }
 inline void add_row(Lanes& sum, const RowLanes& v) { sum += v; }
+inline Lanes halves_of(const RowLanes& v) { return v; }
 inline void take_larger(Lanes& largest, const RowLanes& v) { largest = larger(largest, v); }
 
 #endif

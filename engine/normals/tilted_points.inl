@@ -117,6 +117,20 @@ constexpr TaperTable make_tapers() {
 }
 constexpr TaperTable kTapers = make_tapers();
 
+/// y and its square, of the rows.
+struct RowPowers {
+  float y[kMaxNeighbourhood + 1], square[kMaxNeighbourhood + 1];
+};
+constexpr RowPowers make_row_powers() {
+  RowPowers powers{};
+  for (int v = 0; v <= kMaxNeighbourhood; ++v) {
+    powers.y[v] = static_cast<float>(v);
+    powers.square[v] = static_cast<float>(v * v);
+  }
+  return powers;
+}
+constexpr RowPowers kRowPowers = make_row_powers();
+
 /// A surface turned inward and told in columns, as stored heights are compared with it: the
 /// coefficients, and those of x, y and y^3 beyond second order.
 template <class Number>
@@ -166,17 +180,23 @@ template <bool kNarrow>
     RowLanes cube0 = load_row(weights) * cube_at(row, a0), cube1{}, cube2{};
     // Rows +j and -j together: what is even in y, and what is odd.
     for (int v = 1; v <= ns; ++v) {
-      const auto y = static_cast<float>(v);
-      const float yy = y * y, bent = s.cubic * yy;
-      const RowLanes even = a2 * yy + a0, odd = (a1 + bent) * y;
+      const RowLanes y = RowLanes{} + kRowPowers.y[v], yy = RowLanes{} + kRowPowers.square[v];
+      const RowLanes even = a2 * yy + a0, odd = (a1 + s.cubic * yy) * y;
       const RowLanes above = cube_at(row + v * map.pitch, even + odd);
       const RowLanes below = cube_at(row - v * map.pitch, even - odd);
       const RowLanes weight = load_row(weights + v * HeightMap::kMaxLanes);
       const RowLanes sum = weight * (above + below), difference = weight * (above - below);
       cube0 += sum, cube1 += difference * y, cube2 += sum * yy;
     }
-    add_row(sums.of[0], cube0), add_row(sums.of[1], cube0 * x), add_row(sums.of[2], cube1);
-    add_row(sums.of[3], cube0 * x * x), add_row(sums.of[4], cube1 * x), add_row(sums.of[5], cube2);
+    const auto add = [&](int f, const RowLanes& v) {
+      if (at == first) {
+        sums.of[f] = halves_of(v);
+      } else {
+        add_row(sums.of[f], v);
+      }
+    };
+    add(0, cube0), add(1, cube0 * x), add(2, cube1);
+    add(3, cube0 * x * x), add(4, cube1 * x), add(5, cube2);
     take_larger(sums.largest2, where(at_most(abs(x), static_cast<float>(ns)), most2));
   }
   return sums;
