@@ -89,8 +89,7 @@ inline void sum_plane(const HeightMap& map, const HeightPlane& plane, const Weig
             add_row(j, w1), add_row(ij, w1 * x), add_row(jj, w2);
             add_row(z, right0), add_row(iz, right0 * x), add_row(jz, right1);
           });
-  sums = {sum_of(n),  sum_of(i), sum_of(j),  sum_of(ii), sum_of(ij),
-          sum_of(jj), sum_of(z), sum_of(iz), sum_of(jz)};
+  sums = plane_sums({n, i, j, ii, ij, jj, z, iz, jz});
 }
 
 inline void plane_step(const HeightMap& map, const HeightPlane& plane, PlaneWeight kind,

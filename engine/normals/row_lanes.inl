@@ -4,6 +4,8 @@
 
 #pragma once
 
+#include <array>
+
 #include "engine/core/lanes.hpp"
 
 namespace sulcus {
@@ -124,17 +126,26 @@ inline Lanes largest_each(const Lanes (&v)[8]) {
 }
 #endif
 
+/// Of each what `sum_of` makes of it.
+template <std::size_t kSums>
+inline std::array<float, kSums> sum_all(const std::array<Lanes, kSums>& v) {
+  std::array<float, (kSums + 7) / 8 * 8> sums;
+  for (std::size_t f = 0; f < kSums; f += 8) {
+    Lanes eight[8];
+    for (std::size_t k = 0; k < 8; ++k) eight[k] = f + k < kSums ? v.begin()[f + k] : Lanes{};
+    store(sum_each(eight), sums.begin() + f);
+  }
+  std::array<float, kSums> all;
+  __builtin_memcpy(&all, &sums, sizeof all);
+  return all;
+}
+
 inline RowLanes load_row(const float* p) {
   RowLanes v;
   __builtin_memcpy(&v, p, sizeof v);
   return v;
 }
 inline void store_row(const RowLanes& v, float* p) { __builtin_memcpy(p, &v, sizeof v); }
-inline float row_sum(const RowLanes& v) {
-  Lanes sum{};
-  add_row(sum, v);
-  return sum_of(sum);
-}
 
 }  // namespace
 

@@ -152,7 +152,8 @@ inline InwardOf<Number> inward(const ColumnQuadricOf<Number>& surface, const Num
 
 /// Of the cubes, in eight lanes each; and of the largest squares.
 struct ResidualSums {
-  Lanes of[kQuadric], largest2;
+  std::array<Lanes, kQuadric> of;
+  Lanes largest2;
 };
 
 /// `kNarrow`: the map has rows of sixteen lanes.
@@ -208,7 +209,8 @@ inline float map_residuals(const MapRows& map, const ColumnQuadric& surface,
   const InwardOf<float> s = inward(surface, sign, static_cast<float>(map.stride));
   const ResidualSums sums =
       map.lanes == 16 ? residual_sums<true>(map, map.ns, s) : residual_sums<false>(map, map.ns, s);
-  for (unsigned f = 0; f < kQuadric; ++f) cubes[f] = sign * sum_of(sums.of[f]);
+  cubes = sum_all(sums.of);
+  for (float& cube : cubes) cube *= sign;
   return largest_of(sums.largest2);
 }
 
@@ -295,6 +297,12 @@ inline void for_disc(const HeightMap& map, int lane, const Each& each) {
   }
 }
 
+/// Of nine sums in the order of PlaneSums.
+inline PlaneSums plane_sums(const std::array<Lanes, 9>& nine) {
+  const std::array<float, 9> s = sum_all(nine);
+  return {s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7], s[8]};
+}
+
 /// Whole numbers: exact in any order.
 struct LaneSums9 {
   RowLanes n{}, i{}, j{}, ii{}, ij{}, jj{}, z{}, iz{}, jz{};
@@ -306,8 +314,9 @@ struct LaneSums9 {
     z += mz, iz += mz * x, jz += mz * y;
   }
   PlaneSums total() const {
-    return {row_sum(n),  row_sum(i), row_sum(j),  row_sum(ii), row_sum(ij),
-            row_sum(jj), row_sum(z), row_sum(iz), row_sum(jz)};
+    return plane_sums(std::array{halves_of(n), halves_of(i), halves_of(j), halves_of(ii),
+                                 halves_of(ij), halves_of(jj), halves_of(z), halves_of(iz),
+                                 halves_of(jz)});
   }
 };
 
@@ -437,19 +446,30 @@ inline void gather_points(const HeightMap& map, const TiltedFrame& frame,
   const auto [n0, n1, n2] = frame.n;
   const auto sign = static_cast<float>(map.sign);
   const int lanes = map.lanes;
+  // What the columns of all rows have in common.
+  struct Along {
+    RowLanes xx, u, w, n;
+  };
+  Along along[HeightMap::kMaxLanes / kRowStep];
+  int parts = 0;
+  for (int at = first; at <= middle + reach; at += kRowStep, ++parts) {
+    const RowLanes x = kAlong + static_cast<float>(at - middle);
+    along[parts] = {x * x, x * (u0 * unit), x * (w0 * unit), x * (n0 * unit)};
+  }
   PointWriter writer(points);
-  const signed char* row = map.height.data() + (map.ns - reach) * lanes;
+  const signed char* row = map.height.data() + (map.ns - reach) * lanes + first;
   for (int j = -reach; j <= reach; ++j, row += lanes) {
-    const float y = static_cast<float>(j), y_unit = y * unit;
-    for (int at = first; at <= middle + reach; at += kRowStep) {
-      const RowLanes x = kAlong + static_cast<float>(at - middle);
+    const auto y = static_cast<float>(j);
+    const float yy = y * y, y_unit = y * unit, y_u = y_unit * u1, y_w = y_unit * w1,
+                y_n = y_unit * n1;
+    for (int part = 0; part < parts; ++part) {
+      const auto& [xx, x_u, x_w, x_n] = along[part];
       // The surface is half a voxel beyond the centre of the outermost solid voxel.
-      const RowLanes z = heights(row + at) * sign + 0.5f, z_unit = z * unit;
-      const RowLanes r2 = x * x + y * y + z * z;
+      const RowLanes z = heights(row + part * kRowStep) * sign + 0.5f, z_unit = z * unit;
+      const RowLanes r2 = xx + yy + z * z;
       // kNone is far out of every ball.
-      writer.append(
-          at_most(r2, limit), 1.0f - r2 * fall, x * (u0 * unit) + y_unit * u1 + z_unit * u2,
-          x * (w0 * unit) + y_unit * w1 + z_unit * w2, x * (n0 * unit) + y_unit * n1 + z_unit * n2);
+      writer.append(at_most(r2, limit), 1.0f - r2 * fall, x_u + y_u + z_unit * u2,
+                    x_w + y_w + z_unit * w2, x_n + y_n + z_unit * n2);
     }
   }
   writer.finish();
@@ -459,17 +479,20 @@ inline void gather_points(const HeightMap& map, const TiltedFrame& frame,
 /// of the first eights and of the second ones. `from` is 0, then 8.
 template <std::size_t kSums, class Add>
 inline std::array<float, kSums> sum_points(const TiltedPoints& points, const Add& add) {
-  std::array<Lanes, kSums> total{};
+  std::array<Lanes, kSums> total;
   for (int from = 0; from < TiltedPoints::kTogether; from += kRowStep) {
     RowLanes sums[kSums]{};
     for (int k = from; k < points.count; k += TiltedPoints::kTogether) add(k, sums);
 #pragma GCC unroll 16
-    for (std::size_t f = 0; f < kSums; ++f) add_row(total.begin()[f], sums[f]);
+    for (std::size_t f = 0; f < kSums; ++f) {
+      if (from == 0) {
+        total.begin()[f] = halves_of(sums[f]);
+      } else {
+        add_row(total.begin()[f], sums[f]);
+      }
+    }
   }
-  std::array<float, kSums> all;
-#pragma GCC unroll 16
-  for (std::size_t f = 0; f < kSums; ++f) all.begin()[f] = sum_of(total.begin()[f]);
-  return all;
+  return sum_all(total);
 }
 
 // In two passes: the sums of one take all the registers there are.
