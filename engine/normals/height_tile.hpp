@@ -28,11 +28,12 @@ struct HeightTile {
   // Set by the caller.
   int ns = 0;
   int sign = 1;
+  bool wants_even_rings = true;
   // Column (u, v) lies in lane kMargin + u of row ns + v.
   alignas(32) signed char height[kRows][kLanes];
   // Of the map about each column; of no meaning where it is not sound.
   std::uint8_t sound[kEdge];                                // bit u of row v
-  std::uint8_t even_rings[kEdge][kEdge];                    // [v][u]
+  std::uint8_t even_rings[kEdge][kEdge];                    // [v][u], where they are wanted
   signed char highest[kEdge][kEdge], lowest[kEdge][kEdge];  // [v][u]
   alignas(32) std::int32_t sums[kEdge][kQuadric][kEdge];    // [v][f][u], of the whole maps
 

@@ -18,9 +18,12 @@ using Eigen::Vector3f;
 // Each of these is in voxels, or a share.
 constexpr float kMostResidual = 0.35f;  // of a whole map, beyond half the cosine of its tilt
 constexpr float kMostWideResidual = 0.6f;
-constexpr float kMostCubic = 0.2f;     // of the quadric's own part, at the rim of the map
-constexpr float kLevelCosine = 0.98f;  // where the surface is so level, a map of stride 2 helps
-constexpr float kSecondAxis = 0.55f;   // of the dominant component of the coarse normal
+constexpr float kMostCubic = 0.2f;  // of the quadric's own part, at the rim of the map
+// Where the surface is so level, a map of stride 2 helps: terraces are wide there, on a face wider
+// than on what is curved.
+constexpr float kNearlyFlat = 1.25f;
+constexpr float kLevelFace = 0.98f, kLevelCurved = 0.995f;
+constexpr float kSecondAxis = 0.55f;  // of the dominant component of the coarse normal
 constexpr float kRadii[] = {7.6f, 5.8f, 4.2f, 2.6f};  // at NS = 6
 constexpr float kNearEdge = 3.0f;                     // a ball no larger than this
 constexpr float kMostBend = 0.2f;                     // of a face, across it, half a map out
@@ -144,7 +147,7 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
   const int columns = (2 * neighbourhood + 1) * (2 * neighbourhood + 1);
   const float flat = kMostBend / static_cast<float>(neighbourhood * neighbourhood);
   MapGroup group;
-  LeafTiles tiles(workpiece, queries, neighbourhood);
+  LeafTiles tiles(workpiece, queries, neighbourhood, false);
   for (std::size_t first = 0, count; first < queries.size(); first += count) {
     count = group.take(workpiece, queries, first, neighbourhood, trace, tiles);
     const std::uint32_t explained = explained_of(group, neighbourhood);
@@ -161,8 +164,11 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
       const SurfaceGroup& surfaces = group.eight(k);
       const int place = MapGroup::place(k);
       const bool is_explained = (explained >> k & 1u) != 0;
-      const bool level = is_explained && surfaces.normal_z[place] > kLevelCosine && has_wide;
-      const bool as_it_is = is_explained && !level && !(surfaces.bend[place] <= flat);
+      const bool is_flat = surfaces.bend[place] <= flat;
+      const float least_level =
+          surfaces.bend[place] <= kNearlyFlat * flat ? kLevelFace : kLevelCurved;
+      const bool level = is_explained && surfaces.normal_z[place] > least_level && has_wide;
+      const bool as_it_is = is_explained && !level && !is_flat;
       std::uint8_t windows = axes.window();
       if (as_it_is && surfaces.agrees[place] != 0) {
         estimate = {surfaces.normal(place), surfaces.offset[place], true, windows};
@@ -174,8 +180,7 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
         const Foot foot = surfaces.foot(place);
         std::optional<Foot> face =
             level ? fit_wide(workpiece, voxel, axes, neighbourhood, trace) : std::nullopt;
-        if (!face && surfaces.bend[place] <= flat)
-          face = grow_plane(group.map(k), foot, columns, false);
+        if (!face && is_flat) face = grow_plane(group.map(k), foot, columns, false);
         estimate = to_index_space(face ? *face : foot, axes);
       } else {
         estimate =

@@ -140,7 +140,7 @@ void fit(const Workpiece& workpiece, std::span<const VoxelQuery> queries, std::s
 void estimate_ldm_fast(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
                        int neighbourhood, int trace,
                        std::span<SurfaceEstimate> estimates) noexcept {
-  LeafTiles tiles(workpiece, queries, neighbourhood);
+  LeafTiles tiles(workpiece, queries, neighbourhood, true);
   Batch batch;
   for (std::size_t first = 0; first < queries.size(); first += kBatch) {
     batch.count = std::min(queries.size() - first, kBatch);

@@ -18,6 +18,7 @@ void LeafTiles::enter(std::size_t query) noexcept {
 void LeafTiles::make(const MapAxes& axes, HeightTile& tile) noexcept {
   tile.ns = ns_;
   tile.sign = axes.sign;
+  tile.wants_even_rings = wants_even_rings_;
   map_kernels().tile(
       workpiece_.columns().around(axes.axis, origin_[axes.first()], origin_[axes.second()],
                                   origin_[axes.axis] - HeightTile::kBelow),

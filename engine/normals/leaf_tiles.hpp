@@ -18,8 +18,12 @@ namespace sulcus {
 /// depends on it.
 class LeafTiles {
  public:
-  LeafTiles(const Workpiece& workpiece, std::span<const VoxelQuery> queries, int neighbourhood)
-      : workpiece_(workpiece), queries_(queries), ns_(neighbourhood) {}
+  LeafTiles(const Workpiece& workpiece, std::span<const VoxelQuery> queries, int neighbourhood,
+            bool wants_even_rings)
+      : workpiece_(workpiece),
+        queries_(queries),
+        ns_(neighbourhood),
+        wants_even_rings_(wants_even_rings) {}
 
   /// The tile for the map of a query along an axis; null where there is none. Valid until a query
   /// of another leaf is asked for.
@@ -49,6 +53,7 @@ class LeafTiles {
   const Workpiece& workpiece_;
   std::span<const VoxelQuery> queries_;
   int ns_;
+  bool wants_even_rings_;
   Cell origin_ = Cell::Constant(-1);  // first voxel of the leaf
   bool worthwhile_ = false;
   std::array<bool, 6> made_{};  // by axis and sign

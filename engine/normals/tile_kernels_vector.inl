@@ -114,8 +114,35 @@ struct TileWords {
   std::uint64_t of[3][kRoom];
 };
 
-/// What can be told of all maps of a tile at once, ring by ring. Sums of bytes stay in a byte where
-/// columns count, and maps with others are not sound.
+/// Highest and lowest of all maps of a tile: of rows, then across. Where columns do not count maps
+/// are not sound.
+inline void find_extremes(const TileWords& words, HeightTile& tile) {
+  const int ns = tile.ns;
+  for (int v = 0; v < HeightTile::kEdge; v += kRowsAtOnce) {
+    RowBytes highest[3], lowest[3];
+    for (int k = 0; k < 3; ++k) {
+      const std::uint64_t* const rows = words.of[k] + v;
+      highest[k] = lowest[k] = load_rows(rows);
+      for (int r = 1; r <= 2 * ns; ++r) {
+        const RowBytes row = load_rows(rows + r);
+        highest[k] = higher(highest[k], row);
+        lowest[k] = lower(lowest[k], row);
+      }
+    }
+    RowBytes most = highest[1], least = lowest[1];
+    for (int i = 1; i <= ns; ++i) {
+      const ByteShift right(i), left(8 - i);
+      most = higher(most, higher(from_byte(highest[1], highest[2], right),
+                                 from_byte(highest[0], highest[1], left)));
+      least = lower(least, lower(from_byte(lowest[1], lowest[2], right),
+                                 from_byte(lowest[0], lowest[1], left)));
+    }
+    store_rows(most, tile.highest[v]);
+    store_rows(least, tile.lowest[v]);
+  }
+}
+
+/// Even rings of all maps of a tile. Sums of bytes stay in a byte where columns count.
 inline void compare_opposites(const TileWords& words, HeightTile& tile) {
   const int ns = tile.ns;
   for (int v = 0; v < HeightTile::kEdge; v += kRowsAtOnce) {
@@ -123,14 +150,12 @@ inline void compare_opposites(const TileWords& words, HeightTile& tile) {
                                             words.of[2] + ns + v};
     const auto row = [&](int k, int j) { return load_rows(middle[k] + j); };
     const RowBytes centre = row(1, 0), twice = plus(centre, centre);
-    RowBytes most = twice, least = twice, highest = centre, lowest = centre;
+    RowBytes most = twice, least = twice;
     RowBytes rings = minus(centre, centre);
     const auto take = [&](RowBytes a, RowBytes b) {
       const RowBytes sum = plus(a, b);
       most = higher(most, sum);
       least = lower(least, sum);
-      highest = higher(highest, higher(a, b));
-      lowest = lower(lowest, lower(a, b));
     };
     for (int ring = 1; ring <= ns; ++ring) {
       const RowBytes above[3] = {row(0, ring), row(1, ring), row(2, ring)},
@@ -147,8 +172,6 @@ inline void compare_opposites(const TileWords& words, HeightTile& tile) {
       }
       rings = count_where_even(rings, minus(most, twice), minus(twice, least));
     }
-    store_rows(highest, tile.highest[v]);
-    store_rows(lowest, tile.lowest[v]);
     store_rows(rings, tile.even_rings[v]);
   }
 }
@@ -399,7 +422,8 @@ void read_tile(const ColumnBits::Windows& columns, HeightTile& tile) noexcept {
   std::uint64_t sound;
   __builtin_memcpy(&sound, tile.sound, sizeof sound);
   if (sound == 0) return;
-  compare_opposites(words, tile);
+  find_extremes(words, tile);
+  if (tile.wants_even_rings) compare_opposites(words, tile);
   RowMoments rows;
   switch ((tile.ns + 1) / 2) {
     case 1:
