@@ -170,7 +170,7 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
       const bool level = is_explained && surfaces.normal_z[place] > least_level && has_wide;
       const bool as_it_is = is_explained && !level && !is_flat;
       std::uint8_t windows = axes.window();
-      if (as_it_is && surfaces.agrees[place] != 0) {
+      if (as_it_is && surfaces.stands[place] != 0) {
         estimate = {surfaces.normal(place), surfaces.offset[place], true, windows};
         continue;
       }

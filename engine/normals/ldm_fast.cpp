@@ -50,7 +50,8 @@ void take_axes(const Workpiece& workpiece, std::span<const VoxelQuery> queries, 
     Eigen::Vector3f& coarse = batch.coarse[k] = coarse_of(sums[k]);
     if ((sums[k][0] | sums[k][1] | sums[k][2]) == 0) coarse = queries[k].outward;
     batch.axes[k] = dominant_axes(coarse);
-    batch.group(k).put_axes(Batch::place(k), batch.axes[k].axis, coarse.data());
+    batch.group(k).put_axes(Batch::place(k), batch.axes[k].axis, coarse.data(),
+                            queries[k].outward.data());
   }
 }
 
@@ -157,12 +158,9 @@ void estimate_ldm_fast(const Workpiece& workpiece, std::span<const VoxelQuery> q
         estimate = to_index_space(batch.face[k], batch.axes[k]);
         if (stands(estimate.normal, coarse, heard(outward, coarse))) continue;
       }
-      if (batch.found[k] == Found::kSurface && group.agrees[place] != 0) {
+      if (batch.found[k] == Found::kSurface && group.stands[place] != 0) {
         estimate = {group.normal(place), group.offset[place], true, batch.axes[k].window()};
-        if (outward == Eigen::Vector3f::Zero() ||
-            stands(estimate.normal, coarse, heard(outward, coarse))) {
-          continue;
-        }
+        continue;
       }
       // No map: an edge sharper than the steps allow. The face of the voxel is the best surface.
       estimate = coarse == Eigen::Vector3f::Zero()

@@ -32,8 +32,7 @@ std::size_t MapGroup::take(const Workpiece& workpiece, std::span<const VoxelQuer
     axes[k] = dominant_axes(coarse[k]);
     tiles_[k] = nullptr;
     if (coarse[k] == Eigen::Vector3f::Zero()) continue;
-    eight(k).put_axes(place(k), axes[k].axis, coarse[k].data());
-    eight(k).put_tool(place(k), query.outward.data());
+    eight(k).put_axes(place(k), axes[k].axis, coarse[k].data(), query.outward.data());
     const HeightTile* const tile = tiles.find(first + k, axes[k]);
     // By reference: what is written number by number cannot be read as one at once.
     const Eigen::Vector3i& at = at_[k] = in_tile(query.voxel, axes[k]);

@@ -26,19 +26,18 @@ struct alignas(32) SurfaceGroup {
   std::int32_t weights[2][kSize]{};
   float solution[6][kSize]{};
   float answers[8][kSize]{};
-  // Of `feet` alone: the axis that the columns run along, and the coarse normal, index space.
+  // The axis that the columns run along; the coarse normal, and what the tool says, index space.
   std::int32_t axis[kSize]{};
-  float coarse[3][kSize]{};
-  float tool[3][kSize]{};  // of `sharpen_group`: what the tool says, index space
+  float coarse[3][kSize]{}, tool[3][kSize]{};
   // Of their residuals, by `group_residuals`: sums of the cubes, and the largest square.
   float cubes[kQuadric][kSize]{}, largest2[kSize]{};
   // Filled in:
   float c[kQuadric][kSize], t_x[kSize], t_y[kSize], quartic[kSize];
   float normal_x[kSize], normal_y[kSize], normal_z[kSize], offset[kSize];
-  // By `feet` and `sharpen_group`: the normal in index space, and whether (-1) it points the coarse
-  // one's way, and by the latter whether it stands.
+  // By `feet` and `sharpen_group`: the normal in index space, and whether (-1) it points away from
+  // neither the coarse one nor what the tool has to say.
   float index_normal[3][kSize];
-  std::int32_t agrees[kSize];
+  std::int32_t stands[kSize];
   float bend[kSize];  // by `sharpen_group`: of the surface across itself, a column out
 
   void put(int k, const QuadricSums& of, int at_centre, int above_voxel, int outward,
@@ -59,12 +58,9 @@ struct alignas(32) SurfaceGroup {
     answers[4][k] = a.bend_x4, answers[5][k] = a.bend_x2y2, answers[6][k] = a.bend_y4;
     answers[7][k] = a.twist_x3y;
   }
-  void put_axes(int k, int columns, const float* coarse_normal) {
+  void put_axes(int k, int columns, const float* coarse_normal, const float* outward) {
     axis[k] = columns;
-    for (int a = 0; a < 3; ++a) coarse[a][k] = coarse_normal[a];
-  }
-  void put_tool(int k, const float* outward) {
-    for (int a = 0; a < 3; ++a) tool[a][k] = outward[a];
+    for (int a = 0; a < 3; ++a) coarse[a][k] = coarse_normal[a], tool[a][k] = outward[a];
   }
   Eigen::Vector3f normal(int k) const {
     return {index_normal[0][k], index_normal[1][k], index_normal[2][k]};
@@ -187,7 +183,7 @@ struct MapKernels {
 
   /// Surfaces and feet of eight fits, `stride` voxels between their columns.
   void (*surfaces)(SurfaceGroup& group, int stride) noexcept;
-  /// Feet, and the normals in index space, of so many groups of stride 1.
+  /// Feet, the normals in index space, and which stand, of so many groups of stride 1.
   void (*feet)(SurfaceGroup* groups, std::size_t count) noexcept;
 
   /// Residuals of surfaces of stride 1 over their whole maps, as `map_residuals`; `which` has a bit

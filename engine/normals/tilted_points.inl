@@ -60,10 +60,26 @@ inline Lanes3 store_normals(const FootOf<Lanes>& foot, SurfaceGroup& g) {
   return normal;
 }
 
+/// What the tool has to say of each (heard).
+inline Lanes3 tools_heard(const Lanes3& coarse, const SurfaceGroup& g) {
+  Lanes3 tool = load3(g.tool);
+  const Lanes along = dot(coarse, tool);
+  const IntLanes far_side =
+      (along < 0.0f) & (along * along > 0.25f * dot(coarse, coarse) * dot(tool, tool));
+  for (Lanes& component : tool) component = where(~far_side, component);
+  return tool;
+}
+
+/// Which normals stand.
+inline void store_standing(const Lanes3& normal, SurfaceGroup& g) {
+  const Lanes3 coarse = load3(g.coarse);
+  const Lanes tool = dot(normal, tools_heard(coarse, g));
+  store((dot(normal, coarse) > 0.0f) & ~(tool < 0.0f), g.stands);
+}
+
 inline void feet_of(SurfaceGroup* groups, std::size_t count) noexcept {
   for (SurfaceGroup* g = groups; g != groups + count; ++g) {
-    const Lanes3 normal = store_normals(store_feet(quadrics_of(*g, 1), *g), *g);
-    store(dot(normal, load3(g->coarse)) > 0.0f, g->agrees);
+    store_standing(store_normals(store_feet(quadrics_of(*g, 1), *g), *g), *g);
   }
 }
 
@@ -77,25 +93,13 @@ inline void surfaces_of(SurfaceGroup& g, int stride) noexcept {
   store_surfaces(quadrics_of(g, stride), g);
 }
 
-/// What the tool has to say of each (heard).
-inline Lanes3 tools_heard(const Lanes3& coarse, const SurfaceGroup& g) {
-  Lanes3 tool = load3(g.tool);
-  const Lanes along = dot(coarse, tool);
-  const IntLanes far_side =
-      (along < 0.0f) & (along * along > 0.25f * dot(coarse, coarse) * dot(tool, tool));
-  for (Lanes& component : tool) component = where(~far_side, component);
-  return tool;
-}
-
 inline void sharpen_group(SurfaceGroup& g) noexcept {
   ColumnQuadricOf<Lanes> q;
   ResidualCubesOf<Lanes> cubes;
   for (unsigned f = 0; f < kQuadric; ++f) q.c[f] = load(g.c[f]), cubes[f] = load(g.cubes[f]);
   sharpen(solutions_of(g), cubes, 1.0f, q);
-  const Lanes3 normal = store_normals(store_surfaces(q, g), g), coarse = load3(g.coarse);
+  store_standing(store_normals(store_surfaces(q, g), g), g);
   store((abs(q.c[3]) + abs(q.c[4]) + abs(q.c[5])) * load(g.normal_z), g.bend);
-  const Lanes tool = dot(normal, tools_heard(coarse, g));
-  store((dot(normal, coarse) > 0.0f) & ~(tool < 0.0f), g.agrees);
 }
 
 /// The filters' weights, centre - fall (i^2 + j^2), of all rings of a map: of row +j or -j, by
