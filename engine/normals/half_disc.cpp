@@ -1,5 +1,7 @@
 #include "engine/normals/half_disc.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "engine/normals/grown_plane.hpp"
@@ -29,41 +31,39 @@ std::optional<HeightPlane> plane_of(const PlaneSums& s) {
   return plane;
 }
 
-struct Choice {
+/// A half and the plane of what lies on its first one, as far as the voxel may be of it.
+struct Candidate {
   int half = 0;
+  HeightPlane first, plane;
+  float inliers = 0.0f;
   HalfDisc disc;
 };
 
-/// The best of the halves that are not among `vetoed`, a bit for each.
-std::optional<Choice> best_of(const HeightMap& map, const std::array<PlaneSums, kHalves>& halves,
-                              const Eigen::Vector3f& coarse, unsigned vetoed) {
-  const MapKernels& kernels = map_kernels();
-  std::optional<Choice> best;
-  for (int d = 0; d < kHalves; ++d) {
-    if ((vetoed >> d & 1u) != 0) continue;
-    const std::optional<HeightPlane> first = plane_of(halves[static_cast<std::size_t>(d)]);
-    if (!first || first->cosine * std::abs(first->c0) > kMostAway) continue;
-    PlaneSums inliers;
-    kernels.on_plane(map, d, *first, inliers);
-    const std::optional<HeightPlane> plane = plane_of(inliers);
-    if (!plane) continue;
-    const Eigen::Vector3f normal(-plane->c1 * plane->cosine, -plane->c2 * plane->cosine,
-                                 plane->cosine);
-    if (normal.dot(coarse) < kLeastCosine) continue;
-    const float offset = plane->cosine * plane->c0;
-    if (offset < kMostInside || offset > kMostOutside) continue;
-    const float score = std::abs(offset) - kPerPoint * inliers.n;
-    if (best && best->disc.score <= score) continue;
+/// What half `d` has to offer.
+std::optional<Candidate> candidate_of(const HeightMap& map, int d, const PlaneSums& sums,
+                                      const Eigen::Vector3f& coarse) {
+  const std::optional<HeightPlane> first = plane_of(sums);
+  if (!first || first->cosine * std::abs(first->c0) > kMostAway) return {};
+  PlaneSums inliers;
+  map_kernels().on_plane(map, d, *first, inliers);
+  const std::optional<HeightPlane> plane = plane_of(inliers);
+  if (!plane) return {};
+  const Eigen::Vector3f normal(-plane->c1 * plane->cosine, -plane->c2 * plane->cosine,
+                               plane->cosine);
+  if (normal.dot(coarse) < kLeastCosine) return {};
+  const float offset = plane->cosine * plane->c0;
+  if (offset < kMostInside || offset > kMostOutside) return {};
+  const float score = std::abs(offset) - kPerPoint * inliers.n;
+  return Candidate{
+      d, *first, *plane, inliers.n, {{normal.x(), normal.y(), normal.z(), offset}, score}};
+}
 
-    Residuals residuals;
-    kernels.plane_residuals(map, d, *first, *plane, residuals);
-    const float mean = kMostMean * plane->cosine;
-    if (residuals.largest > plane->slack || residuals.sum_squares > inliers.n * mean * mean) {
-      continue;
-    }
-    best = Choice{d, {{normal.x(), normal.y(), normal.z(), offset}, score}};
-  }
-  return best;
+/// Whether its plane explains what lies on the first.
+bool holds(const HeightMap& map, const Candidate& c) {
+  Residuals residuals;
+  map_kernels().plane_residuals(map, c.half, c.first, c.plane, residuals);
+  const float mean = kMostMean * c.plane.cosine;
+  return residuals.largest <= c.plane.slack && residuals.sum_squares <= c.inliers * mean * mean;
 }
 
 }  // namespace
@@ -72,16 +72,28 @@ std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vec
                                           const Eigen::Vector3f& outward) noexcept {
   std::array<PlaneSums, kHalves> halves;
   map_kernels().halves(map, halves);
+  // The best first, and the first of equals.
+  std::array<Candidate, kHalves> candidates;
+  auto end = candidates.begin();
+  for (int d = 0; d < kHalves; ++d) {
+    const auto c = candidate_of(map, d, halves[static_cast<std::size_t>(d)], coarse);
+    if (!c) continue;
+    const auto at = std::find_if(candidates.begin(), end, [&](const Candidate& other) {
+      return c->disc.score < other.disc.score;
+    });
+    std::move_backward(at, end, end + 1);
+    *at = *c;
+    ++end;
+  }
   // The veto is on what a half-disc has grown to, so that it changes no other answer.
-  unsigned vetoed = 0;
-  while (const std::optional<Choice> best = best_of(map, halves, coarse, vetoed)) {
-    HalfDisc disc = best->disc;
+  for (auto c = candidates.begin(); c != end; ++c) {
+    if (!holds(map, *c)) continue;
+    HalfDisc disc = c->disc;
     if (const std::optional<Foot> face = grow_plane(map, disc.foot, kFewestGrown, true)) {
       disc.foot = *face;
     }
     const Eigen::Vector3f normal(disc.foot.normal_x, disc.foot.normal_y, disc.foot.normal_z);
     if (!(normal.dot(outward) < 0.0f)) return disc;
-    vetoed |= 1u << best->half;
   }
   return {};
 }
