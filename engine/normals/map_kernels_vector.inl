@@ -3,8 +3,10 @@
 
 #include <immintrin.h>
 
+#include "engine/normals/disc_sums.inl"
 #include "engine/normals/map_kernels.hpp"
 #include "engine/normals/plane_step.inl"
+#include "engine/normals/surface_group.inl"
 #include "engine/normals/tilted_points.inl"
 
 namespace sulcus {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "engine/normals/tilted_points.inl"
+#include "engine/normals/disc_sums.inl"
 
 namespace sulcus {
 

@@ -1,0 +1,256 @@
+// Surfaces of eight maps side by side, their feet, and what they leave of the heights: loops of
+// map_kernels.hpp in single precision, written once and compiled for each instruction set by the
+// files that include this; the bits do not depend on the set (row_lanes.inl).
+
+#pragma once
+
+#include "engine/normals/map_kernels.hpp"
+#include "engine/normals/row_lanes.inl"
+
+namespace sulcus {
+
+namespace {
+
+inline FilterSolutionOf<IntLanes, Lanes> solutions_of(const SurfaceGroup& g) {
+  return {load(g.weights[0]),  load(g.weights[1]),  load(g.solution[0]), load(g.solution[1]),
+          load(g.solution[2]), load(g.solution[3]), load(g.solution[4]), load(g.solution[5])};
+}
+
+/// The surfaces of eight fits.
+inline ColumnQuadricOf<Lanes> quadrics_of(const SurfaceGroup& g, int stride) {
+  std::array<IntLanes, kQuadric> sums;
+  for (unsigned f = 0; f < kQuadric; ++f) sums[f] = load(g.sums[f]);
+  const QuadricOf<Lanes> fitted =
+      quadric_of(sums, load(g.centre), load(g.level), load(g.sign), solutions_of(g), to_float);
+  const FilterAnswersOf<Lanes> answers{load(g.answers[0]), load(g.answers[1]), load(g.answers[2]),
+                                       load(g.answers[3]), load(g.answers[4]), load(g.answers[5]),
+                                       load(g.answers[6]), load(g.answers[7])};
+  return column_quadric(fitted, answers, static_cast<float>(stride));
+}
+
+inline FootOf<Lanes> store_feet(const ColumnQuadricOf<Lanes>& q, SurfaceGroup& g) {
+  const FootOf<Lanes> foot = foot_of(q, square_root);
+  store(foot.normal_x, g.normal_x), store(foot.normal_y, g.normal_y);
+  store(foot.normal_z, g.normal_z), store(foot.offset, g.offset);
+  return foot;
+}
+
+using Lanes3 = std::array<Lanes, 3>;
+
+inline Lanes3 load3(const float (&v)[3][SurfaceGroup::kSize]) {
+  return {load(v[0]), load(v[1]), load(v[2])};
+}
+inline Lanes dot(const Lanes3& a, const Lanes3& b) {
+  return a[0] * b[0] + (a[1] * b[1] + a[2] * b[2]);
+}
+
+/// The normals in index space (to_index_space), by lane.
+inline Lanes3 store_normals(const FootOf<Lanes>& foot, SurfaceGroup& g) {
+  const Lanes u = foot.normal_x, v = foot.normal_y, w = load(g.sign) * foot.normal_z;
+  const IntLanes axis = load(g.axis), along_x = axis == 0, along_y = axis == 1;
+  const Lanes3 normal{along_x   ? w
+                      : along_y ? v
+                                : u,
+                      along_x   ? u
+                      : along_y ? w
+                                : v,
+                      along_x   ? v
+                      : along_y ? u
+                                : w};
+  for (unsigned a = 0; a < 3; ++a) store(normal[a], g.index_normal[a]);
+  return normal;
+}
+
+/// What the tool has to say of each (heard).
+inline Lanes3 tools_heard(const Lanes3& coarse, const SurfaceGroup& g) {
+  Lanes3 tool = load3(g.tool);
+  const Lanes along = dot(coarse, tool);
+  const IntLanes far_side =
+      (along < 0.0f) & (along * along > 0.25f * dot(coarse, coarse) * dot(tool, tool));
+  for (Lanes& component : tool) component = where(~far_side, component);
+  return tool;
+}
+
+/// Which normals stand.
+inline void store_standing(const Lanes3& normal, SurfaceGroup& g) {
+  const Lanes3 coarse = load3(g.coarse);
+  const Lanes tool = dot(normal, tools_heard(coarse, g));
+  store((dot(normal, coarse) > 0.0f) & ~(tool < 0.0f), g.stands);
+}
+
+inline void feet_of(SurfaceGroup* groups, std::size_t count) noexcept {
+  for (SurfaceGroup* g = groups; g != groups + count; ++g) {
+    store_standing(store_normals(store_feet(quadrics_of(*g, 1), *g), *g), *g);
+  }
+}
+
+inline FootOf<Lanes> store_surfaces(const ColumnQuadricOf<Lanes>& q, SurfaceGroup& g) {
+  for (unsigned f = 0; f < kQuadric; ++f) store(q.c[f], g.c[f]);
+  store(q.t_x, g.t_x), store(q.t_y, g.t_y), store(q.quartic, g.quartic);
+  return store_feet(q, g);
+}
+
+inline void surfaces_of(SurfaceGroup& g, int stride) noexcept {
+  store_surfaces(quadrics_of(g, stride), g);
+}
+
+inline void sharpen_group(SurfaceGroup& g) noexcept {
+  ColumnQuadricOf<Lanes> q;
+  ResidualCubesOf<Lanes> cubes;
+  for (unsigned f = 0; f < kQuadric; ++f) q.c[f] = load(g.c[f]), cubes[f] = load(g.cubes[f]);
+  sharpen(solutions_of(g), cubes, 1.0f, q);
+  store_standing(store_normals(store_surfaces(q, g), g), g);
+  store((abs(q.c[3]) + abs(q.c[4]) + abs(q.c[5])) * load(g.normal_z), g.bend);
+}
+
+/// The filters' weights, centre - fall (i^2 + j^2), of all rings of a map: of row +j or -j, by
+/// lane, the middle one at kMaxLanes / 2; zero beyond the map.
+struct TaperTable {
+  alignas(64) float weight[kMaxNeighbourhood + 1][kMaxNeighbourhood + 1][HeightMap::kMaxLanes];
+};
+constexpr TaperTable make_tapers() {
+  TaperTable table{};
+  for (int ns = 1; ns <= kMaxNeighbourhood; ++ns) {
+    for (int j = 0; j <= ns; ++j) {
+      for (int i = -ns; i <= ns; ++i) {
+        table.weight[ns][j][HeightMap::kMaxLanes / 2 + i] =
+            static_cast<float>(taper_of(ns).centre - taper_of(ns).fall * (i * i + j * j));
+      }
+    }
+  }
+  return table;
+}
+constexpr TaperTable kTapers = make_tapers();
+
+/// y and its square, of the rows.
+struct RowPowers {
+  float y[kMaxNeighbourhood + 1], square[kMaxNeighbourhood + 1];
+};
+constexpr RowPowers make_row_powers() {
+  RowPowers powers{};
+  for (int v = 0; v <= kMaxNeighbourhood; ++v) {
+    powers.y[v] = static_cast<float>(v);
+    powers.square[v] = static_cast<float>(v * v);
+  }
+  return powers;
+}
+constexpr RowPowers kRowPowers = make_row_powers();
+
+/// A surface turned inward and told in columns, as stored heights are compared with it: the
+/// coefficients, and those of x, y and y^3 beyond second order.
+template <class Number>
+struct InwardOf {
+  Number c[kQuadric], tx, ty, cubic;
+};
+template <class Number>
+inline InwardOf<Number> inward(const ColumnQuadricOf<Number>& surface, const Number& sign,
+                               float stride) {
+  const Number per_column = sign * stride, area = per_column * stride;
+  const auto& c = surface.c;
+  const Number ty = surface.t_y * stride, c5 = c[5] * area;
+  return {
+      {(c[0] - 0.5f) * sign, c[1] * per_column, c[2] * per_column, c[3] * area, c[4] * area, c5},
+      surface.t_x * stride,
+      ty,
+      c5 * ty};
+}
+
+/// Of the cubes, in eight lanes each; and of the largest squares.
+struct ResidualSums {
+  std::array<Lanes, kQuadric> of;
+  Lanes largest2;
+};
+
+/// `kNarrow`: the map has rows of sixteen lanes.
+template <bool kNarrow>
+[[gnu::always_inline]] inline ResidualSums residual_sums(const MapRows& map, int ns,
+                                                         const InwardOf<float>& s) {
+  const int middle = kNarrow ? 8 : HeightMap::kMaxLanes / 2;
+  const int first = kNarrow ? 0 : (middle - ns) & -kRowStep;
+  const int end = kNarrow ? 2 * middle : middle + ns + 1;
+  ResidualSums sums{};
+  for (int at = first; at < end; at += kRowStep) {
+    const RowLanes x = kAlong + static_cast<float>(at - middle);
+    // By powers of y.
+    const RowLanes z2 = s.c[3] * x * x, twist = s.c[4] * x, t = 1.0f + s.tx * x;
+    const RowLanes a0 = s.c[0] + s.c[1] * x + z2 * t, a1 = s.c[2] + twist * t + z2 * s.ty,
+                   a2 = s.c[5] * t + twist * s.ty;
+    const signed char* const row = map.middle + at;
+    const auto* weights = &kTapers.weight[ns][0][HeightMap::kMaxLanes / 2 - middle + at];
+    RowLanes most2{};
+    const auto cube_at = [&](const signed char* heights_at, const RowLanes& surface_at) {
+      const RowLanes r = heights_above(heights_at, map.level) - surface_at, r2 = r * r;
+      most2 = larger(most2, r2);
+      return r2 * r;
+    };
+    RowLanes cube0 = load_row(weights) * cube_at(row, a0), cube1{}, cube2{};
+    // Rows +j and -j together: what is even in y, and what is odd.
+    for (int v = 1; v <= ns; ++v) {
+      const RowLanes y = RowLanes{} + kRowPowers.y[v], yy = RowLanes{} + kRowPowers.square[v];
+      const RowLanes even = a2 * yy + a0, odd = (a1 + s.cubic * yy) * y;
+      const RowLanes above = cube_at(row + v * map.pitch, even + odd);
+      const RowLanes below = cube_at(row - v * map.pitch, even - odd);
+      const RowLanes weight = load_row(weights + v * HeightMap::kMaxLanes);
+      const RowLanes sum = weight * (above + below), difference = weight * (above - below);
+      cube0 += sum, cube1 += difference * y, cube2 += sum * yy;
+    }
+    const auto add = [&](int f, const RowLanes& v) {
+      if (at == first) {
+        sums.of[f] = halves_of(v);
+      } else {
+        add_row(sums.of[f], v);
+      }
+    };
+    add(0, cube0), add(1, cube0 * x), add(2, cube1);
+    add(3, cube0 * x * x), add(4, cube1 * x), add(5, cube2);
+    take_larger(sums.largest2, where(at_most(abs(x), static_cast<float>(ns)), most2));
+  }
+  return sums;
+}
+
+inline float map_residuals(const MapRows& map, const ColumnQuadric& surface,
+                           ResidualCubes& cubes) noexcept {
+  const auto sign = static_cast<float>(map.sign);
+  const InwardOf<float> s = inward(surface, sign, static_cast<float>(map.stride));
+  const ResidualSums sums =
+      map.lanes == 16 ? residual_sums<true>(map, map.ns, s) : residual_sums<false>(map, map.ns, s);
+  cubes = sum_all(sums.of);
+  for (float& cube : cubes) cube *= sign;
+  return largest_of(sums.largest2);
+}
+
+template <bool kNarrow>
+inline void group_residuals(const MapRows* maps, int ns, unsigned which, SurfaceGroup& g) {
+  constexpr unsigned kSize = SurfaceGroup::kSize;
+  ColumnQuadricOf<Lanes> q;
+  for (unsigned f = 0; f < kQuadric; ++f) q.c[f] = load(g.c[f]);
+  q.t_x = load(g.t_x), q.t_y = load(g.t_y);
+  const InwardOf<Lanes> all = inward(q, load(g.sign), 1.0f);
+  alignas(32) float c[kQuadric][kSize], tx[kSize], ty[kSize], cubic[kSize];
+  for (unsigned f = 0; f < kQuadric; ++f) store(all.c[f], c[f]);
+  store(all.tx, tx), store(all.ty, ty), store(all.cubic, cubic);
+  Lanes of[kQuadric][kSize], largest2[kSize];
+  for (unsigned k = 0; k < kSize; ++k) {
+    ResidualSums sums{};
+    if ((which >> k & 1u) != 0) {
+      sums = residual_sums<kNarrow>(
+          maps[k], ns,
+          {{c[0][k], c[1][k], c[2][k], c[3][k], c[4][k], c[5][k]}, tx[k], ty[k], cubic[k]});
+    }
+    for (unsigned f = 0; f < kQuadric; ++f) of[f][k] = sums.of[f];
+    largest2[k] = sums.largest2;
+  }
+  for (unsigned f = 0; f < kQuadric; ++f) store(load(g.sign) * sum_each(of[f]), g.cubes[f]);
+  store(largest_each(largest2), g.largest2);
+}
+
+inline void group_residuals(const MapRows* maps, unsigned which, SurfaceGroup& g) noexcept {
+  if (which == 0) return;
+  const MapRows& first = maps[__builtin_ctz(which)];
+  first.lanes == 16 ? group_residuals<true>(maps, first.ns, which, g)
+                    : group_residuals<false>(maps, first.ns, which, g);
+}
+
+}  // namespace
+
+}  // namespace sulcus
