@@ -4,7 +4,6 @@
 #include <bit>
 
 #include "engine/normals/normal_method.hpp"
-#include "engine/normals/tool_say.hpp"
 #include "haptics/contact_kernels.hpp"
 
 namespace sulcus {
@@ -116,7 +115,7 @@ void normals(const Workpiece& workpiece, const HapticsSettings& settings, const 
 
   // What the tool has to say: it names a side where the solid has none, and vetoes. A normal that
   // it does not veto is the same with and without it (a test), so only the others are found again,
-  // tier by tier, where it is heard.
+  // tier by tier.
   for (const bool refined : {false, true}) {
     scratch.tool_queries.clear();
     scratch.tool_queried.clear();
@@ -128,7 +127,6 @@ void normals(const Workpiece& workpiece, const HapticsSettings& settings, const 
           VoxelQuery{cell_of_key(key), contacts.vector(Contacts::kOutward, i)});
       scratch.tool_queried.push_back(i);
     }
-    drop_unheard(workpiece, scratch.tool_queries, scratch.tool_queried);
     scratch.tool_estimates.resize(scratch.tool_queries.size());
     estimate_surfaces(workpiece, scratch.tool_queries, refined ? settings : first,
                       scratch.tool_estimates);

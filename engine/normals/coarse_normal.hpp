@@ -2,9 +2,11 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include <Eigen/Core>
 
+#include "engine/normals/voxel_query.hpp"
 #include "engine/volume/workpiece.hpp"
 
 namespace sulcus {
@@ -20,6 +22,9 @@ Eigen::Vector3i coarse_normal(const Workpiece& workpiece, const Cell& voxel) noe
 inline ColumnBits::Windows coarse_rows(const Workpiece& workpiece, const Cell& c) noexcept {
   return workpiece.columns().around(0, c.y(), c.z(), c.x() - 2);
 }
+/// Of so many queries; `rows` is room for as many.
+void coarse_sums(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
+                 ColumnBits::Windows* rows, std::array<std::int32_t, 3>* sums) noexcept;
 inline Eigen::Vector3f coarse_of(const std::array<std::int32_t, 3>& sums) noexcept {
   return -Eigen::Vector3i(sums[0], sums[1], sums[2]).cast<float>();
 }

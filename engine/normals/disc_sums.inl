@@ -43,7 +43,7 @@ inline RowMask in_half(int half, int row, [[maybe_unused]] int lane) {
 #endif
 }
 
-/// Calls `each(found, x, y, twice z, row, lane)` for the pixels of the disc's rows, from a lane on,
+/// Calls `each(found, x, y, twice z, row)` for the pixels of the disc's rows, from a lane on,
 /// one row after the other.
 template <class Each>
 inline void for_disc(const HeightMap& map, int lane, const Each& each) {

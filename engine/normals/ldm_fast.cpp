@@ -42,10 +42,7 @@ struct Batch {
 /// Coarse normals, of the tool where the solid has none, and the axes of the maps.
 void take_axes(const Workpiece& workpiece, std::span<const VoxelQuery> queries, Batch& batch) {
   std::array<std::array<std::int32_t, 3>, kBatch> sums;
-  for (std::size_t k = 0; k < batch.count; ++k) {
-    batch.rows[k] = coarse_rows(workpiece, queries[k].voxel);
-  }
-  map_kernels().coarse(batch.rows.data(), batch.count, sums.data());
+  coarse_sums(workpiece, queries.first(batch.count), batch.rows.data(), sums.data());
   for (std::size_t k = 0; k < batch.count; ++k) {
     Eigen::Vector3f& coarse = batch.coarse[k] = coarse_of(sums[k]);
     if ((sums[k][0] | sums[k][1] | sums[k][2]) == 0) coarse = queries[k].outward;

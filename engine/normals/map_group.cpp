@@ -12,10 +12,7 @@ std::size_t MapGroup::take(const Workpiece& workpiece, std::span<const VoxelQuer
   count_ = std::min(queries.size() - first, kSize);
   trace_ = trace;
   std::array<std::array<std::int32_t, 3>, kSize> sums;
-  for (std::size_t k = 0; k < count_; ++k) {
-    columns_[k] = coarse_rows(workpiece, queries[first + k].voxel);
-  }
-  map_kernels().coarse(columns_.data(), count_, sums.data());
+  coarse_sums(workpiece, queries.subspan(first, count_), columns_.data(), sums.data());
 
   const QuadricFilter& whole = quadric_filter(neighbourhood, lanes_of(neighbourhood));
   filled_ = 0;

@@ -19,16 +19,15 @@ using RowLanes = float __attribute__((vector_size(4 * kRowStep)));
 using RowMask = __mmask16;
 constexpr RowLanes kAlong = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 
-/// Heights of a row, less that of the voxel. Of what is none, any number.
-inline RowLanes heights_above(const signed char* row, int level) {
-  const __m128i bytes = _mm_sub_epi8(_mm_loadu_si128(reinterpret_cast<const __m128i*>(row)),
-                                     _mm_set1_epi8(static_cast<char>(level)));
-  return _mm512_cvtepi32_ps(_mm512_cvtepi8_epi32(bytes));
+inline __m128i bytes_of(const signed char* row) {
+  return _mm_loadu_si128(reinterpret_cast<const __m128i*>(row));
 }
-/// As they lie.
-inline RowLanes heights(const signed char* row) {
-  const __m128i bytes = _mm_loadu_si128(reinterpret_cast<const __m128i*>(row));
-  return _mm512_cvtepi32_ps(_mm512_cvtepi8_epi32(bytes));
+inline RowLanes widened(__m128i bytes) { return _mm512_cvtepi32_ps(_mm512_cvtepi8_epi32(bytes)); }
+/// Heights of a row as they lie.
+inline RowLanes heights(const signed char* row) { return widened(bytes_of(row)); }
+/// Less that of the voxel. Of what is none, any number.
+inline RowLanes heights_above(const signed char* row, int level) {
+  return widened(_mm_sub_epi8(bytes_of(row), _mm_set1_epi8(static_cast<char>(level))));
 }
 inline RowLanes abs(const RowLanes& v) { return _mm512_abs_ps(v); }
 inline RowLanes larger(const RowLanes& a, const RowLanes& b) { return _mm512_max_ps(b, a); }

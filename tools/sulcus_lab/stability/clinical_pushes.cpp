@@ -43,7 +43,6 @@ constexpr std::array<Head, 7> kHeads{
 struct Site {
   std::string name, workpiece;
   Vector3d point_m, out;
-  bool is_face;
 };
 
 std::vector<Site> sites(bool brief) {
@@ -58,8 +57,8 @@ std::vector<Site> sites(bool brief) {
                   tilt_deg);
     const double tilt = tilt_deg * kDegree;
     const Vector3d out(std::sin(tilt), 0.0, std::cos(tilt));
-    all.push_back({"face at " + std::to_string(static_cast<int>(tilt_deg)) + " deg", text,
-                   1e-3 * out, out, true});
+    all.push_back(
+        {"face at " + std::to_string(static_cast<int>(tilt_deg)) + " deg", text, 1e-3 * out, out});
     if (brief) break;
   }
   // Places on the way along the sulcus of scenes/cut_sulcus.toml, put in the middle of the grid.
@@ -75,7 +74,7 @@ std::vector<Site> sites(bool brief) {
                   "[workpiece]\nshape = 'molar'\ncells = [192, 192, 192]\n"
                   "position_mm = [%g, %g, %g]\n",
                   -pit.x_mm, -pit.y_mm, -pit.z_mm);
-    all.push_back({pit.name, text, Vector3d::Zero(), Vector3d::UnitZ(), false});
+    all.push_back({pit.name, text, Vector3d::Zero(), Vector3d::UnitZ()});
     if (brief) break;
   }
   return all;
@@ -135,8 +134,6 @@ void run(Task& task) {
   task.result = run_push(task.push, text, start, 3e-3);
 }
 
-}  // namespace
-
 /// Contact was made, and what is pressed with is what is felt in the end: the tool has not gone
 /// through, nor slid off. A quarter is for the encoders, whose quantum is 8 % of 0.5 N.
 bool is_held(const Task& task) {
@@ -151,9 +148,10 @@ double share_between(const Task& light, const Task& hard) {
   return felt_N / way_m / device_preset(hard.push.device).stiffness_N_per_m;
 }
 
-// Felt stiffness is taken from 1 N up: from the push of 1 N to that of 2. From first contact on it
-// would be, in a pit, of how far the burr slides down before it lies at the bottom; so that is
-// judged on faces alone.
+}  // namespace
+
+// Felt stiffness from 1 N up, twice: from first contact on, which in a pit is also of how far the
+// burr slides down before it lies at the bottom, and from the push of 1 N to that of 2.
 CaseResult clinical_pushes(bool brief) {
   constexpr double kLeastShare = 0.9;
   const std::vector<Site> all_sites = sites(brief);
@@ -217,9 +215,8 @@ CaseResult clinical_pushes(bool brief) {
         add("unstable", unstable, 0.0, false, nullptr);
         add("rms of the handle over one resolution", rms, 1.0, false, worst_rms);
         if (!cutting) {
+          add("felt share of the coupling", whole_share, kLeastShare, true, worst_whole);
           add("felt share of the coupling from 1 to 2 N", share, kLeastShare, true, worst_share);
-          add("felt share of the coupling from first contact on", whole_share,
-              site.is_face ? std::optional(kLeastShare) : std::nullopt, true, worst_whole);
         }
         add("force_step_N", step_N, {}, false, nullptr);
       }

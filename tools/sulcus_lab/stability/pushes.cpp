@@ -94,6 +94,9 @@ PushResult run_push(const Push& push, const std::string& text, const Eigen::Vect
     if (touched > 5) result.step_N = std::max(result.step_N, (felt.force_N - last_N).norm());
     last_N = felt.force_N;
     if (tick < judged_from) continue;
+    if (push.cutting && felt.contacts == 0 && felt.force_N.norm() > 0.9 * push.force_N) {
+      result.popped = true;
+    }
     const SimulatedDeviceState& state = device.state();
     handle_m.push_back(state.position.dot(push.into));
     tool_m.push_back(felt.tool.position.dot(push.into));

@@ -24,7 +24,7 @@ struct Push {
 
 /// Judged over the last 0.6 s.
 struct PushResult {
-  bool popped = false;      // came deeper than its radius; while cutting, its middle is inside
+  bool popped = false;      // deeper than its radius; cutting: inside, or pressed on nothing
   bool reached = false;     // contact was made at all
   double rms_m = 0.0;       // of the handle about its mean; while cutting about its straight line
   double tool_rms_m = 0.0;  // of the tool
