@@ -95,10 +95,12 @@ void normals(const Workpiece& workpiece, const HapticsSettings& settings, const 
     scratch.queried.clear();
     take_kept(*kept, voxel_m, told, scratch);
   } else {
-    scratch.queries.resize(contacts.size());  // none of them names a direction
+    // Nothing has to be the same for another tool: each is asked for with what this one says.
+    scratch.queries.resize(contacts.size());
     scratch.queried.resize(contacts.size());
     for (std::size_t i = 0; i < contacts.size(); ++i) {
-      scratch.queries[i].voxel = cell_of_key(contacts.keys()[i]);
+      scratch.queries[i] = {cell_of_key(contacts.keys()[i]),
+                            contacts.vector(Contacts::kOutward, i)};
       scratch.queried[i] = static_cast<std::uint32_t>(i);
     }
   }
@@ -107,7 +109,7 @@ void normals(const Workpiece& workpiece, const HapticsSettings& settings, const 
   for (std::size_t q = 0; q < scratch.queries.size(); ++q) {
     const std::uint32_t i = scratch.queried[q];
     put(contacts, i, scratch.estimates[q], voxel_m);
-    if (told && !(scratch.estimates[q].normal.dot(contacts.vector(Contacts::kOutward, i)) > 0.0f)) {
+    if (kept && told && !(scratch.estimates[q].normal.dot(contacts.vector(Contacts::kOutward, i)) > 0.0f)) {
       scratch.vetoed.push_back(i);
     }
   }
