@@ -25,29 +25,39 @@ struct HeightTile {
   /// step could reach instead are in the windows; relative to a voxel, within kReach.
   static constexpr int kBelow = 12, kLowest = -9, kHighest = 16, kReach = 12;
 
+  /// A column's height, and the highest and lowest of the map about it, and its even rings where
+  /// they are wanted; out of reach of every voxel where the map is not sound.
+  struct Column {
+    signed char height, highest, lowest;
+    std::uint8_t even_rings;
+
+    bool has_map(int w, int trace) const {
+      const int above = height - w, reach = trace < kReach ? trace : kReach;
+      return above >= -kMaxStep && above <= kMaxStep && highest - w <= reach &&
+             lowest - w >= -reach;
+    }
+  };
+  static constexpr Column kUnsound{0, 127, 0, 0};
+
   // Set by the caller.
   int ns = 0;
   int sign = 1;
   bool wants_even_rings = true;
   // Column (u, v) lies in lane kMargin + u of row ns + v.
   alignas(32) signed char height[kRows][kLanes];
-  // Of the map about each column; of no meaning where it is not sound.
-  std::uint8_t sound[kEdge];                                // bit u of row v
-  std::uint8_t even_rings[kEdge][kEdge];                    // [v][u], where they are wanted
-  signed char highest[kEdge][kEdge], lowest[kEdge][kEdge];  // [v][u]
-  alignas(32) std::int32_t sums[kEdge][kQuadric][kEdge];    // [v][f][u], of the whole maps
+  // Of the map about each column; sums of no meaning where it is not sound.
+  std::uint8_t sound[kEdge];                              // bit u of row v
+  alignas(64) Column columns[kEdge * kEdge];              // v kEdge + u
+  alignas(32) std::int32_t sums[kEdge][kQuadric][kEdge];  // [v][f][u], of the whole maps
 
   /// Of the map about a column: as HeightMap's, of 16 lanes, kLanes to the next.
   const signed char* middle_row(int u, int v) const { return height[ns + v] + u; }
   int at(int u, int v) const { return height[ns + v][kMargin + u]; }
+  const Column& column(int u, int v) const { return columns[v * kEdge + u]; }
   bool is_sound(int u, int v) const { return (sound[v] >> u & 1) != 0; }
   /// Whether the map of the voxel at (u, v, w) in the leaf can be cut out: whole, and its heights
   /// within `trace`.
-  bool has_map(int u, int v, int w, int trace) const {
-    const int above = at(u, v) - w, reach = trace < kReach ? trace : kReach;
-    return is_sound(u, v) && above >= -kMaxStep && above <= kMaxStep &&
-           highest[v][u] - w <= reach && lowest[v][u] - w >= -reach;
-  }
+  bool has_map(int u, int v, int w, int trace) const { return column(u, v).has_map(w, trace); }
 };
 
 }  // namespace sulcus

@@ -8,6 +8,7 @@
 #include "engine/normals/half_disc.hpp"
 #include "engine/normals/map_group.hpp"
 #include "engine/normals/tilted_fit.hpp"
+#include "engine/normals/wide_map.hpp"
 
 namespace sulcus {
 
@@ -64,16 +65,10 @@ std::uint32_t explained_of(MapGroup& group, int neighbourhood) noexcept {
 std::optional<Foot> fit_wide(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes,
                              int neighbourhood, int trace) noexcept {
   HeightMap map;
-  map.ns = neighbourhood;
-  map.stride = 2;
-  trace_along(workpiece, voxel, axes, trace, map);
+  trace_wide(workpiece, voxel, axes, neighbourhood, trace, map);
   if (map.whole_rings < map.ns) return {};
   const QuadricFilter& filter = quadric_filter(map.ns, map.lanes);
-  QuadricSums sums;
-  map_kernels().fit(map.middle_row(), map.lanes, filter, sums);
-  const int level = map.at(0, 0);
-  ColumnQuadric surface = column_quadric(quadric_of(sums, level, level, map.sign, filter.solution),
-                                         filter.answers, static_cast<float>(map.stride));
+  ColumnQuadric surface = fit_whole(map, filter);
   const auto rim = static_cast<float>(map.ns * map.stride);
   ResidualCubes left;
   if (!may_explain(surface.t_x, surface.t_y, rim) ||
@@ -143,7 +138,7 @@ SurfaceEstimate estimate_in_parts(const Workpiece& workpiece, const Cell& voxel,
 
 void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
                   int neighbourhood, int trace, std::span<SurfaceEstimate> estimates) noexcept {
-  const bool has_wide = lanes_of(neighbourhood) == lanes_of(1);
+  const bool has_wide = has_wide_maps(neighbourhood);
   const int columns = (2 * neighbourhood + 1) * (2 * neighbourhood + 1);
   const float flat = kMostBend / static_cast<float>(neighbourhood * neighbourhood);
   MapGroup group;

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 
 #include "engine/normals/coarse_normal.hpp"
 #include "engine/normals/grown_plane.hpp"
 #include "engine/normals/leaf_tiles.hpp"
 #include "engine/normals/map_group.hpp"
 #include "engine/normals/tilted_fit.hpp"
+#include "engine/normals/wide_map.hpp"
 
 namespace sulcus {
 
@@ -15,45 +17,66 @@ namespace {
 
 /// So many voxels go through each step before the next, which then do not wait for one another.
 constexpr std::size_t kBatch = 64;
-constexpr std::size_t kLanes = SurfaceGroup::kSize;
+constexpr std::size_t kLanes = SurfaceGroup::kSize, kGroups = kBatch / kLanes;
 
 /// A map with no more even rings than this lies across an edge.
 constexpr int kRingsAtEdge = 2;
 
-enum class Found : std::uint8_t { kNothing, kSurface, kFace };
+/// Bends of a face half a map out, voxels, as its map shows it; where that is level, whose terraces
+/// are wide; and as a wide map does.
+constexpr float kMostBend = 0.15f, kMostLevelBend = 0.5f, kMostWideBend = 0.1f;
+constexpr float kLevel = 0.98f;  // cosine to the columns
+
+/// Voxels of a batch, a bit for each.
+using Bits = std::uint64_t;
+static_assert(kBatch == 64);
+constexpr Bits bit(std::size_t k) { return Bits{1} << k; }
+constexpr Bits first_bits(std::size_t count) { return ~Bits{0} >> (kBatch - count); }
+template <class Each>
+void for_each(Bits bits, const Each& each) {
+  for (; bits != 0; bits &= bits - 1) each(static_cast<std::size_t>(std::countr_zero(bits)));
+}
 
 struct Batch {
   std::size_t count = 0;
-  std::array<ColumnBits::Windows, kBatch> rows;  // that the coarse normals are added up from
-  std::array<Eigen::Vector3f, kBatch> coarse;
-  std::array<MapAxes, kBatch> axes;
-  std::array<Found, kBatch> found;
-  std::array<Foot, kBatch> face;  // where one is found
-  std::array<SurfaceGroup, kBatch / kLanes> surfaces;
-  // Of those whose maps are traced, a few at a time.
+  std::array<SurfaceGroup, kGroups> surfaces;
+  Bits sided = 0;             // that have a coarse normal
+  Bits even = 0, partly = 0;  // whose maps are fitted, the whole map or some rings of it
+  Bits faces = 0;             // whose feet are on faces instead
+  std::array<Foot, kBatch> feet;
+  std::array<const HeightTile*, kBatch> tiles;
+  std::array<HeightTile::Column, kBatch> columns;
+  // What coarse normals are added up from, then what some maps at a time are traced in.
   static constexpr std::size_t kTraced = 16;
-  std::array<ColumnBits::Windows, kTraced> columns;
+  std::array<ColumnBits::Windows, kBatch> windows;
   std::array<HeightMap, kTraced> maps;
 
+  std::size_t groups() const { return (count + kLanes - 1) / kLanes; }
   SurfaceGroup& group(std::size_t k) { return surfaces[k / kLanes]; }
   static int place(std::size_t k) { return static_cast<int>(k % kLanes); }
+  MapAxes axes(std::size_t k) {
+    const SurfaceGroup& g = group(k);
+    return {g.axis[place(k)], g.sign[place(k)] > 0.0f ? 1 : -1};
+  }
+  Eigen::Vector3f coarse(std::size_t k) {
+    const SurfaceGroup& g = group(k);
+    return {g.coarse[0][place(k)], g.coarse[1][place(k)], g.coarse[2][place(k)]};
+  }
+  /// In its tile, v kEdge + u.
+  unsigned column(std::size_t k) { return static_cast<unsigned>(group(k).column[place(k)]); }
 };
 
 /// Coarse normals, of the tool where the solid has none, and the axes of the maps.
 void take_axes(const Workpiece& workpiece, std::span<const VoxelQuery> queries, Batch& batch) {
   std::array<std::array<std::int32_t, 3>, kBatch> sums;
-  coarse_sums(workpiece, queries.first(batch.count), batch.rows.data(), sums.data());
+  coarse_sums(workpiece, queries, batch.windows.data(), sums.data());
   for (std::size_t k = 0; k < batch.count; ++k) {
-    Eigen::Vector3f& coarse = batch.coarse[k] = coarse_of(sums[k]);
-    if ((sums[k][0] | sums[k][1] | sums[k][2]) == 0) coarse = queries[k].outward;
-    batch.axes[k] = dominant_axes(coarse);
-    batch.group(k).put_axes(Batch::place(k), batch.axes[k].axis, coarse.data(),
-                            queries[k].outward.data());
+    batch.group(k).put_voxel(Batch::place(k), queries[k].voxel.data(), queries[k].outward.data(),
+                             sums[k].data());
   }
+  batch.sided = map_kernels().aim(batch.surfaces.data(), batch.groups());
+  batch.sided &= first_bits(batch.count);
 }
-
-/// Whether a map of so many even rings of `ns` lies across an edge.
-bool is_at_edge(int even_rings, int ns) { return even_rings <= kRingsAtEdge && even_rings < ns; }
 
 /// The face that the columns nearest to the voxel and half of the map lie on, where there is one.
 std::optional<Foot> face_of(const HeightMap& map) {
@@ -63,74 +86,92 @@ std::optional<Foot> face_of(const HeightMap& map) {
   return grow_plane(map, *close, half, true);
 }
 
-/// Sums of the largest even window of a traced map; across an edge its `face` instead, where there
-/// is one.
-Found fit_map(const HeightMap& map, int sign, SurfaceGroup& group, int place, Foot& face) {
-  if (is_at_edge(map.even_rings, map.ns)) {
-    if (const std::optional<Foot> grown = face_of(map)) {
-      face = *grown;
-      return Found::kFace;
-    }
-  }
-  if (map.even_rings < 1) return Found::kNothing;
-  const QuadricFilter& filter = quadric_filter(map.even_rings, map.lanes);
+/// Sums of the maps that the tiles have and that are not across an edge.
+void fit_in_tiles(int ns, int trace, LeafTiles& tiles, Batch& batch) {
+  for_each(batch.sided, [&](std::size_t k) {
+    const HeightTile* const tile = batch.tiles[k] = tiles.find(batch.axes(k));
+    batch.columns[k] = tile ? tile->columns[batch.column(k)] : HeightTile::kUnsound;
+  });
+  const TileMaps maps =
+      map_kernels().look_up(batch.columns.data(), tiles.origin().data(), ns, trace,
+                            std::min(kRingsAtEdge + 1, ns), batch.surfaces.data(), batch.groups());
+  batch.even = maps.even & batch.sided;
+  batch.partly = maps.partly & batch.sided;
   QuadricSums sums;
-  map_kernels().fit(map.middle_row(), map.lanes, filter, sums);
-  group.put(place, sums, map.at(0, 0), map.at(0, 0), sign, filter);
-  return Found::kSurface;
+  const QuadricFilter& whole = quadric_filter(ns, lanes_of(ns));
+  for_each(batch.even, [&](std::size_t k) {
+    const unsigned u = batch.column(k) % HeightTile::kEdge, v = batch.column(k) / HeightTile::kEdge;
+    for (std::size_t f = 0; f < kQuadric; ++f) sums[f] = batch.tiles[k]->sums[v][f][u];
+    batch.group(k).put_sums(Batch::place(k), sums, whole);
+  });
+  for_each(batch.partly, [&](std::size_t k) {
+    const auto u = static_cast<int>(batch.column(k) % HeightTile::kEdge),
+               v = static_cast<int>(batch.column(k) / HeightTile::kEdge);
+    const QuadricFilter& filter = quadric_filter(batch.columns[k].even_rings, lanes_of(ns));
+    map_kernels().fit(batch.tiles[k]->middle_row(u, v), HeightTile::kLanes, filter, sums);
+    batch.group(k).put_sums(Batch::place(k), sums, filter);
+  });
 }
 
-/// The same from a tile that has the map, which is not across an edge; `whole` is the filter of all
-/// rings.
-void fit_in_tile(const HeightTile& tile, const Eigen::Vector3i& at, const QuadricFilter& whole,
-                 SurfaceGroup& group, int place) {
-  const int u = at.x(), v = at.y(), rings = tile.even_rings[v][u];
-  if (rings == tile.ns) {
-    put_tile_sums(tile, at, whole, group, place);
-    return;
+/// Traces the other maps, side by side, and puts the sums of the largest even window of each;
+/// across an edge finds its face instead, where there is one.
+void trace_others(const Workpiece& workpiece, std::span<const VoxelQuery> queries, int ns,
+                  int trace, Batch& batch) {
+  Bits others = batch.sided & ~(batch.even | batch.partly);
+  while (others != 0) {
+    std::array<std::size_t, Batch::kTraced> which;
+    std::size_t count = 0;
+    for (; others != 0 && count < Batch::kTraced; others &= others - 1) {
+      const auto k = static_cast<std::size_t>(std::countr_zero(others));
+      const MapAxes axes = batch.axes(k);
+      batch.windows[count] = columns_about(workpiece, queries[k].voxel, axes);
+      batch.maps[count].ns = ns;
+      batch.maps[count].sign = axes.sign;
+      which[count++] = k;
+    }
+    map_kernels().trace_all(batch.windows.data(), count, trace, batch.maps.data());
+    for (std::size_t n = 0; n < count; ++n) {
+      const HeightMap& map = batch.maps[n];
+      const std::size_t k = which[n];
+      if (map.even_rings <= kRingsAtEdge && map.even_rings < ns) {
+        if (const std::optional<Foot> face = face_of(map)) {
+          batch.feet[k] = *face;
+          batch.faces |= bit(k);
+          continue;
+        }
+      }
+      if (map.even_rings < 1) continue;
+      const QuadricFilter& filter = quadric_filter(map.even_rings, map.lanes);
+      QuadricSums sums;
+      map_kernels().fit(map.middle_row(), map.lanes, filter, sums);
+      batch.group(k).put(Batch::place(k), sums, map.at(0, 0), map.at(0, 0), map.sign, filter);
+      (map.even_rings == ns ? batch.even : batch.partly) |= bit(k);
+    }
   }
-  const QuadricFilter& filter = quadric_filter(rings, lanes_of(tile.ns));
-  QuadricSums sums;
-  map_kernels().fit(tile.middle_row(u, v), HeightTile::kLanes, filter, sums);
-  group.put(place, sums, tile.at(u, v), tile.at(u, v) - at.z(), tile.sign, filter);
 }
 
-/// Fits the maps of a batch, of queries from `first` on: those that the tiles have at once, and the
-/// others, which are traced, after that, side by side.
-void fit(const Workpiece& workpiece, std::span<const VoxelQuery> queries, std::size_t first,
-         int neighbourhood, int trace, LeafTiles& tiles, Batch& batch) {
-  const QuadricFilter& whole = quadric_filter(neighbourhood, lanes_of(neighbourhood));
-  std::array<std::uint8_t, kBatch> traced;
-  std::size_t to_trace = 0;
-  for (std::size_t k = 0; k < batch.count; ++k) {
-    batch.found[k] = Found::kNothing;
-    if (batch.coarse[k] == Eigen::Vector3f::Zero()) continue;
-    const MapAxes& axes = batch.axes[k];
-    const HeightTile* const tile = tiles.find(first + k, axes);
-    const Eigen::Vector3i at = in_tile(queries[first + k].voxel, axes);
-    if (tile && tile->has_map(at.x(), at.y(), at.z(), trace) &&
-        !is_at_edge(tile->even_rings[at.y()][at.x()], tile->ns)) {
-      fit_in_tile(*tile, at, whole, batch.group(k), Batch::place(k));
-      batch.found[k] = Found::kSurface;
-    } else {
-      traced[to_trace++] = static_cast<std::uint8_t>(k);
-    }
-  }
-  for (std::size_t begin = 0; begin < to_trace; begin += Batch::kTraced) {
-    const std::size_t count = std::min(to_trace - begin, Batch::kTraced);
-    for (std::size_t n = 0; n < count; ++n) {
-      const std::size_t k = traced[begin + n];
-      batch.columns[n] = columns_about(workpiece, queries[first + k].voxel, batch.axes[k]);
-      batch.maps[n].ns = neighbourhood;
-      batch.maps[n].sign = batch.axes[k].sign;
-    }
-    map_kernels().trace_all(batch.columns.data(), count, trace, batch.maps.data());
-    for (std::size_t n = 0; n < count; ++n) {
-      const std::size_t k = traced[begin + n];
-      batch.found[k] = fit_map(batch.maps[n], batch.axes[k].sign, batch.group(k), Batch::place(k),
-                               batch.face[k]);
-    }
-  }
+/// Faces as wide maps show them, of the surfaces that are nearly flat. Returns which were looked
+/// for.
+Bits widen_faces(const Workpiece& workpiece, std::span<const VoxelQuery> queries, int ns, int trace,
+                 Batch& batch) {
+  const float per = 1.0f / static_cast<float>(ns * ns);
+  Bits looked = 0;
+  for_each(batch.even, [&](std::size_t k) {
+    const SurfaceGroup& group = batch.group(k);
+    const int place = Batch::place(k);
+    const float most = group.normal_z[place] > kLevel ? kMostLevelBend : kMostBend;
+    if (!(group.bend[place] <= most * per)) return;
+    looked |= bit(k);
+    HeightMap map;
+    trace_wide(workpiece, queries[k].voxel, batch.axes(k), ns, trace, map);
+    if (map.even_rings < ns) return;
+    const ColumnQuadric surface = fit_whole(map, quadric_filter(ns, map.lanes));
+    const Foot foot = foot_of(surface);
+    if (!(bend_of(surface, foot) <= kMostWideBend * per)) return;
+    batch.feet[k] = foot;
+    batch.faces |= bit(k);
+  });
+  return looked;
 }
 
 }  // namespace
@@ -140,30 +181,37 @@ void estimate_ldm_fast(const Workpiece& workpiece, std::span<const VoxelQuery> q
                        std::span<SurfaceEstimate> estimates) noexcept {
   LeafTiles tiles(workpiece, queries, neighbourhood, true);
   Batch batch;
-  for (std::size_t first = 0; first < queries.size(); first += kBatch) {
-    batch.count = std::min(queries.size() - first, kBatch);
-    take_axes(workpiece, queries.subspan(first, batch.count), batch);
-    fit(workpiece, queries, first, neighbourhood, trace, tiles, batch);
-    map_kernels().feet(batch.surfaces.data(), (batch.count + kLanes - 1) / kLanes);
-    for (std::size_t k = 0; k < batch.count; ++k) {
-      SurfaceEstimate& estimate = estimates[first + k];
-      const Eigen::Vector3f& coarse = batch.coarse[k];
-      const Eigen::Vector3f& outward = queries[first + k].outward;
+  for (std::size_t first = 0; first < queries.size(); first += batch.count) {
+    batch.count = tiles.come_to(first, kBatch);
+    const std::span<const VoxelQuery> taken = queries.subspan(first, batch.count);
+    take_axes(workpiece, taken, batch);
+    fit_in_tiles(neighbourhood, trace, tiles, batch);
+    batch.faces = 0;
+    trace_others(workpiece, taken, neighbourhood, trace, batch);
+    const Bits stand = map_kernels().feet(batch.surfaces.data(), batch.groups());
+    const Bits wide = has_wide_maps(neighbourhood)
+                          ? widen_faces(workpiece, taken, neighbourhood, trace, batch)
+                          : 0;
+
+    SurfaceEstimate* const to = estimates.data() + first;
+    Bits done = stand & (batch.even | batch.partly) & ~batch.faces;
+    for_each(done, [&](std::size_t k) {
       const SurfaceGroup& group = batch.group(k);
       const int place = Batch::place(k);
-      if (batch.found[k] == Found::kFace) {
-        estimate = to_index_space(batch.face[k], batch.axes[k]);
-        if (stands(estimate.normal, coarse, heard(outward, coarse))) continue;
-      }
-      if (batch.found[k] == Found::kSurface && group.stands[place] != 0) {
-        estimate = {group.normal(place), group.offset[place], true, batch.axes[k].window()};
-        continue;
-      }
-      // No map: an edge sharper than the steps allow. The face of the voxel is the best surface.
-      estimate = coarse == Eigen::Vector3f::Zero()
-                     ? SurfaceEstimate{}
-                     : last_resort(coarse, heard(outward, coarse), batch.axes[k].window());
-    }
+      to[k] = {group.normal(place), group.offset[place], true, batch.axes(k).window()};
+    });
+    for_each(batch.faces, [&](std::size_t k) {
+      const Eigen::Vector3f coarse = batch.coarse(k);
+      to[k] = to_index_space(batch.feet[k], batch.axes(k));
+      if (stands(to[k].normal, coarse, heard(taken[k].outward, coarse))) done |= bit(k);
+    });
+    // No map: an edge sharper than the steps allow. The face of the voxel is the best surface.
+    for_each(batch.sided & ~done, [&](std::size_t k) {
+      const Eigen::Vector3f coarse = batch.coarse(k);
+      to[k] = last_resort(coarse, heard(taken[k].outward, coarse), batch.axes(k).window());
+    });
+    for_each(wide, [&](std::size_t k) { to[k].windows |= SurfaceEstimate::kWideWindow; });
+    for_each(first_bits(batch.count) & ~batch.sided, [&](std::size_t k) { to[k] = {}; });
   }
 }
 

@@ -15,16 +15,20 @@ namespace sulcus {
 /// - tracing: a column starts at its inner neighbour's height and may step by at most 2, so that
 ///   the map follows the surface down slopes and does not jump to the far side of a thin wall;
 /// - window: a ring is rejected where a column fails, leaves |z| <= trace, or where opposite
-///   pixels are out of line by more than 3 voxels, a test blind to tilt;
+///   pixels are out of line by more than 3 voxels (2 in a window of five rings or more,
+///   most_uneven), a test blind to tilt;
 /// - weights: a taper, 1 - r^2 / (2.5 NS^2), instead of 1/r^2;
 /// - fit: a weighted quadric, corrected for what it becomes aslant, instead of a plane; the normal
 ///   and the offset are those at the foot point of the voxel's centre;
+/// - faces: where the quadric of a whole map is nearly flat, one of every other column sees twice
+/// as
+///   far, and is taken if it is flat too;
 /// - edges: where no more than two rings are even, the face that the voxel's nearest columns and
 ///   half of the map's lie on (grow_plane), where there is one.
 /// No normal points away from the coarse one; what does, or what `VoxelQuery::outward` vetoes as in
 /// estimate_ldm, gives way to it. Undefined only where `outward` and the coarse normal are
 /// zero. 1 <= neighbourhood <= kMaxNeighbourhood, 1 <= trace <= kMaxTrace. Pure, no allocation. One
-/// estimate for each query, eight at a time.
+/// estimate for each query, up to 64 of a leaf at a time.
 void estimate_ldm_fast(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
                        int neighbourhood, int trace, std::span<SurfaceEstimate> estimates) noexcept;
 

@@ -1,21 +1,45 @@
 #include "engine/normals/leaf_tiles.hpp"
 
+#include <algorithm>
+
 #include "engine/normals/map_kernels.hpp"
 
 namespace sulcus {
 
-void LeafTiles::enter(std::size_t query) noexcept {
-  const auto leaf_of = [&](std::size_t k) {
-    const Cell& c = queries_[k].voxel;
-    return Cell(c.x() & -kLeafEdge, c.y() & -kLeafEdge, c.z() & -kLeafEdge);
-  };
-  origin_ = leaf_of(query);
-  made_ = {};
-  const std::size_t last = query + kWorthwhile - 1;
-  worthwhile_ = ns_ <= HeightTile::kMaxNs && last < queries_.size() && leaf_of(last) == origin_;
+std::size_t LeafTiles::come_to(std::size_t query, std::size_t most) noexcept {
+  if (!is_of_leaf(query)) enter(query);
+  const std::size_t end = query + std::min(most, queries_.size() - query);
+  std::size_t k = query + 1;
+  if (worthwhile_) {
+    // What lies between two of a leaf is of it too, where queries of a leaf come together.
+    constexpr std::size_t kStride = 8;
+    while (k + kStride <= end && is_of_leaf(k + kStride - 1)) k += kStride;
+    while (k < end && is_of_leaf(k)) ++k;
+    return k - query;
+  }
+  for (; k < end; ++k) {
+    if (is_of_leaf(k)) continue;
+    const Cell before = origin_;
+    enter(k);
+    if (!worthwhile_) continue;
+    // Back to the leaf before, so that this one is entered when it is come to.
+    origin_ = before;
+    worthwhile_ = false;
+    break;
+  }
+  return k - query;
 }
 
-void LeafTiles::make(const MapAxes& axes, HeightTile& tile) noexcept {
+void LeafTiles::enter(std::size_t query) noexcept {
+  const Cell& c = queries_[query].voxel;
+  origin_ = {c.x() & -kLeafEdge, c.y() & -kLeafEdge, c.z() & -kLeafEdge};
+  made_ = {};
+  const std::size_t last = query + kWorthwhile - 1;
+  worthwhile_ = ns_ <= HeightTile::kMaxNs && last < queries_.size() && is_of_leaf(last);
+}
+
+void LeafTiles::make(std::size_t number, HeightTile& tile) noexcept {
+  const MapAxes axes{static_cast<int>(number / 2), number % 2 == 0 ? -1 : 1};
   tile.ns = ns_;
   tile.sign = axes.sign;
   tile.wants_even_rings = wants_even_rings_;

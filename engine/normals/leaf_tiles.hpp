@@ -25,28 +25,35 @@ class LeafTiles {
         ns_(neighbourhood),
         wants_even_rings_(wants_even_rings) {}
 
-  /// The tile for the map of a query along an axis; null where there is none. Valid until a query
-  /// of another leaf is asked for.
-  const HeightTile* find(std::size_t query, const MapAxes& axes) noexcept {
-    if (!is_of_leaf(queries_[query].voxel)) enter(query);
+  /// Comes to a query. Returns how many from there on, up to `most`, can be taken together: those
+  /// of its leaf (and, where queries do not come by leaves, others between them, which have no
+  /// tile: is_of_leaf), or of leaves without tiles.
+  std::size_t come_to(std::size_t query, std::size_t most) noexcept;
+  /// The tile for maps along an axis of what was come to; null where there is none. Valid until
+  /// another leaf is come to.
+  const HeightTile* find(const MapAxes& axes) noexcept { return find(tile_number(axes)); }
+  const HeightTile* find(std::size_t number) noexcept {
     if (!worthwhile_) return nullptr;
-    const auto place = static_cast<std::size_t>(2 * axes.axis + (axes.sign > 0 ? 1 : 0));
-    if (!made_[place]) {
-      made_[place] = true;
-      make(axes, tiles_[place]);
+    if (!made_[number]) {
+      made_[number] = true;
+      make(number, tiles_[number]);
     }
-    return &tiles_[place];
+    return &tiles_[number];
   }
-
-  /// Whether a voxel is of the leaf that the last query was asked for in.
-  bool is_of_leaf(const Cell& c) const noexcept {
+  static std::size_t tile_number(const MapAxes& axes) {
+    return static_cast<std::size_t>(2 * axes.axis + (axes.sign > 0 ? 1 : 0));
+  }
+  /// The leaf's first voxel.
+  const Cell& origin() const { return origin_; }
+  bool is_of_leaf(std::size_t query) const noexcept {
+    const Cell& c = queries_[query].voxel;
     const int apart = (c.x() ^ origin_.x()) | (c.y() ^ origin_.y()) | (c.z() ^ origin_.z());
     return (apart & -kLeafEdge) == 0;
   }
 
  private:
   void enter(std::size_t query) noexcept;
-  void make(const MapAxes& axes, HeightTile& tile) noexcept;
+  void make(std::size_t number, HeightTile& tile) noexcept;
 
   static constexpr std::size_t kWorthwhile = 6;  // queries in a leaf
 

@@ -1,7 +1,5 @@
 #include "engine/normals/map_group.hpp"
 
-#include <algorithm>
-
 #include "engine/normals/coarse_normal.hpp"
 
 namespace sulcus {
@@ -9,7 +7,7 @@ namespace sulcus {
 std::size_t MapGroup::take(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
                            std::size_t first, int neighbourhood, int trace,
                            LeafTiles& tiles) noexcept {
-  count_ = std::min(queries.size() - first, kSize);
+  count_ = tiles.come_to(first, kSize);
   trace_ = trace;
   std::array<std::array<std::int32_t, 3>, kSize> sums;
   coarse_sums(workpiece, queries.subspan(first, count_), columns_.data(), sums.data());
@@ -17,24 +15,19 @@ std::size_t MapGroup::take(const Workpiece& workpiece, std::span<const VoxelQuer
   const QuadricFilter& whole = quadric_filter(neighbourhood, lanes_of(neighbourhood));
   filled_ = 0;
   is_whole_.fill(false);
-  bool tiled = false;
   for (std::size_t k = 0; k < count_; ++k) {
     const VoxelQuery& query = queries[first + k];
-    if (tiled && !tiles.is_of_leaf(query.voxel)) {
-      count_ = k;  // its tiles would take the place of those that are in use
-      break;
-    }
     coarse[k] = coarse_of(sums[k]);
     if (coarse[k] == Eigen::Vector3f::Zero()) coarse[k] = query.outward;
     axes[k] = dominant_axes(coarse[k]);
     tiles_[k] = nullptr;
     if (coarse[k] == Eigen::Vector3f::Zero()) continue;
     eight(k).put_axes(place(k), axes[k].axis, coarse[k].data(), query.outward.data());
-    const HeightTile* const tile = tiles.find(first + k, axes[k]);
+    const HeightTile* const tile = tiles.find(axes[k]);
     // By reference: what is written number by number cannot be read as one at once.
     const Eigen::Vector3i& at = at_[k] = in_tile(query.voxel, axes[k]);
-    if (tile && tile->has_map(at.x(), at.y(), at.z(), trace)) {
-      tiled = is_whole_[k] = true;
+    if (tile && tiles.is_of_leaf(first + k) && tile->has_map(at.x(), at.y(), at.z(), trace)) {
+      is_whole_[k] = true;
       tiles_[k] = tile;
       rows_[k] = rows_of(*tile, at.x(), at.y(), at.z());
       put_tile_sums(*tile, at, whole, eight(k), place(k));

@@ -29,6 +29,9 @@ struct alignas(32) SurfaceGroup {
   // The axis that the columns run along; the coarse normal, and what the tool says, index space.
   std::int32_t axis[kSize]{};
   float coarse[3][kSize]{}, tool[3][kSize]{};
+  // For `aim`: the voxel, and the sums of `coarse` about it. Filled in: where it is in a tile of
+  // its leaf, v kEdge + u and w.
+  std::int32_t voxel[3][kSize]{}, around[3][kSize]{}, column[kSize]{}, layer[kSize]{};
   // Of their residuals, by `group_residuals`: sums of the cubes, and the largest square.
   float cubes[kQuadric][kSize]{}, largest2[kSize]{};
   // Filled in:
@@ -38,14 +41,17 @@ struct alignas(32) SurfaceGroup {
   // neither the coarse one nor what the tool has to say.
   float index_normal[3][kSize];
   std::int32_t stands[kSize];
-  float bend[kSize];  // by `sharpen_group`: of the surface across itself, a column out
+  float bend[kSize];  // of the surface across itself, a column out
 
   void put(int k, const QuadricSums& of, int at_centre, int above_voxel, int outward,
            const QuadricFilter& filter) {
-    for (std::size_t f = 0; f < kQuadric; ++f) sums[f][k] = of[f];
     centre[k] = at_centre;
     level[k] = above_voxel;
     sign[k] = static_cast<float>(outward);
+    put_sums(k, of, filter);
+  }
+  void put_sums(int k, const QuadricSums& of, const QuadricFilter& filter) {
+    for (std::size_t f = 0; f < kQuadric; ++f) sums[f][k] = of[f];
     if (filters_[k] == &filter) return;
     filters_[k] = &filter;
     const FilterSolution& s = filter.solution;
@@ -61,6 +67,11 @@ struct alignas(32) SurfaceGroup {
   void put_axes(int k, int columns, const float* coarse_normal, const float* outward) {
     axis[k] = columns;
     for (int a = 0; a < 3; ++a) coarse[a][k] = coarse_normal[a], tool[a][k] = outward[a];
+  }
+  void put_voxel(int k, const int* cell, const float* outward, const std::int32_t* sums_about) {
+    for (int a = 0; a < 3; ++a) {
+      voxel[a][k] = cell[a], tool[a][k] = outward[a], around[a][k] = sums_about[a];
+    }
   }
   Eigen::Vector3f normal(int k) const {
     return {index_normal[0][k], index_normal[1][k], index_normal[2][k]};
@@ -147,6 +158,11 @@ struct PlaneLook {
 /// side of the direction of 45 d degrees from i towards j, the line between the halves in both.
 inline constexpr int kDiscReach = 6, kHalves = 8;
 
+/// Which of up to 64 voxels have maps in their tiles, a bit for each: even throughout, or not.
+struct TileMaps {
+  std::uint64_t even = 0, partly = 0;
+};
+
 /// The inner loops over a local distance map, in one instruction set. All give the same bits: sums
 /// of heights are whole numbers, sums in single precision run in 8 lanes that are added up in one
 /// order. Pure, no allocation.
@@ -181,10 +197,21 @@ struct MapKernels {
   void (*fit)(const signed char* middle, std::ptrdiff_t pitch, const QuadricFilter& filter,
               QuadricSums& sums) noexcept;
 
+  /// Coarse normals of the voxels of so many groups, up to eight, of the tool where the solid has
+  /// none; the axis and sign of their maps, and where they are in their tiles. A bit for each that
+  /// has a side.
+  std::uint64_t (*aim)(SurfaceGroup* groups, std::size_t count) noexcept;
+  /// Heights at the centres, from the columns of so many groups' voxels in their tiles, and which
+  /// of the voxels are of the leaf that begins at `origin` and have maps of at least so many even
+  /// rings.
+  TileMaps (*look_up)(const HeightTile::Column* columns, const std::int32_t* origin, int ns,
+                      int trace, int least_rings, SurfaceGroup* groups, std::size_t count) noexcept;
+
   /// Surfaces and feet of eight fits, `stride` voxels between their columns.
   void (*surfaces)(SurfaceGroup& group, int stride) noexcept;
-  /// Feet, the normals in index space, and which stand, of so many groups of stride 1.
-  void (*feet)(SurfaceGroup* groups, std::size_t count) noexcept;
+  /// Feet, the normals in index space, and bends of so many groups of stride 1, up to eight. A bit
+  /// for each that stands.
+  std::uint64_t (*feet)(SurfaceGroup* groups, std::size_t count) noexcept;
 
   /// Residuals of surfaces of stride 1 over their whole maps, as `map_residuals`; `which` has a bit
   /// for each that is asked for.

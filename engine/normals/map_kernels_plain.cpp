@@ -59,12 +59,19 @@ int rings_without(const HeightMap& map, const Bad& bad) {
   return rings;
 }
 
+/// Even rings, from what lies within rings whose heights are out of line by no more than a bound.
+template <class Within>
+int rings_even_within(const Within& within) {
+  const int of_many = within(kMostUnevenOfMany);
+  return of_many >= kManyRings ? of_many : std::min(within(kMostUneven), kManyRings - 1);
+}
 int even_rings(const HeightMap& map) {
   const int centre = map.at(0, 0);
-  return rings_without(map, [&](int i, int j) {
-    const int a = map.at(i, j), b = map.at(-i, -j);
-    return a == HeightMap::kNone || b == HeightMap::kNone ||
-           std::abs(a + b - 2 * centre) > kMaxUneven;
+  return rings_even_within([&](int most) {
+    return rings_without(map, [&](int i, int j) {
+      const int a = map.at(i, j), b = map.at(-i, -j);
+      return a == HeightMap::kNone || b == HeightMap::kNone || std::abs(a + b - 2 * centre) > most;
+    });
   });
 }
 
@@ -157,22 +164,27 @@ void read_tile(const ColumnBits::Windows& columns, HeightTile& tile) noexcept {
     tile.sound[v] = 0;
     for (int u = 0; u < HeightTile::kEdge; ++u) {
       for (auto& sums : tile.sums[v]) sums[u] = 0;
+      tile.columns[v * HeightTile::kEdge + u] = HeightTile::kUnsound;
       if (!sound(u, v)) continue;
       tile.sound[v] = static_cast<std::uint8_t>(tile.sound[v] | 1 << u);
-      int highest = tile.at(u, v), lowest = highest, even = ns;
-      for (int j = -ns; j <= ns; ++j) {
-        for (int i = -ns; i <= ns; ++i) {
-          const int height = tile.at(u + i, v + j), opposite = tile.at(u - i, v - j);
-          if (std::abs(height + opposite - 2 * tile.at(u, v)) > kMaxUneven) {
-            even = std::min(even, std::max(std::abs(i), std::abs(j)) - 1);
+      int highest = tile.at(u, v), lowest = highest;
+      const int even = rings_even_within([&](int most) {
+        int rings = ns;
+        for (int j = -ns; j <= ns; ++j) {
+          for (int i = -ns; i <= ns; ++i) {
+            const int height = tile.at(u + i, v + j), opposite = tile.at(u - i, v - j);
+            highest = std::max(highest, height);
+            lowest = std::min(lowest, height);
+            if (std::abs(height + opposite - 2 * tile.at(u, v)) > most) {
+              rings = std::min(rings, std::max(std::abs(i), std::abs(j)) - 1);
+            }
           }
-          highest = std::max(highest, height);
-          lowest = std::min(lowest, height);
         }
-      }
-      tile.highest[v][u] = static_cast<signed char>(highest);
-      tile.lowest[v][u] = static_cast<signed char>(lowest);
-      tile.even_rings[v][u] = static_cast<std::uint8_t>(even);
+        return rings;
+      });
+      tile.columns[v * HeightTile::kEdge + u] = {
+          static_cast<signed char>(tile.at(u, v)), static_cast<signed char>(highest),
+          static_cast<signed char>(lowest), static_cast<std::uint8_t>(even)};
       for (std::size_t f = 0; f < kQuadric; ++f) {
         for (int j = -ns; j <= ns; ++j) {
           for (int i = -ns; i <= ns; ++i) {
@@ -203,12 +215,12 @@ bool cut_map(const HeightTile& tile, int u, int v, int w, int trace, HeightMap& 
   return true;
 }
 
-constexpr MapKernels kPlain{
-    "plain",          coarse_sums,   trace_map,          trace_maps,    read_tile,
-    cut_map,          fit_rows,      surfaces_of,        feet_of,       group_residuals,
-    sharpen_group,    map_residuals, close_sums,         plane_step,    look_at_plane,
-    half_sums,        sums_on_plane, residuals_on_plane, gather_points, tilted_moments,
-    tilted_residuals, sharpen_points};
+constexpr MapKernels kPlain{"plain",       coarse_sums,    trace_map,        trace_maps,
+                            read_tile,     cut_map,        fit_rows,         aim,
+                            look_up,       surfaces_of,    feet_of,          group_residuals,
+                            sharpen_group, map_residuals,  close_sums,       plane_step,
+                            look_at_plane, half_sums,      sums_on_plane,    residuals_on_plane,
+                            gather_points, tilted_moments, tilted_residuals, sharpen_points};
 
 }  // namespace
 

@@ -219,6 +219,18 @@ inline __m256i mirror() {
                           11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1);
 }
 
+/// The rings of the smallest windows that are not even because of columns at `ring` that are out of
+/// line by so much; 255 where they are in line.
+inline __m256i least_uneven(__m256i sum, __m256i ring) {
+  const __m256i out = _mm256_abs_epi8(_mm256_max_epi8(sum, _mm256_set1_epi8(-127)));
+  const auto where_over = [&](int most, __m256i rings) {
+    const __m256i over = _mm256_cmpgt_epi8(out, _mm256_set1_epi8(static_cast<char>(most)));
+    return _mm256_or_si256(rings, _mm256_xor_si256(over, _mm256_set1_epi8(-1)));
+  };
+  const __m256i of_many = _mm256_max_epu8(ring, _mm256_set1_epi8(kManyRings));
+  return _mm256_min_epu8(where_over(kMostUneven, ring), where_over(kMostUnevenOfMany, of_many));
+}
+
 /// A map as it is packed, checked and stored: rows +j and -j at a time.
 class NarrowRows {
  public:
@@ -243,11 +255,7 @@ class NarrowRows {
     // None saturates with whatever it meets, and is uneven.
     const __m256i opposite = _mm256_shuffle_epi8(_mm256_permute2x128_si256(h, h, 1), mirror());
     const __m256i sum = _mm256_subs_epi8(_mm256_adds_epi8(h, opposite), twice_centre_);
-    const __m256i uneven =
-        _mm256_cmpgt_epi8(_mm256_abs_epi8(_mm256_max_epi8(sum, _mm256_set1_epi8(-127))),
-                          _mm256_set1_epi8(kMaxUneven));
-    even_ = _mm256_min_epu8(even_,
-                            _mm256_or_si256(ring, _mm256_xor_si256(uneven, _mm256_set1_epi8(-1))));
+    even_ = _mm256_min_epu8(even_, least_uneven(sum, ring));
   }
 
   void finish() {
@@ -326,7 +334,7 @@ inline bool trace_single(const NarrowColumns& columns, int trace, HeightMap& map
   const __m256i twice_centre = _mm256_set1_epi8(static_cast<char>(2 * centre));
   const __m256i outside =
       _mm256_cmpgt_epi8(lane_distance(), _mm256_set1_epi8(static_cast<char>(ns)));
-  const __m256i step = _mm256_set1_epi8(kMaxStep), most = _mm256_set1_epi8(kMaxUneven);
+  const __m256i step = _mm256_set1_epi8(kMaxStep), most = _mm256_set1_epi8(kMostUnevenOfMany);
   const __m256i none = _mm256_set1_epi8(HeightMap::kNone);
   const auto beyond = [](__m256i a, __m256i limit) {
     return _mm256_subs_epu8(_mm256_abs_epi8(a), limit);
@@ -506,11 +514,7 @@ void trace_wide(const ColumnBits::Windows& windows, int trace, HeightMap& map) n
     const __m256i opposite =
         _mm256_shuffle_epi8(_mm256_permute2x128_si256(other, other, 1), backward);
     const __m256i sum = _mm256_subs_epi8(_mm256_adds_epi8(h, opposite), twice_centre);
-    const __m256i uneven =
-        _mm256_cmpgt_epi8(_mm256_abs_epi8(_mm256_max_epi8(sum, _mm256_set1_epi8(-127))),
-                          _mm256_set1_epi8(kMaxUneven));
-    even = _mm256_min_epu8(even,
-                           _mm256_or_si256(ring, _mm256_xor_si256(uneven, _mm256_set1_epi8(-1))));
+    even = _mm256_min_epu8(even, least_uneven(sum, ring));
   }
   const int first_gap = smallest_byte(whole) - 1, first_uneven = smallest_byte(even) - 1;
   map.whole_rings = first_gap < ns ? first_gap : ns;
@@ -590,28 +594,12 @@ void fit_rows(const signed char* middle, std::ptrdiff_t pitch, const QuadricFilt
 }
 
 constexpr MapKernels vector_kernels(const char* name) {
-  return {name,
-          coarse_sums,
-          trace_map,
-          trace_maps,
-          read_tile,
-          cut_map,
-          fit_rows,
-          surfaces_of,
-          feet_of,
-          group_residuals,
-          sharpen_group,
-          map_residuals,
-          close_sums,
-          plane_step,
-          look_at_plane,
-          half_sums,
-          sums_on_plane,
-          residuals_on_plane,
-          gather_points,
-          tilted_moments,
-          tilted_residuals,
-          sharpen_points};
+  return {name,          coarse_sums,    trace_map,        trace_maps,
+          read_tile,     cut_map,        fit_rows,         aim,
+          look_up,       surfaces_of,    feet_of,          group_residuals,
+          sharpen_group, map_residuals,  close_sums,       plane_step,
+          look_at_plane, half_sums,      sums_on_plane,    residuals_on_plane,
+          gather_points, tilted_moments, tilted_residuals, sharpen_points};
 }
 
 }  // namespace

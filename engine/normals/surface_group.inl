@@ -35,6 +35,10 @@ inline FootOf<Lanes> store_feet(const ColumnQuadricOf<Lanes>& q, SurfaceGroup& g
   return foot;
 }
 
+inline Lanes bend_of(const ColumnQuadricOf<Lanes>& q, const FootOf<Lanes>& foot) {
+  return (abs(q.c[3]) + abs(q.c[4]) + abs(q.c[5])) * foot.normal_z;
+}
+
 using Lanes3 = std::array<Lanes, 3>;
 
 inline Lanes3 load3(const float (&v)[3][SurfaceGroup::kSize]) {
@@ -72,16 +76,89 @@ inline Lanes3 tools_heard(const Lanes3& coarse, const SurfaceGroup& g) {
 }
 
 /// Which normals stand.
-inline void store_standing(const Lanes3& normal, SurfaceGroup& g) {
+inline IntLanes standing(const Lanes3& normal, const SurfaceGroup& g) {
   const Lanes3 coarse = load3(g.coarse);
   const Lanes tool = dot(normal, tools_heard(coarse, g));
-  store((dot(normal, coarse) > 0.0f) & ~(tool < 0.0f), g.stands);
+  return (dot(normal, coarse) > 0.0f) & ~(tool < 0.0f);
+}
+inline void store_standing(const Lanes3& normal, SurfaceGroup& g) {
+  store(standing(normal, g), g.stands);
 }
 
-inline void feet_of(SurfaceGroup* groups, std::size_t count) noexcept {
-  for (SurfaceGroup* g = groups; g != groups + count; ++g) {
-    store_standing(store_normals(store_feet(quadrics_of(*g, 1), *g), *g), *g);
+/// A bit for each voxel of the groups, from what `each` makes of a group.
+template <class Each>
+inline std::uint64_t bits_of_groups(SurfaceGroup* groups, std::size_t count, const Each& each) {
+  std::uint64_t bits = 0;
+  for (std::size_t e = 0; e < count; ++e) {
+    bits |= std::uint64_t{bits_of(each(groups[e]))} << (SurfaceGroup::kSize * e);
   }
+  return bits;
+}
+
+inline std::uint64_t feet_of(SurfaceGroup* groups, std::size_t count) noexcept {
+  return bits_of_groups(groups, count, [](SurfaceGroup& g) {
+    const ColumnQuadricOf<Lanes> q = quadrics_of(g, 1);
+    const FootOf<Lanes> foot = store_feet(q, g);
+    store(bend_of(q, foot), g.bend);
+    return standing(store_normals(foot, g), g);
+  });
+}
+
+inline std::uint64_t aim(SurfaceGroup* groups, std::size_t count) noexcept {
+  return bits_of_groups(groups, count, [](SurfaceGroup& g) {
+    const IntLanes x = load(g.around[0]), y = load(g.around[1]), z = load(g.around[2]);
+    const IntLanes solid = (x | y | z) != 0;
+    const auto or_tool = [&](const IntLanes& sum, const float* tool) {
+      return solid ? to_float(-sum) : load(tool);
+    };
+    const Lanes3 out{or_tool(x, g.tool[0]), or_tool(y, g.tool[1]), or_tool(z, g.tool[2])};
+    for (unsigned a = 0; a < 3; ++a) store(out[a], g.coarse[a]);
+    // As dominant_axes.
+    const Lanes along_x = abs(out[0]), along_y = abs(out[1]), along_z = abs(out[2]);
+    const IntLanes is_z = (along_z > along_x) & (along_z > along_y);
+    const IntLanes is_y = ~is_z & (along_y > along_x);
+    const auto by_axis = [&](const auto& if_x, const auto& if_y, const auto& if_z) {
+      return is_z ? if_z : is_y ? if_y : if_x;
+    };
+    const IntLanes outward = by_axis(out[0], out[1], out[2]) > 0.0f;
+    store(outward ? Lanes{} + 1.0f : Lanes{} - 1.0f, g.sign);
+    store(by_axis(IntLanes{}, IntLanes{} + 1, IntLanes{} + 2), g.axis);
+    const IntLanes in_leaf = IntLanes{} + (HeightTile::kEdge - 1);
+    const IntLanes i = load(g.voxel[0]) & in_leaf, j = load(g.voxel[1]) & in_leaf,
+                   k = load(g.voxel[2]) & in_leaf;
+    store(by_axis(k, i, j) * HeightTile::kEdge + by_axis(j, k, i), g.column);
+    store(by_axis(i, j, k), g.layer);
+    return (out[0] != 0.0f) | (out[1] != 0.0f) | (out[2] != 0.0f);
+  });
+}
+
+inline TileMaps look_up(const HeightTile::Column* columns, const std::int32_t* origin, int ns,
+                        int trace, int least_rings, SurfaceGroup* groups,
+                        std::size_t count) noexcept {
+  const int reach = trace < HeightTile::kReach ? trace : HeightTile::kReach;
+  TileMaps maps;
+  for (std::size_t e = 0; e < count; ++e) {
+    SurfaceGroup& g = groups[e];
+    static_assert(sizeof(HeightTile::Column) == sizeof(std::int32_t));
+    IntLanes column;
+    __builtin_memcpy(&column, columns + SurfaceGroup::kSize * e, sizeof column);
+    const auto byte = [&](int n) { return column << (24 - 8 * n) >> 24; };  // with its sign
+    const IntLanes layer = load(g.layer), height = byte(0), above = height - layer;
+    store(height, g.centre);
+    store(above, g.level);
+    const IntLanes apart = (load(g.voxel[0]) ^ origin[0]) | (load(g.voxel[1]) ^ origin[1]) |
+                           (load(g.voxel[2]) ^ origin[2]);
+    const IntLanes has = ((apart & -HeightTile::kEdge) == 0) & (above >= -kMaxStep) &
+                         (above <= kMaxStep) & (byte(1) - layer <= reach) &
+                         (byte(2) - layer >= -reach);
+    const IntLanes rings = byte(3);
+    const auto put = [&](const IntLanes& mask, std::uint64_t& bits) {
+      bits |= std::uint64_t{bits_of(mask)} << (SurfaceGroup::kSize * e);
+    };
+    put(has & (rings == ns), maps.even);
+    put(has & (rings < ns) & (rings >= least_rings), maps.partly);
+  }
+  return maps;
 }
 
 inline FootOf<Lanes> store_surfaces(const ColumnQuadricOf<Lanes>& q, SurfaceGroup& g) {
@@ -99,8 +176,9 @@ inline void sharpen_group(SurfaceGroup& g) noexcept {
   ResidualCubesOf<Lanes> cubes;
   for (unsigned f = 0; f < kQuadric; ++f) q.c[f] = load(g.c[f]), cubes[f] = load(g.cubes[f]);
   sharpen(solutions_of(g), cubes, 1.0f, q);
-  store_standing(store_normals(store_surfaces(q, g), g), g);
-  store((abs(q.c[3]) + abs(q.c[4]) + abs(q.c[5])) * load(g.normal_z), g.bend);
+  const FootOf<Lanes> foot = store_surfaces(q, g);
+  store_standing(store_normals(foot, g), g);
+  store(bend_of(q, foot), g.bend);
 }
 
 /// The filters' weights, centre - fall (i^2 + j^2), of all rings of a map: of row +j or -j, by

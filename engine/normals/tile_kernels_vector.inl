@@ -77,10 +77,10 @@ struct ByteShift {
 inline RowBytes from_byte(RowBytes first, RowBytes second, const ByteShift& shift) {
   return _mm512_shrdv_epi64(first, second, shift.bits);
 }
-/// One more where neither is over kMaxUneven: once over it they stay there.
-inline RowBytes count_where_even(RowBytes rings, RowBytes over, RowBytes under) {
-  const __mmask64 even =
-      _mm512_cmple_epi8_mask(_mm512_max_epi8(over, under), _mm512_set1_epi8(kMaxUneven));
+/// One more where neither is over `most`: once over it they stay there, as it does not rise.
+inline RowBytes count_where_even(RowBytes rings, RowBytes over, RowBytes under, int most) {
+  const __mmask64 even = _mm512_cmple_epi8_mask(_mm512_max_epi8(over, under),
+                                                _mm512_set1_epi8(static_cast<char>(most)));
   return _mm512_mask_add_epi8(rings, even, rings, _mm512_set1_epi8(1));
 }
 #else
@@ -101,9 +101,9 @@ struct ByteShift {
 inline RowBytes from_byte(RowBytes first, RowBytes second, const ByteShift& shift) {
   return _mm256_or_si256(_mm256_srl_epi64(first, shift.down), _mm256_sll_epi64(second, shift.up));
 }
-inline RowBytes count_where_even(RowBytes rings, RowBytes over, RowBytes under) {
+inline RowBytes count_where_even(RowBytes rings, RowBytes over, RowBytes under, int most) {
   const __m256i uneven =
-      _mm256_cmpgt_epi8(_mm256_max_epi8(over, under), _mm256_set1_epi8(kMaxUneven));
+      _mm256_cmpgt_epi8(_mm256_max_epi8(over, under), _mm256_set1_epi8(static_cast<char>(most)));
   return _mm256_add_epi8(rings, _mm256_andnot_si256(uneven, _mm256_set1_epi8(1)));
 }
 #endif
@@ -114,10 +114,14 @@ struct TileWords {
   std::uint64_t of[3][kRoom];
 };
 
-/// Highest and lowest of all maps of a tile: of rows, then across. Where columns do not count maps
-/// are not sound.
-inline void find_extremes(const TileWords& words, HeightTile& tile) {
-  const int ns = tile.ns;
+/// Of all maps of a tile, eight columns of eight rows.
+struct TileBytes {
+  alignas(64) std::uint64_t highest[HeightTile::kEdge], lowest[HeightTile::kEdge];
+  alignas(64) std::uint64_t even_rings[HeightTile::kEdge]{};
+};
+
+/// Highest and lowest of rows, then across. Where columns do not count maps are not sound.
+inline void find_extremes(const TileWords& words, int ns, TileBytes& bytes) {
   for (int v = 0; v < HeightTile::kEdge; v += kRowsAtOnce) {
     RowBytes highest[3], lowest[3];
     for (int k = 0; k < 3; ++k) {
@@ -137,14 +141,13 @@ inline void find_extremes(const TileWords& words, HeightTile& tile) {
       least = lower(least, lower(from_byte(lowest[1], lowest[2], right),
                                  from_byte(lowest[0], lowest[1], left)));
     }
-    store_rows(most, tile.highest[v]);
-    store_rows(least, tile.lowest[v]);
+    store_rows(most, bytes.highest + v);
+    store_rows(least, bytes.lowest + v);
   }
 }
 
-/// Even rings of all maps of a tile. Sums of bytes stay in a byte where columns count.
-inline void compare_opposites(const TileWords& words, HeightTile& tile) {
-  const int ns = tile.ns;
+/// Even rings. Sums of bytes stay in a byte where columns count.
+inline void compare_opposites(const TileWords& words, int ns, TileBytes& bytes) {
   for (int v = 0; v < HeightTile::kEdge; v += kRowsAtOnce) {
     const std::uint64_t* const middle[3] = {words.of[0] + ns + v, words.of[1] + ns + v,
                                             words.of[2] + ns + v};
@@ -170,9 +173,33 @@ inline void compare_opposites(const TileWords& words, HeightTile& tile) {
       for (int j = 1 - ring; j < ring; ++j) {
         take(from_byte(row(1, j), row(2, j), right), from_byte(row(0, -j), row(1, -j), left));
       }
-      rings = count_where_even(rings, minus(most, twice), minus(twice, least));
+      rings = count_where_even(rings, minus(most, twice), minus(twice, least), most_uneven(ring));
     }
-    store_rows(rings, tile.even_rings[v]);
+    store_rows(rings, bytes.even_rings + v);
+  }
+}
+
+/// Two rows of columns at a time, byte by byte.
+inline void put_columns(const TileWords& words, const TileBytes& bytes, HeightTile& tile) {
+  const auto two = [](const std::uint64_t* rows) {
+    return _mm_loadu_si128(reinterpret_cast<const __m128i*>(rows));
+  };
+  const __m128i bit = _mm_set1_epi64x(static_cast<std::int64_t>(0x8040201008040201));
+  const __m128i far = _mm_set1_epi8(HeightTile::kUnsound.highest);
+  for (int v = 0; v < HeightTile::kEdge; v += 2) {
+    const __m128i sound = _mm_unpacklo_epi64(_mm_set1_epi8(static_cast<char>(tile.sound[v])),
+                                             _mm_set1_epi8(static_cast<char>(tile.sound[v + 1])));
+    const __m128i is_sound = _mm_cmpeq_epi8(_mm_and_si128(sound, bit), bit);
+    const __m128i height = two(words.of[1] + tile.ns + v), lowest = two(bytes.lowest + v);
+    const __m128i highest = _mm_blendv_epi8(far, two(bytes.highest + v), is_sound);
+    const __m128i rings = _mm_and_si128(two(bytes.even_rings + v), is_sound);
+    const auto put = [&](int row, __m128i heights, __m128i others) {
+      auto* const to = reinterpret_cast<__m128i*>(tile.columns + row * HeightTile::kEdge);
+      _mm_store_si128(to, _mm_unpacklo_epi16(heights, others));
+      _mm_store_si128(to + 1, _mm_unpackhi_epi16(heights, others));
+    };
+    put(v, _mm_unpacklo_epi8(height, highest), _mm_unpacklo_epi8(lowest, rings));
+    put(v + 1, _mm_unpackhi_epi8(height, highest), _mm_unpackhi_epi8(lowest, rings));
   }
 }
 
@@ -421,9 +448,14 @@ void read_tile(const ColumnBits::Windows& columns, HeightTile& tile) noexcept {
   tile.sign > 0 ? read_heights<1>(columns, tile, words) : read_heights<-1>(columns, tile, words);
   std::uint64_t sound;
   __builtin_memcpy(&sound, tile.sound, sizeof sound);
-  if (sound == 0) return;
-  find_extremes(words, tile);
-  if (tile.wants_even_rings) compare_opposites(words, tile);
+  if (sound == 0) {
+    for (auto& column : tile.columns) column = HeightTile::kUnsound;
+    return;
+  }
+  TileBytes bytes;
+  find_extremes(words, tile.ns, bytes);
+  if (tile.wants_even_rings) compare_opposites(words, tile.ns, bytes);
+  put_columns(words, bytes, tile);
   RowMoments rows;
   switch ((tile.ns + 1) / 2) {
     case 1:
@@ -450,7 +482,7 @@ bool cut_map(const HeightTile& tile, int u, int v, int w, int trace, HeightMap& 
   const __m256i twice_centre = _mm256_set1_epi8(static_cast<char>(2 * centre));
   const __m256i outside =
       _mm256_cmpgt_epi8(lane_distance(), _mm256_set1_epi8(static_cast<char>(ns)));
-  const __m256i most = _mm256_set1_epi8(kMaxUneven),
+  const __m256i most = _mm256_set1_epi8(kMostUnevenOfMany),
                 limit = _mm256_set1_epi8(static_cast<char>(reach));
   const __m256i none = _mm256_set1_epi8(HeightMap::kNone);
   const auto beyond = [](__m256i a, __m256i bound) {

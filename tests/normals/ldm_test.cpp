@@ -93,6 +93,28 @@ TEST(Ldm, FacesHoldUpToTheEdge) {
   EXPECT_LT(sum_fast / count, 1.2) << "without a face across the edge, 1.69";
 }
 
+TEST(Ldm, FacesAreSeenFartherThanTheMapReaches) {
+  // Tilts at which 13 columns see few steps, and as many that are none.
+  double sum = 0.0;
+  int count = 0, wide = 0;
+  for (const Vector3d& tilt : {Vector3d(0.11, 0.03, 1.0), Vector3d(0.27, -0.4, 1.0),
+                               Vector3d(-0.62, 0.21, 1.0), Vector3d(0.05, -0.09, 1.0)}) {
+    const Vector3d normal = tilt.normalized();
+    const Workpiece workpiece(test::half_space({64, 64, 64}, 1e-4, normal, {31.6, 32.3, 32.1}));
+    for (const Cell& c : test::surface_cells(workpiece)) {
+      if ((c.array() < 18).any() || (c.array() > 45).any()) continue;  // the grid cuts maps off
+      const SurfaceEstimate estimate = estimate_ldm_fast(workpiece, c, kNs, kTrace);
+      wide += estimate.looked_wide() ? 1 : 0;
+      sum += test::angle_deg(estimate.normal.cast<double>(), normal);
+      ++count;
+    }
+  }
+  std::printf("ldm_fast, planes: mean %.3f deg, %d voxels\n", sum / count, count);
+  ASSERT_GT(count, 2000);
+  EXPECT_GT(wide, count * 3 / 4);
+  EXPECT_LT(sum / count, 0.15) << "without wide maps, 0.355";
+}
+
 TEST(Ldm, ResidualsSayMoreThanLeastSquaresHears) {
   // Balls small enough for fits in balls and in tilted frames, and large enough for whole maps.
   struct Case {

@@ -1,11 +1,13 @@
 #include "engine/normals/map_kernels.hpp"
 
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
+#include "engine/normals/coarse_normal.hpp"
 #include "engine/normals/leaf_tiles.hpp"
 #include "engine/normals/tilted_fit.hpp"
 #include "tests/support/instruction_sets.hpp"
@@ -13,6 +15,9 @@
 
 namespace sulcus {
 namespace {
+
+using Eigen::Vector3f;
+using Eigen::Vector3i;
 
 /// The kernels of each instruction set against the plain ones.
 class MapKernelsTest : public ::testing::TestWithParam<InstructionSet> {
@@ -298,6 +303,78 @@ TEST_P(MapKernelsTest, CoarseSumsAreThoseOfTheSolidVoxelsAround) {
   }
 }
 
+TEST_P(MapKernelsTest, VoxelsAreAimedAndFoundInTheirTilesAsOneByOne) {
+  constexpr int kNs = 5, kTrace = 9, kLeastRings = 3;
+  int sided = 0, even = 0, partly = 0, elsewhere = 0;
+  for (const Workpiece& workpiece : shapes()) {
+    const std::vector<Cell> cells = test::surface_cells(workpiece);
+    for (std::size_t first = 0; first + 64 <= cells.size(); first += 64) {
+      SurfaceGroup plain[8], fast[8];
+      std::array<MapAxes, 64> axes;
+      std::uint64_t with_side = 0;
+      for (std::size_t k = 0; k < 64; ++k) {
+        const Cell& c = cells[first + k];
+        Vector3i sums = -coarse_normal(workpiece, c);
+        if (k % 9 == 0) sums.setZero();  // of the tool, then
+        const Vector3f tool = k % 18 == 0 ? Vector3f::Zero() : Vector3f(0.3f, -0.9f, 0.9f);
+        for (SurfaceGroup* groups : {plain, fast}) {
+          groups[k / 8].put_voxel(static_cast<int>(k % 8), c.data(), tool.data(), sums.data());
+        }
+        const Vector3f coarse = sums.isZero() ? tool : Vector3f((-sums).cast<float>());
+        axes[k] = dominant_axes(coarse);
+        if (!coarse.isZero()) with_side |= std::uint64_t{1} << k;
+      }
+      ASSERT_EQ(plain_->aim(plain, 8), with_side);
+      ASSERT_EQ(fast_->aim(fast, 8), with_side);
+      const Cell origin = cells[first].array() / kLeafEdge * kLeafEdge;
+      std::array<HeightTile::Column, 64> columns;
+      std::uint64_t of_even = 0, of_partly = 0;
+      for (std::size_t k = 0; k < 64; ++k) {
+        const Eigen::Vector3i at = in_tile(cells[first + k], axes[k]);
+        for (const SurfaceGroup* groups : {plain, fast}) {
+          const SurfaceGroup& g = groups[k / 8];
+          ASSERT_EQ(g.axis[k % 8], axes[k].axis);
+          ASSERT_EQ(g.sign[k % 8], static_cast<float>(axes[k].sign));
+          ASSERT_EQ(g.column[k % 8], at.y() * kLeafEdge + at.x());
+          ASSERT_EQ(g.layer[k % 8], at.z());
+        }
+        HeightTile tile;
+        tile.ns = kNs;
+        tile.sign = axes[k].sign;
+        plain_->tile(workpiece.columns().around(axes[k].axis, origin[axes[k].first()],
+                                                origin[axes[k].second()],
+                                                origin[axes[k].axis] - HeightTile::kBelow),
+                     tile);
+        columns[k] = tile.column(at.x(), at.y());
+        if ((cells[first + k].array() / kLeafEdge * kLeafEdge != origin.array()).any()) {
+          ++elsewhere;
+          continue;
+        }
+        if (!tile.has_map(at.x(), at.y(), at.z(), kTrace)) continue;
+        if (columns[k].even_rings < kLeastRings) continue;
+        (columns[k].even_rings == kNs ? of_even : of_partly) |= std::uint64_t{1} << k;
+      }
+      const auto look = [&](const MapKernels& kernels, SurfaceGroup* groups) {
+        return kernels.look_up(columns.data(), origin.data(), kNs, kTrace, kLeastRings, groups, 8);
+      };
+      for (const TileMaps& maps : {look(*plain_, plain), look(*fast_, fast)}) {
+        ASSERT_EQ(maps.even, of_even);
+        ASSERT_EQ(maps.partly, of_partly);
+      }
+      for (std::size_t k = 0; k < 64; ++k) {
+        const int layer = in_tile(cells[first + k], axes[k]).z();
+        for (const SurfaceGroup* groups : {plain, fast}) {
+          ASSERT_EQ(groups[k / 8].centre[k % 8], columns[k].height);
+          ASSERT_EQ(groups[k / 8].level[k % 8], columns[k].height - layer);
+        }
+      }
+      sided += std::popcount(with_side), even += std::popcount(of_even);
+      partly += std::popcount(of_partly);
+    }
+  }
+  for (const int count : {sided, even, partly, elsewhere}) EXPECT_GT(count, 20);
+}
+
 TEST_P(MapKernelsTest, MapsCutOutOfATileAreTheTracedOnesBitForBit) {
   int cut = 0, all = 0;
   for (const Workpiece& workpiece : shapes()) {
@@ -333,7 +410,7 @@ TEST_P(MapKernelsTest, MapsCutOutOfATileAreTheTracedOnesBitForBit) {
           for (const HeightTile* tile : {&plain, &fast}) {
             ASSERT_EQ(tile->has_map(at.x(), at.y(), at.z(), trace), is_cut) << kernels->name;
             if (!is_cut) continue;
-            ASSERT_EQ(tile->even_rings[at.y()][at.x()], map.even_rings);
+            ASSERT_EQ(tile->column(at.x(), at.y()).even_rings, map.even_rings);
           }
           if (!is_cut) continue;
           ++cut;

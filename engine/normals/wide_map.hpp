@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cmath>
+
+#include "engine/normals/map_group.hpp"
+#include "engine/normals/quadric_filter.hpp"
+
+namespace sulcus {
+
+/// Whether there are maps of stride 2 of so many neighbours.
+inline bool has_wide_maps(int neighbourhood) { return lanes_of(neighbourhood) == lanes_of(1); }
+
+/// Traces the map of a voxel of every other column, which sees twice as far, where
+/// `has_wide_maps`.
+void trace_wide(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes,
+                int neighbourhood, int trace, HeightMap& map) noexcept;
+
+/// The surface of a whole map, by its filter.
+ColumnQuadric fit_whole(const HeightMap& map, const QuadricFilter& filter) noexcept;
+
+/// Of a surface across itself, a column out.
+inline float bend_of(const ColumnQuadric& surface, const Foot& foot) {
+  return (std::abs(surface.c[3]) + std::abs(surface.c[4]) + std::abs(surface.c[5])) * foot.normal_z;
+}
+
+}  // namespace sulcus
