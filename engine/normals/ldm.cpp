@@ -20,8 +20,8 @@ using Eigen::Vector3f;
 constexpr float kMostResidual = 0.35f;  // of a whole map, beyond half the cosine of its tilt
 constexpr float kMostWideResidual = 0.6f;
 constexpr float kMostCubic = 0.2f;  // of the quadric's own part, at the rim of the map
-// Where the surface is so level, a map of stride 2 helps: terraces are wide there, on a face wider
-// than on what is curved.
+// Where the surface is so level, a map of stride 2 helps, as on all faces: terraces are wide there,
+// on what is nearly a face wider than on what is curved.
 constexpr float kNearlyFlat = 1.25f;
 constexpr float kLevelFace = 0.98f, kLevelCurved = 0.995f;
 constexpr float kSecondAxis = 0.55f;  // of the dominant component of the coarse normal
@@ -61,9 +61,10 @@ std::uint32_t explained_of(MapGroup& group, int neighbourhood) noexcept {
   return explained;
 }
 
-/// The surface of a map of stride 2, where that is whole and a quadric explains it.
+/// The surface of a map of stride 2, where that is whole, a quadric explains it, and it is `flat`
+/// where that is asked for.
 std::optional<Foot> fit_wide(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes,
-                             int neighbourhood, int trace) noexcept {
+                             int neighbourhood, int trace, bool flat) noexcept {
   HeightMap map;
   trace_wide(workpiece, voxel, axes, neighbourhood, trace, map);
   if (map.whole_rings < map.ns) return {};
@@ -77,7 +78,9 @@ std::optional<Foot> fit_wide(const Workpiece& workpiece, const Cell& voxel, cons
     return {};
   }
   sharpen(filter.solution, left, static_cast<float>(map.stride), surface);
-  return foot_of(surface);
+  const Foot foot = foot_of(surface);
+  if (flat && !is_face(surface, foot, neighbourhood)) return {};
+  return foot;
 }
 
 /// The face nearest to the voxel that its map, or one across the second axis, has. Adds to
@@ -171,10 +174,11 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
       }
       const Vector3f tool = heard(queries[first + k].outward, coarse);
       if (is_explained) {
-        if (level) windows |= SurfaceEstimate::kWideWindow;
+        const bool wide = has_wide && (level || is_flat);
+        if (wide) windows |= SurfaceEstimate::kWideWindow;
         const Foot foot = surfaces.foot(place);
         std::optional<Foot> face =
-            level ? fit_wide(workpiece, voxel, axes, neighbourhood, trace) : std::nullopt;
+            wide ? fit_wide(workpiece, voxel, axes, neighbourhood, trace, !level) : std::nullopt;
         if (!face && is_flat) face = grow_plane(group.map(k), foot, columns, false);
         estimate = to_index_space(face ? *face : foot, axes);
       } else {

@@ -12,7 +12,8 @@ namespace sulcus {
 /// Normal and surface point from local distance maps, accurate on smooth surfaces, edges and thin
 /// walls with one setting. Further from [Kim and Park 2019, V] than `ldm_fast`:
 /// - where the map along the dominant axis is whole, and one quadric explains all its heights to
-///   their quantisation, that is the surface;
+///   their quantisation, that is the surface; near level, and on faces, a map of every other column
+///   stands in for it;
 /// - least squares is where a fit begins: since quantisation leaves residuals spread evenly up to
 ///   a bound, not in a bell, a step towards the least sum of fourth powers follows;
 /// - where a plane explains what a quadric does, it grows over all columns of the map that lie on

@@ -22,9 +22,9 @@ constexpr std::size_t kLanes = SurfaceGroup::kSize, kGroups = kBatch / kLanes;
 /// A map with no more even rings than this lies across an edge.
 constexpr int kRingsAtEdge = 2;
 
-/// Bends of a face half a map out, voxels, as its map shows it; where that is level, whose terraces
-/// are wide; and as a wide map does.
-constexpr float kMostBend = 0.15f, kMostLevelBend = 0.5f, kMostWideBend = 0.1f;
+/// Bends of what may be a face half a map out, voxels, and where that is level, whose terraces are
+/// wide.
+constexpr float kMostBend = 0.15f, kMostLevelBend = 0.5f;
 constexpr float kLevel = 0.98f;  // cosine to the columns
 
 /// Voxels of a batch, a bit for each.
@@ -167,7 +167,7 @@ Bits widen_faces(const Workpiece& workpiece, std::span<const VoxelQuery> queries
     if (map.even_rings < ns) return;
     const ColumnQuadric surface = fit_whole(map, quadric_filter(ns, map.lanes));
     const Foot foot = foot_of(surface);
-    if (!(bend_of(surface, foot) <= kMostWideBend * per)) return;
+    if (!is_face(surface, foot, ns)) return;
     batch.feet[k] = foot;
     batch.faces |= bit(k);
   });

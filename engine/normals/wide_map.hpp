@@ -18,9 +18,12 @@ void trace_wide(const Workpiece& workpiece, const Cell& voxel, const MapAxes& ax
 /// The surface of a whole map, by its filter.
 ColumnQuadric fit_whole(const HeightMap& map, const QuadricFilter& filter) noexcept;
 
-/// Of a surface across itself, a column out.
-inline float bend_of(const ColumnQuadric& surface, const Foot& foot) {
-  return (std::abs(surface.c[3]) + std::abs(surface.c[4]) + std::abs(surface.c[5])) * foot.normal_z;
+/// Whether a wide map's surface is a face: it bends by no more than a tenth of a voxel across
+/// itself, half a map out.
+inline bool is_face(const ColumnQuadric& surface, const Foot& foot, int neighbourhood) {
+  const float bends =
+      std::abs(surface.c[3]) + std::abs(surface.c[4]) + std::abs(surface.c[5]);  // a column out
+  return bends * foot.normal_z <= 0.1f / static_cast<float>(neighbourhood * neighbourhood);
 }
 
 }  // namespace sulcus
