@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "engine/core/hash.hpp"
+#include "engine/normals/height_map.hpp"
 #include "haptics/open_addressing.hpp"
 
 namespace sulcus {
@@ -31,7 +32,7 @@ std::uint64_t slice(int x0, int x1, int y0, int y1) {
 KeptNormals::KeptNormals(const VoxelGrid& grid, const HapticsSettings& settings)
     : grid_(grid),
       across_(std::max(settings.neighbourhood, kAround)),
-      wide_(settings.normals == NormalMethod::kLdm ? 2 * across_ : 0),
+      wide_(has_wide_maps(settings.neighbourhood) ? 2 * across_ : 0),
       capacity_(
           std::max(64u, static_cast<std::uint32_t>(settings.max_contacts) / kContactsPerLeaf)),
       pages_(std::make_unique_for_overwrite<Page[]>(capacity_)),

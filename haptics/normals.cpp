@@ -109,7 +109,8 @@ void normals(const Workpiece& workpiece, const HapticsSettings& settings, const 
   for (std::size_t q = 0; q < scratch.queries.size(); ++q) {
     const std::uint32_t i = scratch.queried[q];
     put(contacts, i, scratch.estimates[q], voxel_m);
-    if (kept && told && !(scratch.estimates[q].normal.dot(contacts.vector(Contacts::kOutward, i)) > 0.0f)) {
+    if (kept && told &&
+        !(scratch.estimates[q].normal.dot(contacts.vector(Contacts::kOutward, i)) > 0.0f)) {
       scratch.vetoed.push_back(i);
     }
   }

@@ -7,6 +7,7 @@
 #include "engine/normals/grown_plane.hpp"
 #include "engine/normals/map_kernels.hpp"
 #include "engine/normals/plane_solution.hpp"
+#include "engine/normals/tilted_fit.hpp"
 
 namespace sulcus {
 
@@ -20,6 +21,13 @@ constexpr float kMostInside = -0.25f, kMostOutside = 1.0f;  // offset of the vox
 constexpr float kLeastCosine = 0.42f;                       // to the coarse normal
 constexpr float kPerPoint = 0.004f;                         // of the score, voxels
 constexpr int kFewestGrown = 12;
+// Of parts of balls where no half is plane: of how many halves, the best first, and of what is
+// found in them that lies on their first planes; how far behind the voxel the side begins, and
+// radii, voxels; and what a ball is worth, of the score.
+constexpr int kMostCurved = 2;
+constexpr float kLeastShare = 0.8f;
+constexpr float kBehind = 1.0f, kCurvedRadii[] = {6.8f, 4.2f};
+constexpr float kPerBall = 0.1f, kPerRadius = 0.05f;
 
 std::optional<HeightPlane> plane_of(const PlaneSums& s) {
   if (s.n < kFewestPoints) return {};
@@ -66,6 +74,33 @@ bool holds(const HeightMap& map, const Candidate& c) {
   return residuals.largest <= c.plane.slack && residuals.sum_squares <= c.inliers * mean * mean;
 }
 
+/// The side that half `d` is on, and a little more: at its rim a fit would look ahead only.
+MapSide side_of(int d) {
+  constexpr float kAslant = 0.70710678f;
+  constexpr float kRays[kHalves][2] = {
+      {1.0f, 0.0f},  {kAslant, kAslant},   {0.0f, 1.0f},  {-kAslant, kAslant},
+      {-1.0f, 0.0f}, {-kAslant, -kAslant}, {0.0f, -1.0f}, {kAslant, -kAslant}};
+  return {kRays[d][0], kRays[d][1], kBehind};
+}
+
+/// The surface that explains the largest part of a ball on a candidate's side, where it may be the
+/// voxel's.
+std::optional<HalfDisc> curved_side(const HeightMap& map, const Candidate& c,
+                                    const Eigen::Vector3f& coarse) {
+  const Foot& plane = c.disc.foot;
+  const Eigen::Vector3f tilt(plane.normal_x, plane.normal_y, plane.normal_z);
+  for (const float radius : kCurvedRadii) {
+    const std::optional<Foot> foot = fit_tilted(map, tilt, radius, side_of(c.half));
+    if (!foot) continue;
+    const Eigen::Vector3f normal(foot->normal_x, foot->normal_y, foot->normal_z);
+    const bool may_be = normal.dot(coarse) >= kLeastCosine && foot->offset >= kMostInside &&
+                        foot->offset <= kMostOutside;
+    if (!may_be) return {};
+    return HalfDisc{*foot, std::abs(foot->offset) - kPerBall - kPerRadius * radius};
+  }
+  return {};
+}
+
 }  // namespace
 
 std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vector3f& coarse,
@@ -85,9 +120,12 @@ std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vec
     *at = *c;
     ++end;
   }
-  // The veto is on what a half-disc has grown to, so that it changes no other answer.
+  // The veto is on what a half-disc has grown to, and leaves none to curved sides, so that it
+  // changes no other answer.
+  bool any_holds = false;
   for (auto c = candidates.begin(); c != end; ++c) {
     if (!holds(map, *c)) continue;
+    any_holds = true;
     HalfDisc disc = c->disc;
     if (const std::optional<Foot> face = grow_plane(map, disc.foot, kFewestGrown, true)) {
       disc.foot = *face;
@@ -95,7 +133,19 @@ std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vec
     const Eigen::Vector3f normal(disc.foot.normal_x, disc.foot.normal_y, disc.foot.normal_z);
     if (!(normal.dot(outward) < 0.0f)) return disc;
   }
-  return {};
+  std::optional<HalfDisc> nearest;
+  if (any_holds) return nearest;
+  int tried = 0;
+  for (auto c = candidates.begin(); c != end && tried < kMostCurved; ++c) {
+    if (c->inliers < kLeastShare * halves[static_cast<std::size_t>(c->half)].n) continue;
+    ++tried;
+    const std::optional<HalfDisc> curved = curved_side(map, *c, coarse);
+    if (!curved || (nearest && !(curved->score < nearest->score))) continue;
+    const Eigen::Vector3f normal(curved->foot.normal_x, curved->foot.normal_y,
+                                 curved->foot.normal_z);
+    if (!(normal.dot(outward) < 0.0f)) nearest = curved;
+  }
+  return nearest;
 }
 
 }  // namespace sulcus

@@ -9,7 +9,7 @@
 
 namespace sulcus {
 
-/// A plane through the half of a map on one side of the voxel.
+/// A face on one side of the voxel.
 struct HalfDisc {
   Foot foot;           // of the voxel's centre on what it has grown to, map space
   float score = 0.0f;  // less is better
@@ -20,8 +20,9 @@ struct HalfDisc {
 /// nearest to the voxel, more points breaking near ties. A plane is fitted again to what lies on
 /// it, and grows over the map (grow_plane). `coarse`, unit, map space, is the coarse normal: no
 /// face of an edge or corner of 50 degrees or more is further than 65 degrees from it. Nor does the
-/// face point away from `outward`, map space, what the tool knows; zero where that is nothing. None
-/// where no half-disc is plane.
+/// face point away from `outward`, map space, what the tool knows; zero where that is nothing.
+/// Where no half-disc is plane, as on the walls of a narrow hole, it is the quadric that explains
+/// the part of a ball on one side (fit_tilted). None where none does.
 std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vector3f& coarse,
                                           const Eigen::Vector3f& outward) noexcept;
 

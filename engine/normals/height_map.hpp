@@ -54,5 +54,7 @@ struct HeightMap {
 
 /// Lanes of a map's rows: as few as hold its columns and the one before them.
 constexpr int lanes_of(int ns) { return ns < 8 ? 16 : 32; }
+/// Whether there are maps of stride 2 of this neighbourhood.
+constexpr bool has_wide_maps(int ns) { return ns < 8; }
 
 }  // namespace sulcus

@@ -11,33 +11,47 @@ std::size_t MapGroup::take(const Workpiece& workpiece, std::span<const VoxelQuer
   trace_ = trace;
   std::array<std::array<std::int32_t, 3>, kSize> sums;
   coarse_sums(workpiece, queries.subspan(first, count_), columns_.data(), sums.data());
+  for (std::size_t k = 0; k < count_; ++k) {
+    const VoxelQuery& query = queries[first + k];
+    eight(k).put_voxel(place(k), query.voxel.data(), query.outward.data(), sums[k].data());
+  }
+  sided_ = map_kernels().aim(surfaces.data(), eights());
+
+  for (std::size_t k = 0; k < count_; ++k) {
+    const SurfaceGroup& group = eight(k);
+    const int p = place(k);
+    coarse[k] = {group.coarse[0][p], group.coarse[1][p], group.coarse[2][p]};
+    axes[k] = {group.axis[p], group.sign[p] > 0.0f ? 1 : -1};
+    tiles_[k] = tiles.find(axes[k]);
+    tile_columns_[k] = tiles_[k] ? tiles_[k]->columns[group.column[p]] : HeightTile::kUnsound;
+  }
+  const TileMaps in_tiles =
+      map_kernels().look_up(tile_columns_.data(), tiles.origin().data(), neighbourhood, trace, 0,
+                            surfaces.data(), eights());
+  const std::uint64_t tiled = in_tiles.even | in_tiles.partly;
 
   const QuadricFilter& whole = quadric_filter(neighbourhood, lanes_of(neighbourhood));
   filled_ = 0;
-  is_whole_.fill(false);
   for (std::size_t k = 0; k < count_; ++k) {
-    const VoxelQuery& query = queries[first + k];
-    coarse[k] = coarse_of(sums[k]);
-    if (coarse[k] == Eigen::Vector3f::Zero()) coarse[k] = query.outward;
-    axes[k] = dominant_axes(coarse[k]);
-    tiles_[k] = nullptr;
-    if (coarse[k] == Eigen::Vector3f::Zero()) continue;
-    eight(k).put_axes(place(k), axes[k].axis, coarse[k].data(), query.outward.data());
-    const HeightTile* const tile = tiles.find(axes[k]);
-    // By reference: what is written number by number cannot be read as one at once.
-    const Eigen::Vector3i& at = at_[k] = in_tile(query.voxel, axes[k]);
-    if (tile && tiles.is_of_leaf(first + k) && tile->has_map(at.x(), at.y(), at.z(), trace)) {
-      is_whole_[k] = true;
-      tiles_[k] = tile;
-      rows_[k] = rows_of(*tile, at.x(), at.y(), at.z());
-      put_tile_sums(*tile, at, whole, eight(k), place(k));
+    is_whole_[k] = (tiled & sided_) >> k & 1;
+    if (is_whole_[k]) {
+      const HeightTile& tile = *tiles_[k];
+      const auto column = static_cast<unsigned>(eight(k).column[place(k)]);
+      const unsigned u = column % HeightTile::kEdge, v = column / HeightTile::kEdge;
+      QuadricSums of_tile;
+      for (std::size_t f = 0; f < kQuadric; ++f) of_tile[f] = tile.sums[v][f][u];
+      eight(k).put_sums(place(k), of_tile, whole);
+      at_[k] = {static_cast<int>(u), static_cast<int>(v), eight(k).layer[place(k)]};
+      rows_[k] = rows_of(tile, at_[k].x(), at_[k].y(), at_[k].z());
       continue;
     }
+    tiles_[k] = nullptr;
+    if ((sided_ >> k & 1) == 0) continue;
     HeightMap& map = maps_[filled_];
     map.ns = neighbourhood;
     map.stride = 1;
     map.sign = axes[k].sign;
-    columns_[filled_] = columns_about(workpiece, query.voxel, axes[k]);
+    columns_[filled_] = columns_about(workpiece, queries[first + k].voxel, axes[k]);
     slots_[k] = filled_++;
   }
   if (filled_ > 0) fit_traced(whole);
@@ -48,7 +62,7 @@ std::size_t MapGroup::take(const Workpiece& workpiece, std::span<const VoxelQuer
 void MapGroup::fit_traced(const QuadricFilter& whole) noexcept {
   map_kernels().trace_all(columns_.data(), filled_, trace_, maps_.data());
   for (std::size_t k = 0; k < count_; ++k) {
-    if (tiles_[k] || coarse[k] == Eigen::Vector3f::Zero()) continue;
+    if (tiles_[k] || (sided_ >> k & 1) == 0) continue;
     const HeightMap& map = maps_[slots_[k]];
     is_whole_[k] = map.whole_rings == map.ns;
     if (!is_whole_[k]) continue;

@@ -46,8 +46,10 @@ struct MapGroup {
 
   std::size_t count_ = 0;
   int trace_ = 0;
+  std::uint64_t sided_ = 0;                       // that have a coarse normal, a bit for each
   std::array<const HeightTile*, kSize> tiles_{};  // that have the whole map
-  std::array<Eigen::Vector3i, kSize> at_;         // where
+  std::array<HeightTile::Column, kSize> tile_columns_;
+  std::array<Eigen::Vector3i, kSize> at_;  // where
   std::array<bool, kSize> is_whole_{};
   std::array<MapRows, kSize> rows_;
   std::array<ColumnBits::Windows, kSize> columns_;  // of the coarse normals, then of what is traced

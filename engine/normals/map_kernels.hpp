@@ -85,10 +85,17 @@ struct alignas(32) SurfaceGroup {
   std::array<const QuadricFilter*, kSize> filters_{};  // whose numbers are there already
 };
 
-/// A frame aslant over a map, axes in map space (i, j, outward), and a ball about the voxel.
+/// A side of a map: columns with i x + j y >= -behind, (x, y) a unit vector; all where it is zero.
+struct MapSide {
+  float x = 0.0f, y = 0.0f, behind = 0.0f;
+};
+
+/// A frame aslant over a map, axes in map space (i, j, outward), and a ball about the voxel, or the
+/// part of it over a side of the map.
 struct TiltedFrame {
   std::array<float, 3> u{}, w{}, n{};
   float radius = 0.0f;
+  MapSide side;
 };
 
 /// The points of a map in a ball one after the other, row by row, coordinates in the tilted frame

@@ -27,12 +27,15 @@ struct Tolerance {
 };
 constexpr Tolerance kPlane{0.15f, 0.32f}, kCurved{0.27f, 0.35f};
 
-TiltedFrame frame_of(const Vector3f& normal, float radius) {
+TiltedFrame frame_of(const Vector3f& normal, float radius, const MapSide& side) {
   // The first axis across the rows, so that one component is zero.
   const Vector3f u = Vector3f(normal.z(), 0.0f, -normal.x()).normalized();
   const Vector3f w = normal.cross(u);
-  return {
-      {u.x(), u.y(), u.z()}, {w.x(), w.y(), w.z()}, {normal.x(), normal.y(), normal.z()}, radius};
+  return {{u.x(), u.y(), u.z()},
+          {w.x(), w.y(), w.z()},
+          {normal.x(), normal.y(), normal.z()},
+          radius,
+          side};
 }
 
 /// Normal equations of a quadric, the lower triangle, and their right side.
@@ -86,38 +89,71 @@ NormalEquations without_quantisation(const TiltedMoments& s, const TiltedFrame& 
   return equations_of(s, frame, 1.0f / (24.0f * frame.radius * frame.radius));
 }
 
-/// Coefficients of the first `kTerms` powers, or none where the points do not determine them. By
-/// Cholesky's L D L', unrolled, without the checks and pivots of a general solver.
-template <int kTerms>
-std::optional<Quadric> solve(const NormalEquations& e) {
-  float l[kTerms][kTerms], inverse[kTerms];
-  Quadric x{};
-#pragma GCC unroll 6
-  for (int i = 0; i < kTerms; ++i) {
-    float scaled[kTerms];  // l times d of this row
-    float pivot = e.matrix[i][i], right = e.right[i];
-#pragma GCC unroll 6
-    for (int j = 0; j < i; ++j) {
-      float value = e.matrix[i][j];
-#pragma GCC unroll 6
-      for (int k = 0; k < j; ++k) value -= scaled[k] * l[j][k];
-      scaled[j] = value;
-      l[i][j] = value * inverse[j];
-      pivot -= value * l[i][j];
-      right -= l[i][j] * x[static_cast<std::size_t>(j)];
-    }
-    if (!(pivot > 1e-6f * e.matrix[i][i])) return {};
-    inverse[i] = 1.0f / pivot;
-    x[static_cast<std::size_t>(i)] = right;
-  }
-#pragma GCC unroll 6
-  for (int i = kTerms - 1; i >= 0; --i) {
-    float value = x[static_cast<std::size_t>(i)] * inverse[i];
-#pragma GCC unroll 6
-    for (int j = i + 1; j < kTerms; ++j) value -= l[j][i] * x[static_cast<std::size_t>(j)];
-    x[static_cast<std::size_t>(i)] = value;
-  }
-  return x;
+/// Two by two numbers, row by row.
+struct Block {
+  float a, b, c, d;
+};
+struct Pair {
+  float x, y;
+};
+Block operator*(const Block& m, const Block& n) {
+  return {m.a * n.a + m.b * n.c, m.a * n.b + m.b * n.d, m.c * n.a + m.d * n.c,
+          m.c * n.b + m.d * n.d};
+}
+Block operator-(const Block& m, const Block& n) {
+  return {m.a - n.a, m.b - n.b, m.c - n.c, m.d - n.d};
+}
+Pair operator*(const Block& m, const Pair& v) {
+  return {m.a * v.x + m.b * v.y, m.c * v.x + m.d * v.y};
+}
+Pair operator-(const Pair& v, const Pair& w) { return {v.x - w.x, v.y - w.y}; }
+Block transposed(const Block& m) { return {m.a, m.c, m.b, m.d}; }
+
+/// Of a symmetric pivot. False where it is singular, seen from what it was before elimination.
+bool invert(const Block& pivot, const Block& before, Block& inverse) {
+  const float determinant = pivot.a * pivot.d - pivot.c * pivot.c;
+  const float one = 1.0f / determinant;
+  inverse = {pivot.d * one, -pivot.c * one, -pivot.c * one, pivot.a * one};
+  return pivot.a > 1e-6f * before.a && determinant > 1e-6f * pivot.a * before.d;
+}
+
+/// Coefficients, or none where the points do not determine them. By Cholesky's L D L', two rows at
+/// a time: half as many divisions wait for one another.
+std::optional<Quadric> solve_quadric(const NormalEquations& e) {
+  const auto block = [&](int i, int j) {
+    return Block{e.matrix[i][j], i == j ? e.matrix[i + 1][i] : e.matrix[i][j + 1],
+                 e.matrix[i + 1][j], e.matrix[i + 1][j + 1]};
+  };
+  const Block a00 = block(0, 0), a10 = block(2, 0), a20 = block(4, 0);
+  const Block a11 = block(2, 2), a21 = block(4, 2), a22 = block(4, 4);
+  Block i0, i1, i2;
+  if (!invert(a00, a00, i0)) return {};
+  const Block l10 = a10 * i0, l20 = a20 * i0;
+  const Block s11 = a11 - l10 * transposed(a10), s21 = a21 - l20 * transposed(a10);
+  if (!invert(s11, a11, i1)) return {};
+  const Block l21 = s21 * i1;
+  const Block s22 = a22 - l20 * transposed(a20) - l21 * transposed(s21);
+  if (!invert(s22, a22, i2)) return {};
+  const Pair b0{e.right[0], e.right[1]}, b1{e.right[2], e.right[3]}, b2{e.right[4], e.right[5]};
+  const Pair y1 = b1 - l10 * b0, y2 = b2 - l20 * b0 - l21 * y1;
+  const Pair x2 = i2 * y2;
+  const Pair x1 = i1 * y1 - transposed(l21) * x2;
+  const Pair x0 = i0 * b0 - transposed(l10) * x1 - transposed(l20) * x2;
+  return Quadric{x0.x, x0.y, x1.x, x1.y, x2.x, x2.y};
+}
+
+/// The same of the first three.
+std::optional<Quadric> solve_plane(const NormalEquations& e) {
+  const Block a00{e.matrix[0][0], e.matrix[1][0], e.matrix[1][0], e.matrix[1][1]};
+  Block i0;
+  if (!invert(a00, a00, i0)) return {};
+  const Pair a10{e.matrix[2][0], e.matrix[2][1]}, b0{e.right[0], e.right[1]};
+  const Pair l10 = i0 * a10;
+  const float pivot = e.matrix[2][2] - (l10.x * a10.x + l10.y * a10.y);
+  if (!(pivot > 1e-6f * e.matrix[2][2])) return {};
+  const float x2 = (e.right[2] - (l10.x * b0.x + l10.y * b0.y)) / pivot;
+  const Pair x0 = i0 * b0 - Pair{l10.x * x2, l10.y * x2};
+  return Quadric{x0.x, x0.y, x2};
 }
 
 bool explains(const Quadric& c, const TiltedPoints& points, const TiltedFrame& frame,
@@ -155,10 +191,10 @@ std::optional<Foot> close_plane(const HeightMap& map) noexcept {
   return Foot{-slope_x * cosine, -slope_y * cosine, cosine, 0.5f * twice->c0 * cosine};
 }
 
-std::optional<Foot> fit_tilted(const HeightMap& map, const Vector3f& normal,
-                               float radius) noexcept {
+std::optional<Foot> fit_tilted(const HeightMap& map, const Vector3f& normal, float radius,
+                               const MapSide& side) noexcept {
   const MapKernels& kernels = map_kernels();
-  const TiltedFrame frame = frame_of(normal, radius);
+  const TiltedFrame frame = frame_of(normal, radius, side);
   TiltedPoints points;
   kernels.gather(map, frame, points);
   if (points.count < kFewestPoints) return {};
@@ -166,9 +202,9 @@ std::optional<Foot> fit_tilted(const HeightMap& map, const Vector3f& normal,
   kernels.moments(points, moments);
   const NormalEquations equations = without_quantisation(moments, frame);
 
-  std::optional<Quadric> c = solve<kQuadric>(equations);
+  std::optional<Quadric> c = solve_quadric(equations);
   if (!c || !explains(*c, points, frame, kCurved)) return {};
-  const std::optional<Quadric> plane = solve<3>(equations);
+  const std::optional<Quadric> plane = solve_plane(equations);
   if (plane && explains(*plane, points, frame, kPlane)) {
     const Foot in_ball = foot_in_columns(*plane, frame);
     const auto least = static_cast<int>(kLeastGrown * static_cast<float>(points.count));
@@ -179,7 +215,7 @@ std::optional<Foot> fit_tilted(const HeightMap& map, const Vector3f& normal,
   // evenly up to a bound, so that the points near to it say most (see grow_plane).
   kernels.sharpen_points(*c, points);
   kernels.moments(points, moments);
-  if (const std::optional<Quadric> thrice = solve<kQuadric>(equations_of(moments, frame, 0.0f))) {
+  if (const std::optional<Quadric> thrice = solve_quadric(equations_of(moments, frame, 0.0f))) {
     for (std::size_t f = 0; f < kQuadric; ++f) (*c)[f] += (*thrice)[f] * (1.0f / 3.0f);
   }
   return foot_in_columns(*c, frame);

@@ -51,8 +51,8 @@ class PointWriter {
   int count_ = 0;
 };
 
-inline void gather_points(const HeightMap& map, const TiltedFrame& frame,
-                          TiltedPoints& points) noexcept {
+template <bool kSided>
+inline void gather(const HeightMap& map, const TiltedFrame& frame, TiltedPoints& points) {
   const float radius = frame.radius, unit = 1.0f / radius;
   const int reach = radius < static_cast<float>(map.ns) ? static_cast<int>(radius) : map.ns;
   const int middle = map.lanes / 2, first = (middle - reach) & -kRowStep;
@@ -63,15 +63,17 @@ inline void gather_points(const HeightMap& map, const TiltedFrame& frame,
   const auto [n0, n1, n2] = frame.n;
   const auto sign = static_cast<float>(map.sign);
   const int lanes = map.lanes;
+  const MapSide side = frame.side;
   // What the columns of all rows have in common.
   struct Along {
-    RowLanes xx, u, w, n;
+    RowLanes xx, u, w, n, behind;  // by so much behind a side whose other half is at zero
   };
   Along along[HeightMap::kMaxLanes / kRowStep];
   int parts = 0;
   for (int at = first; at <= middle + reach; at += kRowStep, ++parts) {
     const RowLanes x = kAlong + static_cast<float>(at - middle);
-    along[parts] = {x * x, x * (u0 * unit), x * (w0 * unit), x * (n0 * unit)};
+    along[parts] = {x * x, x * (u0 * unit), x * (w0 * unit), x * (n0 * unit),
+                    -(x * side.x) - side.behind};
   }
   PointWriter writer(points);
   const signed char* row = map.height.data() + (map.ns - reach) * lanes + first;
@@ -80,16 +82,23 @@ inline void gather_points(const HeightMap& map, const TiltedFrame& frame,
     const float yy = y * y, y_unit = y * unit, y_u = y_unit * u1, y_w = y_unit * w1,
                 y_n = y_unit * n1;
     for (int part = 0; part < parts; ++part) {
-      const auto& [xx, x_u, x_w, x_n] = along[part];
+      const auto& [xx, x_u, x_w, x_n, behind] = along[part];
       // The surface is half a voxel beyond the centre of the outermost solid voxel.
       const RowLanes z = heights(row + part * kRowStep) * sign + 0.5f, z_unit = z * unit;
       const RowLanes r2 = xx + yy + z * z;
       // kNone is far out of every ball.
-      writer.append(at_most(r2, limit), 1.0f - r2 * fall, x_u + y_u + z_unit * u2,
-                    x_w + y_w + z_unit * w2, x_n + y_n + z_unit * n2);
+      RowMask in = at_most(r2, limit);
+      if constexpr (kSided) in = both(in, at_most(behind, y * side.y));
+      writer.append(in, 1.0f - r2 * fall, x_u + y_u + z_unit * u2, x_w + y_w + z_unit * w2,
+                    x_n + y_n + z_unit * n2);
     }
   }
   writer.finish();
+}
+inline void gather_points(const HeightMap& map, const TiltedFrame& frame,
+                          TiltedPoints& points) noexcept {
+  const bool sided = frame.side.x != 0.0f || frame.side.y != 0.0f;
+  sided ? gather<true>(map, frame, points) : gather<false>(map, frame, points);
 }
 
 /// Sixteen sums side by side, over points that are taken sixteen at a time: all at once, or those

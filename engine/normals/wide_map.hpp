@@ -7,9 +7,6 @@
 
 namespace sulcus {
 
-/// Whether there are maps of stride 2 of so many neighbours.
-inline bool has_wide_maps(int neighbourhood) { return lanes_of(neighbourhood) == lanes_of(1); }
-
 /// Traces the map of a voxel of every other column, which sees twice as far, where
 /// `has_wide_maps`.
 void trace_wide(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes,

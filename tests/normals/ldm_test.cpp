@@ -93,6 +93,41 @@ TEST(Ldm, FacesHoldUpToTheEdge) {
   EXPECT_LT(sum_fast / count, 1.2) << "without a face across the edge, 1.69";
 }
 
+TEST(Ldm, WallsOfANarrowHoleHoldUpToItsRim) {
+  // A hole of 9 voxels' radius, aslant through a plate: near its rims no half-disc is plane.
+  const Vector3d middle(32.2, 31.7, 32.3), axis = Vector3d(0.25, -0.4, 0.88).normalized();
+  const Vector3d across = axis.unitOrthogonal();
+  constexpr double kRadius = 9.0, kHalf = 17.0;
+  struct At {
+    Vector3d out;  // of the hole's axis
+    double radius, along;
+  };
+  const auto local = [&](const Cell& c) {
+    const Vector3d p = c.cast<double>() - middle;
+    const Vector3d out = p - p.dot(axis) * axis;
+    return At{out, out.norm(), p.dot(axis)};
+  };
+  const Workpiece workpiece(test::make_model({64, 64, 64}, 1e-4, [&](const Cell& c) {
+    const At at = local(c);
+    return at.radius >= kRadius && std::abs(at.along) <= kHalf &&
+           std::abs(at.out.dot(across)) < 24.0;
+  }));
+  double sum = 0.0;
+  int count = 0;
+  for (const Cell& c : test::surface_cells(workpiece)) {
+    const At at = local(c);
+    const double from_rim = kHalf - std::abs(at.along);
+    if (at.radius > kRadius + 1.0 || from_rim < 1.0 || from_rim > 3.0) continue;
+    const Vector3d truth = -at.out.normalized();
+    sum += test::angle_deg(estimate_ldm(workpiece, c, kNs, kTrace).normal.cast<double>(), truth);
+    ++count;
+  }
+  std::printf("1 to 3 voxels from a hole's rim: ldm mean %.3f deg, %d voxels\n", sum / count,
+              count);
+  ASSERT_GT(count, 100);
+  EXPECT_LT(sum / count, 8.0) << "without parts of balls, 9.9";
+}
+
 TEST(Ldm, FacesAreSeenFartherThanTheMapReaches) {
   // Tilts at which 13 columns see few steps, and as many that are none.
   double sum = 0.0;

@@ -489,13 +489,27 @@ TEST_P(MapKernelsTest, TiltedPointsAndTheirSumsAreTheSameBitForBit) {
     HeightMap map = ask(6, 1, sign);
     plain_->trace(columns, 12, map);
     const float radius = 8.0f;
-    const TiltedFrame frame{
-        {0.8f, 0.0f, -0.6f}, {0.36f, 0.8f, 0.48f}, {0.48f, -0.6f, 0.64f}, radius};
+    TiltedFrame frame{{0.8f, 0.0f, -0.6f}, {0.36f, 0.8f, 0.48f}, {0.48f, -0.6f, 0.64f}, radius, {}};
     TiltedPoints a, b;
+    frame.side = {0.6f, -0.8f, 1.3f};
     plain_->gather(map, frame, a);
     fast_->gather(map, frame, b);
     ASSERT_EQ(a.count, b.count);
+    ASSERT_EQ(std::memcmp(a.u, b.u, static_cast<std::size_t>(a.count) * sizeof(float)), 0);
     int inside = 0;
+    for (int j = -6; j <= 6; ++j) {
+      for (int i = -6; i <= 6; ++i) {
+        const float z = static_cast<float>(sign * map.at(i, j)) + 0.5f;
+        if (0.6 * i - 0.8 * j < -1.3) continue;
+        inside += static_cast<float>(i * i + j * j) + z * z <= radius * radius ? 1 : 0;
+      }
+    }
+    ASSERT_EQ(a.count, inside);
+    frame.side = {};
+    plain_->gather(map, frame, a);
+    fast_->gather(map, frame, b);
+    ASSERT_EQ(a.count, b.count);
+    inside = 0;
     for (int j = -6; j <= 6; ++j) {
       for (int i = -6; i <= 6; ++i) {
         const float z = static_cast<float>(sign * map.at(i, j)) + 0.5f;
