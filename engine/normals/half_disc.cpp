@@ -23,11 +23,11 @@ constexpr float kPerPoint = 0.004f;                         // of the score, vox
 constexpr int kFewestGrown = 12;
 // Of parts of balls where no half is plane: of how many halves, the best first, and of what is
 // found in them that lies on their first planes; how far behind the voxel the side begins, and
-// radii, voxels; and what a ball is worth, of the score.
-constexpr int kMostCurved = 2;
+// radii, voxels; and what those are worth, of the score.
+constexpr int kMostCurved = 3;
 constexpr float kLeastShare = 0.8f;
-constexpr float kBehind = 1.0f, kCurvedRadii[] = {6.8f, 4.2f};
-constexpr float kPerBall = 0.1f, kPerRadius = 0.05f;
+constexpr float kBehind[] = {1.5f, 0.0f}, kCurvedRadii[] = {6.8f, 3.8f};
+constexpr float kPerBehind = 0.1f, kPerRadius = 0.05f;
 
 std::optional<HeightPlane> plane_of(const PlaneSums& s) {
   if (s.n < kFewestPoints) return {};
@@ -74,29 +74,31 @@ bool holds(const HeightMap& map, const Candidate& c) {
   return residuals.largest <= c.plane.slack && residuals.sum_squares <= c.inliers * mean * mean;
 }
 
-/// The side that half `d` is on, and a little more: at its rim a fit would look ahead only.
-MapSide side_of(int d) {
+/// The side that half `d` is on.
+MapSide side_of(int d, float behind) {
   constexpr float kAslant = 0.70710678f;
   constexpr float kRays[kHalves][2] = {
       {1.0f, 0.0f},  {kAslant, kAslant},   {0.0f, 1.0f},  {-kAslant, kAslant},
       {-1.0f, 0.0f}, {-kAslant, -kAslant}, {0.0f, -1.0f}, {kAslant, -kAslant}};
-  return {kRays[d][0], kRays[d][1], kBehind};
+  return {kRays[d][0], kRays[d][1], behind};
 }
 
-/// The surface that explains the largest part of a ball on a candidate's side, where it may be the
-/// voxel's.
+/// The surface that explains the largest part of a ball about a candidate's side, where it may be
+/// the voxel's. A little behind the voxel first, since at its rim a fit looks ahead only.
 std::optional<HalfDisc> curved_side(const HeightMap& map, const Candidate& c,
                                     const Eigen::Vector3f& coarse) {
   const Foot& plane = c.disc.foot;
   const Eigen::Vector3f tilt(plane.normal_x, plane.normal_y, plane.normal_z);
-  for (const float radius : kCurvedRadii) {
-    const std::optional<Foot> foot = fit_tilted(map, tilt, radius, side_of(c.half));
-    if (!foot) continue;
-    const Eigen::Vector3f normal(foot->normal_x, foot->normal_y, foot->normal_z);
-    const bool may_be = normal.dot(coarse) >= kLeastCosine && foot->offset >= kMostInside &&
-                        foot->offset <= kMostOutside;
-    if (!may_be) return {};
-    return HalfDisc{*foot, std::abs(foot->offset) - kPerBall - kPerRadius * radius};
+  for (const float behind : kBehind) {
+    for (const float radius : kCurvedRadii) {
+      const std::optional<Foot> foot = fit_tilted(map, tilt, radius, side_of(c.half, behind));
+      if (!foot) continue;
+      const Eigen::Vector3f normal(foot->normal_x, foot->normal_y, foot->normal_z);
+      const bool may_be = normal.dot(coarse) >= kLeastCosine && foot->offset >= kMostInside &&
+                          foot->offset <= kMostOutside;
+      if (!may_be) break;
+      return HalfDisc{*foot, std::abs(foot->offset) - kPerBehind * behind - kPerRadius * radius};
+    }
   }
   return {};
 }

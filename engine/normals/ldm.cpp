@@ -117,17 +117,15 @@ SurfaceEstimate estimate_in_parts(const Workpiece& workpiece, const Cell& voxel,
                                   const Vector3f& coarse, const Vector3f& tool,
                                   std::uint8_t& windows) noexcept {
   std::optional<Foot> in_ball;
-  if (const std::optional<Foot> close = close_plane(map)) {
-    const Vector3f tilt(close->normal_x, close->normal_y, close->normal_z);
-    const float wide = std::max(1.0f, static_cast<float>(map.ns) / 6.0f);
-    for (const float at_six : kRadii) {
-      // The largest grows with the map; the others are there for what is small.
-      const float radius = at_six == kRadii[0] ? at_six * wide : at_six;
-      in_ball = fit_tilted(map, tilt, radius);
-      if (!in_ball) continue;
-      if (radius > kNearEdge) return to_index_space(*in_ball, axes);
-      break;
-    }
+  const Vector3f tilt = to_map_space(coarse, axes).normalized();
+  const float wide = std::max(1.0f, static_cast<float>(map.ns) / 6.0f);
+  for (const float at_six : kRadii) {
+    // The largest grows with the map; the others are there for what is small.
+    const float radius = at_six == kRadii[0] ? at_six * wide : at_six;
+    in_ball = fit_tilted(map, tilt, radius);
+    if (!in_ball) continue;
+    if (radius > kNearEdge) return to_index_space(*in_ball, axes);
+    break;
   }
   const std::optional<SurfaceEstimate> face =
       nearest_face(workpiece, voxel, map, axes, trace, coarse, tool, windows);

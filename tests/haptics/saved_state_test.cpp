@@ -106,7 +106,7 @@ struct TickedRun {
 
 class SavedState : public ::testing::Test {
  protected:
-  static constexpr int kTicks = 700;
+  static constexpr int kTicks = 760;
 
   SavedState()
       : trajectory_(make_trajectory(run_.scene.trajectory)),
