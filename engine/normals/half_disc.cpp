@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "engine/normals/grown_plane.hpp"
 #include "engine/normals/map_kernels.hpp"
@@ -22,11 +23,11 @@ constexpr float kLeastCosine = 0.42f;                       // to the coarse nor
 constexpr float kPerPoint = 0.004f;                         // of the score, voxels
 constexpr int kFewestGrown = 12;
 // Of parts of balls where no half is plane: of how many halves, the best first, and of what is
-// found in them that lies on their first planes; how far behind the voxel the side begins, and
-// radii, voxels; and what those are worth, of the score.
+// found in them that lies on their first planes; how far behind the voxel the side begins, where
+// the voxel is inside a face and else, and radii, voxels; and what those are worth, of the score.
 constexpr int kMostCurved = 3;
 constexpr float kLeastShare = 0.8f;
-constexpr float kBehind[] = {1.5f, 0.0f}, kCurvedRadii[] = {6.8f, 3.8f};
+constexpr float kInside[] = {2.5f}, kBehind[] = {1.5f, 0.0f}, kCurvedRadii[] = {6.8f, 3.8f};
 constexpr float kPerBehind = 0.1f, kPerRadius = 0.05f;
 
 std::optional<HeightPlane> plane_of(const PlaneSums& s) {
@@ -86,10 +87,10 @@ MapSide side_of(int d, float behind) {
 /// The surface that explains the largest part of a ball about a candidate's side, where it may be
 /// the voxel's. A little behind the voxel first, since at its rim a fit looks ahead only.
 std::optional<HalfDisc> curved_side(const HeightMap& map, const Candidate& c,
-                                    const Eigen::Vector3f& coarse) {
+                                    const Eigen::Vector3f& coarse, std::span<const float> behinds) {
   const Foot& plane = c.disc.foot;
   const Eigen::Vector3f tilt(plane.normal_x, plane.normal_y, plane.normal_z);
-  for (const float behind : kBehind) {
+  for (const float behind : behinds) {
     for (const float radius : kCurvedRadii) {
       const std::optional<Foot> foot = fit_tilted(map, tilt, radius, side_of(c.half, behind));
       if (!foot) continue;
@@ -106,7 +107,7 @@ std::optional<HalfDisc> curved_side(const HeightMap& map, const Candidate& c,
 }  // namespace
 
 std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vector3f& coarse,
-                                          const Eigen::Vector3f& outward) noexcept {
+                                          const Eigen::Vector3f& outward, bool inside) noexcept {
   std::array<PlaneSums, kHalves> halves;
   map_kernels().halves(map, halves);
   // The best first, and the first of equals.
@@ -122,12 +123,32 @@ std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vec
     *at = *c;
     ++end;
   }
-  // The veto is on what a half-disc has grown to, and leaves none to curved sides, so that it
-  // changes no other answer.
-  bool any_holds = false;
+  // The veto is on what stands at last, and what it takes away makes room for nothing else than its
+  // like, so that it changes no other answer.
+  bool any = false;
+  const auto curved_sides = [&](std::span<const float> behinds) {
+    std::optional<HalfDisc> nearest;
+    int tried = 0;
+    for (auto c = candidates.begin(); c != end && tried < kMostCurved; ++c) {
+      if (c->inliers < kLeastShare * halves[static_cast<std::size_t>(c->half)].n) continue;
+      ++tried;
+      const std::optional<HalfDisc> curved = curved_side(map, *c, coarse, behinds);
+      if (!curved) continue;
+      any = true;
+      if (nearest && !(curved->score < nearest->score)) continue;
+      const Eigen::Vector3f normal(curved->foot.normal_x, curved->foot.normal_y,
+                                   curved->foot.normal_z);
+      if (!(normal.dot(outward) < 0.0f)) nearest = curved;
+    }
+    return nearest;
+  };
+  if (inside) {
+    const std::optional<HalfDisc> nearest = curved_sides(kInside);
+    if (any) return nearest;
+  }
   for (auto c = candidates.begin(); c != end; ++c) {
     if (!holds(map, *c)) continue;
-    any_holds = true;
+    any = true;
     HalfDisc disc = c->disc;
     if (const std::optional<Foot> face = grow_plane(map, disc.foot, kFewestGrown, true)) {
       disc.foot = *face;
@@ -135,19 +156,8 @@ std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vec
     const Eigen::Vector3f normal(disc.foot.normal_x, disc.foot.normal_y, disc.foot.normal_z);
     if (!(normal.dot(outward) < 0.0f)) return disc;
   }
-  std::optional<HalfDisc> nearest;
-  if (any_holds) return nearest;
-  int tried = 0;
-  for (auto c = candidates.begin(); c != end && tried < kMostCurved; ++c) {
-    if (c->inliers < kLeastShare * halves[static_cast<std::size_t>(c->half)].n) continue;
-    ++tried;
-    const std::optional<HalfDisc> curved = curved_side(map, *c, coarse);
-    if (!curved || (nearest && !(curved->score < nearest->score))) continue;
-    const Eigen::Vector3f normal(curved->foot.normal_x, curved->foot.normal_y,
-                                 curved->foot.normal_z);
-    if (!(normal.dot(outward) < 0.0f)) nearest = curved;
-  }
-  return nearest;
+  if (any) return {};
+  return curved_sides(kBehind);
 }
 
 }  // namespace sulcus

@@ -21,9 +21,10 @@ struct HalfDisc {
 /// it, and grows over the map (grow_plane). `coarse`, unit, map space, is the coarse normal: no
 /// face of an edge or corner of 50 degrees or more is further than 65 degrees from it. Nor does the
 /// face point away from `outward`, map space, what the tool knows; zero where that is nothing.
-/// Where no half-disc is plane, as on the walls of a narrow hole, it is the quadric that explains
-/// the part of a ball on one side (fit_tilted). None where none does.
+/// Where no half-disc is plane, as on the walls of a narrow hole, it is what explains the part of a
+/// ball on one side (fit_tilted). Where a small ball about the voxel is `inside` one face, that
+/// comes first, from just behind it on. None where none does.
 std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vector3f& coarse,
-                                          const Eigen::Vector3f& outward) noexcept;
+                                          const Eigen::Vector3f& outward, bool inside) noexcept;
 
 }  // namespace sulcus

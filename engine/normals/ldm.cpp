@@ -83,14 +83,14 @@ std::optional<Foot> fit_wide(const Workpiece& workpiece, const Cell& voxel, cons
   return foot;
 }
 
-/// The face nearest to the voxel that its map, or one across the second axis, has. Adds to
-/// `windows` where it looked.
+/// The face nearest to the voxel that its map, or one across the second axis, has; `inside`, as a
+/// small ball tells. Adds to `windows` where it looked.
 std::optional<SurfaceEstimate> nearest_face(const Workpiece& workpiece, const Cell& voxel,
                                             const HeightMap& map, const MapAxes& axes, int trace,
                                             const Vector3f& coarse, const Vector3f& tool,
-                                            std::uint8_t& windows) noexcept {
-  const std::optional<HalfDisc> nearest =
-      nearest_half_disc(map, to_map_space(coarse, axes).normalized(), to_map_space(tool, axes));
+                                            std::uint8_t& windows, bool inside) noexcept {
+  const std::optional<HalfDisc> nearest = nearest_half_disc(
+      map, to_map_space(coarse, axes).normalized(), to_map_space(tool, axes), inside);
   Vector3f rest = coarse.cwiseAbs();
   const float component = rest[axes.axis];
   rest[axes.axis] = -1.0f;
@@ -102,7 +102,7 @@ std::optional<SurfaceEstimate> nearest_face(const Workpiece& workpiece, const Ce
     other.ns = map.ns;
     trace_along(workpiece, voxel, second, trace, other);
     const std::optional<HalfDisc> across = nearest_half_disc(
-        other, to_map_space(coarse, second).normalized(), to_map_space(tool, second));
+        other, to_map_space(coarse, second).normalized(), to_map_space(tool, second), inside);
     if (across && (!nearest || across->score < nearest->score)) {
       return to_index_space(across->foot, second);
     }
@@ -128,7 +128,7 @@ SurfaceEstimate estimate_in_parts(const Workpiece& workpiece, const Cell& voxel,
     break;
   }
   const std::optional<SurfaceEstimate> face =
-      nearest_face(workpiece, voxel, map, axes, trace, coarse, tool, windows);
+      nearest_face(workpiece, voxel, map, axes, trace, coarse, tool, windows, in_ball.has_value());
   if (face) return *face;
   if (in_ball) return to_index_space(*in_ball, axes);
   // Nothing fits, as on the floor of a fissure. The coarse normal errs least there.
@@ -185,7 +185,7 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
       }
       if (!stands(estimate.normal, coarse, tool)) {
         const std::optional<SurfaceEstimate> face =
-            nearest_face(workpiece, voxel, group.map(k), axes, trace, coarse, tool, windows);
+            nearest_face(workpiece, voxel, group.map(k), axes, trace, coarse, tool, windows, false);
         estimate = face ? *face : last_resort(coarse, tool, windows);
       }
       estimate.windows = windows;
