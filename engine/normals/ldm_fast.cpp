@@ -26,6 +26,8 @@ constexpr int kRingsAtEdge = 2;
 /// wide.
 constexpr float kMostBend = 0.15f, kMostLevelBend = 0.5f;
 constexpr float kLevel = 0.98f;  // cosine to the columns
+/// Smaller maps are asked for where that is enough; and all that they see is nearly flat.
+constexpr int kLeastForWide = 4;
 
 /// Voxels of a batch, a bit for each.
 using Bits = std::uint64_t;
@@ -189,7 +191,7 @@ void estimate_ldm_fast(const Workpiece& workpiece, std::span<const VoxelQuery> q
     batch.faces = 0;
     trace_others(workpiece, taken, neighbourhood, trace, batch);
     const Bits stand = map_kernels().feet(batch.surfaces.data(), batch.groups());
-    const Bits wide = has_wide_maps(neighbourhood)
+    const Bits wide = neighbourhood >= kLeastForWide && has_wide_maps(neighbourhood)
                           ? widen_faces(workpiece, taken, neighbourhood, trace, batch)
                           : 0;
 
