@@ -10,7 +10,8 @@ namespace sulcus {
 /// the burr's distance gradient at the voxel: what is kept where it stands, else found now, in the
 /// tier that the state says (KeptNormals). `kept` may be null: nothing is kept, and every normal is
 /// of the scene's method. What is undefined stays zero; contact_force takes the gradient itself
-/// there. What was found is left in the scratch for `keep_normals`.
+/// there. What was found is left in the scratch for `keep_normals`, which goes with `kept`: without
+/// it the tool has had its say in it.
 void normals(const Workpiece& workpiece, const HapticsSettings& settings, const KeptNormals* kept,
              ContactScratch& scratch) noexcept;
 

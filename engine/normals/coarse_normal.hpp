@@ -25,8 +25,5 @@ inline ColumnBits::Windows coarse_rows(const Workpiece& workpiece, const Cell& c
 /// Of so many queries; `rows` is room for as many.
 void coarse_sums(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
                  ColumnBits::Windows* rows, std::array<std::int32_t, 3>* sums) noexcept;
-inline Eigen::Vector3f coarse_of(const std::array<std::int32_t, 3>& sums) noexcept {
-  return -Eigen::Vector3i(sums[0], sums[1], sums[2]).cast<float>();
-}
 
 }  // namespace sulcus

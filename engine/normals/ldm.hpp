@@ -18,13 +18,14 @@ namespace sulcus {
 ///   a bound, not in a bell, a step towards the least sum of fourth powers follows;
 /// - where a plane explains what a quadric does, it grows over all columns of the map that lie on
 ///   it, up to the edges of the face (grow_plane);
-/// - else the largest ball about the voxel in which a quadric does, fitted in the tilted frame of
-///   the surface, where a curved surface is a quadric farther out than in the columns' frame. The
-///   quantisation of the heights enters the abscissas of that frame as well; what it adds to the
-///   normal equations is taken off;
+/// - else the largest ball about the voxel in which a quadric does, fitted in the frame of
+///   the coarse normal, where a curved surface is a quadric farther out than in the columns' frame.
+///   The quantisation of the heights enters the abscissas of that frame as well; what it adds to
+///   the normal equations is taken off;
 /// - where only a small ball is explained, the voxel is near an edge: of the planes through eight
 ///   half-discs of the map, and of a map along the second axis, the one whose face passes nearest
-///   to the voxel;
+///   to the voxel; where none is plane, and first of all where that ball is inside a face, what
+///   explains the part of a ball on one side;
 /// - normal and offset are those of the foot point of the voxel's centre.
 /// No normal points away from the coarse one. `VoxelQuery::outward` stands in for the coarse normal
 /// where the solid around the voxel is symmetric (a lone voxel, a wall of one voxel), and vetoes:
@@ -32,7 +33,7 @@ namespace sulcus {
 /// with the wrong face of an edge, the nearest face that does not is taken, else the coarse normal,
 /// else `outward` itself. (Beyond 120 degrees it is the far side of a wall.) Undefined only where
 /// both are zero. 1 <= neighbourhood <= kMaxNeighbourhood, 1 <= trace <= kMaxTrace. Pure, no
-/// allocation. One estimate for each query, eight at a time.
+/// allocation. One estimate for each query, up to 16 of a leaf at a time.
 void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
                   int neighbourhood, int trace, std::span<SurfaceEstimate> estimates) noexcept;
 

@@ -24,15 +24,15 @@ constexpr int kRingsAtEdge = 2;
 
 /// Bends of what may be a face half a map out, voxels, and where that is level, whose terraces are
 /// wide.
-constexpr float kMostBend = 0.15f, kMostLevelBend = 0.5f;
-constexpr float kLevel = 0.98f;  // cosine to the columns
+constexpr float kMostFaceBend = 0.15f, kMostLevelFaceBend = 0.5f;
+constexpr float kLevelCosine = 0.98f;  // cosine to the columns
 /// Smaller maps are asked for where that is enough; and all that they see is nearly flat.
 constexpr int kLeastForWide = 4;
 
 /// Voxels of a batch, a bit for each.
 using Bits = std::uint64_t;
 static_assert(kBatch == 64);
-constexpr Bits bit(std::size_t k) { return Bits{1} << k; }
+constexpr Bits bit_of(std::size_t k) { return Bits{1} << k; }
 constexpr Bits first_bits(std::size_t count) { return ~Bits{0} >> (kBatch - count); }
 template <class Each>
 void for_each(Bits bits, const Each& each) {
@@ -138,7 +138,7 @@ void trace_others(const Workpiece& workpiece, std::span<const VoxelQuery> querie
       if (map.even_rings <= kRingsAtEdge && map.even_rings < ns) {
         if (const std::optional<Foot> face = face_of(map)) {
           batch.feet[k] = *face;
-          batch.faces |= bit(k);
+          batch.faces |= bit_of(k);
           continue;
         }
       }
@@ -147,7 +147,7 @@ void trace_others(const Workpiece& workpiece, std::span<const VoxelQuery> querie
       QuadricSums sums;
       map_kernels().fit(map.middle_row(), map.lanes, filter, sums);
       batch.group(k).put(Batch::place(k), sums, map.at(0, 0), map.at(0, 0), map.sign, filter);
-      (map.even_rings == ns ? batch.even : batch.partly) |= bit(k);
+      (map.even_rings == ns ? batch.even : batch.partly) |= bit_of(k);
     }
   }
 }
@@ -161,9 +161,9 @@ Bits widen_faces(const Workpiece& workpiece, std::span<const VoxelQuery> queries
   for_each(batch.even, [&](std::size_t k) {
     const SurfaceGroup& group = batch.group(k);
     const int place = Batch::place(k);
-    const float most = group.normal_z[place] > kLevel ? kMostLevelBend : kMostBend;
+    const float most = group.normal_z[place] > kLevelCosine ? kMostLevelFaceBend : kMostFaceBend;
     if (!(group.bend[place] <= most * per)) return;
-    looked |= bit(k);
+    looked |= bit_of(k);
     HeightMap map;
     trace_wide(workpiece, queries[k].voxel, batch.axes(k), ns, trace, map);
     if (map.even_rings < ns) return;
@@ -171,7 +171,7 @@ Bits widen_faces(const Workpiece& workpiece, std::span<const VoxelQuery> queries
     const Foot foot = foot_of(surface);
     if (!is_face(surface, foot, ns)) return;
     batch.feet[k] = foot;
-    batch.faces |= bit(k);
+    batch.faces |= bit_of(k);
   });
   return looked;
 }
@@ -196,19 +196,20 @@ void estimate_ldm_fast(const Workpiece& workpiece, std::span<const VoxelQuery> q
                           : 0;
 
     SurfaceEstimate* const to = estimates.data() + first;
-    Bits done = stand & (batch.even | batch.partly) & ~batch.faces;
-    for_each(done, [&](std::size_t k) {
+    Bits faces = 0;  // that stand; a surface may where its face does not
+    for_each(batch.faces, [&](std::size_t k) {
+      const Eigen::Vector3f coarse = batch.coarse(k);
+      to[k] = to_index_space(batch.feet[k], batch.axes(k));
+      if (stands(to[k].normal, coarse, heard(taken[k].outward, coarse))) faces |= bit_of(k);
+    });
+    const Bits surfaces = stand & (batch.even | batch.partly) & ~faces;
+    for_each(surfaces, [&](std::size_t k) {
       const SurfaceGroup& group = batch.group(k);
       const int place = Batch::place(k);
       to[k] = {group.normal(place), group.offset[place], true, batch.axes(k).window()};
     });
-    for_each(batch.faces, [&](std::size_t k) {
-      const Eigen::Vector3f coarse = batch.coarse(k);
-      to[k] = to_index_space(batch.feet[k], batch.axes(k));
-      if (stands(to[k].normal, coarse, heard(taken[k].outward, coarse))) done |= bit(k);
-    });
     // No map: an edge sharper than the steps allow. The face of the voxel is the best surface.
-    for_each(batch.sided & ~done, [&](std::size_t k) {
+    for_each(batch.sided & ~(faces | surfaces), [&](std::size_t k) {
       const Eigen::Vector3f coarse = batch.coarse(k);
       to[k] = last_resort(coarse, heard(taken[k].outward, coarse), batch.axes(k).window());
     });

@@ -20,9 +20,8 @@ namespace sulcus {
 /// - weights: a taper, 1 - r^2 / (2.5 NS^2), instead of 1/r^2;
 /// - fit: a weighted quadric, corrected for what it becomes aslant, instead of a plane; the normal
 ///   and the offset are those at the foot point of the voxel's centre;
-/// - faces: where the quadric of a whole map is nearly flat, one of every other column sees twice
-/// as
-///   far, and is taken if it is flat too;
+/// - faces, from NS 4 to 7: where the quadric of a whole map is nearly flat, one of every other
+///   column sees twice as far, and is taken if it is flat too;
 /// - edges: where no more than two rings are even, the face that the voxel's nearest columns and
 ///   half of the map's lie on (grow_plane), where there is one.
 /// No normal points away from the coarse one; what does, or what `VoxelQuery::outward` vetoes as in

@@ -38,8 +38,7 @@ void LeafTiles::enter(std::size_t query) noexcept {
   worthwhile_ = ns_ <= HeightTile::kMaxNs && last < queries_.size() && is_of_leaf(last);
 }
 
-void LeafTiles::make(std::size_t number, HeightTile& tile) noexcept {
-  const MapAxes axes{static_cast<int>(number / 2), number % 2 == 0 ? -1 : 1};
+void LeafTiles::make(const MapAxes& axes, HeightTile& tile) noexcept {
   tile.ns = ns_;
   tile.sign = axes.sign;
   tile.wants_even_rings = wants_even_rings_;

@@ -31,17 +31,14 @@ class LeafTiles {
   std::size_t come_to(std::size_t query, std::size_t most) noexcept;
   /// The tile for maps along an axis of what was come to; null where there is none. Valid until
   /// another leaf is come to.
-  const HeightTile* find(const MapAxes& axes) noexcept { return find(tile_number(axes)); }
-  const HeightTile* find(std::size_t number) noexcept {
+  const HeightTile* find(const MapAxes& axes) noexcept {
     if (!worthwhile_) return nullptr;
+    const auto number = static_cast<std::size_t>(2 * axes.axis + (axes.sign > 0 ? 1 : 0));
     if (!made_[number]) {
       made_[number] = true;
-      make(number, tiles_[number]);
+      make(axes, tiles_[number]);
     }
     return &tiles_[number];
-  }
-  static std::size_t tile_number(const MapAxes& axes) {
-    return static_cast<std::size_t>(2 * axes.axis + (axes.sign > 0 ? 1 : 0));
   }
   /// The leaf's first voxel.
   const Cell& origin() const { return origin_; }
@@ -53,7 +50,7 @@ class LeafTiles {
 
  private:
   void enter(std::size_t query) noexcept;
-  void make(std::size_t number, HeightTile& tile) noexcept;
+  void make(const MapAxes& axes, HeightTile& tile) noexcept;
 
   static constexpr std::size_t kWorthwhile = 6;  // queries in a leaf
 

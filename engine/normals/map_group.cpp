@@ -22,7 +22,7 @@ std::size_t MapGroup::take(const Workpiece& workpiece, std::span<const VoxelQuer
     const int p = place(k);
     coarse[k] = {group.coarse[0][p], group.coarse[1][p], group.coarse[2][p]};
     axes[k] = {group.axis[p], group.sign[p] > 0.0f ? 1 : -1};
-    tiles_[k] = tiles.find(axes[k]);
+    tiles_[k] = (sided_ >> k & 1) != 0 ? tiles.find(axes[k]) : nullptr;
     tile_columns_[k] = tiles_[k] ? tiles_[k]->columns[group.column[p]] : HeightTile::kUnsound;
   }
   const TileMaps in_tiles =
@@ -32,6 +32,7 @@ std::size_t MapGroup::take(const Workpiece& workpiece, std::span<const VoxelQuer
 
   const QuadricFilter& whole = quadric_filter(neighbourhood, lanes_of(neighbourhood));
   filled_ = 0;
+  is_whole_.fill(false);
   for (std::size_t k = 0; k < count_; ++k) {
     is_whole_[k] = (tiled & sided_) >> k & 1;
     if (is_whole_[k]) {

@@ -77,16 +77,6 @@ inline bool stands(const Eigen::Vector3f& normal, const Eigen::Vector3f& coarse,
   return normal.dot(coarse) > 0.0f && !(normal.dot(tool) < 0.0f);
 }
 
-/// Puts the sums of a whole map that a tile can tell, of the voxel `at`, as one of a group;
-/// `filter` is that of all its rings.
-inline void put_tile_sums(const HeightTile& tile, const Eigen::Vector3i& at,
-                          const QuadricFilter& filter, SurfaceGroup& group, int place) noexcept {
-  const int u = at.x(), v = at.y(), height = tile.at(u, v);
-  QuadricSums sums;
-  for (std::size_t f = 0; f < kQuadric; ++f) sums[f] = tile.sums[v][f][u];
-  group.put(place, sums, height, height - at.z(), tile.sign, filter);
-}
-
 /// The columns around a voxel, as maps along an axis are traced from them.
 inline ColumnBits::Windows columns_about(const Workpiece& workpiece, const Cell& voxel,
                                          const MapAxes& axes) noexcept {

@@ -37,8 +37,8 @@ struct alignas(32) SurfaceGroup {
   // Filled in:
   float c[kQuadric][kSize], t_x[kSize], t_y[kSize], quartic[kSize];
   float normal_x[kSize], normal_y[kSize], normal_z[kSize], offset[kSize];
-  // By `feet` and `sharpen_group`: the normal in index space, and whether (-1) it points away from
-  // neither the coarse one nor what the tool has to say.
+  // By `feet` and `sharpen_group`: the normal in index space; by the latter whether (-1) it points
+  // away from neither the coarse one nor what the tool has to say.
   float index_normal[3][kSize];
   std::int32_t stands[kSize];
   float bend[kSize];  // of the surface across itself, a column out
@@ -63,10 +63,6 @@ struct alignas(32) SurfaceGroup {
     answers[2][k] = a.value_x4, answers[3][k] = a.value_x2y2;
     answers[4][k] = a.bend_x4, answers[5][k] = a.bend_x2y2, answers[6][k] = a.bend_y4;
     answers[7][k] = a.twist_x3y;
-  }
-  void put_axes(int k, int columns, const float* coarse_normal, const float* outward) {
-    axis[k] = columns;
-    for (int a = 0; a < 3; ++a) coarse[a][k] = coarse_normal[a], tool[a][k] = outward[a];
   }
   void put_voxel(int k, const int* cell, const float* outward, const std::int32_t* sums_about) {
     for (int a = 0; a < 3; ++a) {
@@ -223,7 +219,7 @@ struct MapKernels {
   /// Residuals of surfaces of stride 1 over their whole maps, as `map_residuals`; `which` has a bit
   /// for each that is asked for.
   void (*group_residuals)(const MapRows* maps, unsigned which, SurfaceGroup& group) noexcept;
-  /// Surfaces of stride 1 sharpened by their residuals, their feet, and which stand.
+  /// Surfaces of stride 1 sharpened by their residuals, their feet and bends, and which stand.
   void (*sharpen_group)(SurfaceGroup& group) noexcept;
 
   /// Largest (height - surface)^2 over a whole map, voxels^2, the surface without its quartic part,

@@ -1,6 +1,8 @@
 #include "engine/normals/ldm.hpp"
 
+#include <algorithm>
 #include <cstdio>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -21,12 +23,25 @@ TEST(Ldm, QueriesTogetherAreAnsweredAsOneByOne) {
     queries.push_back({c, Eigen::Vector3f(0.3f, -0.2f, static_cast<float>(c.x() % 3) - 1.0f)});
   }
   queries.resize(queries.size() / 8 * 8 + 3);  // and a rest
-  std::vector<SurfaceEstimate> together(queries.size());
-  estimate_ldm(workpiece, queries, kNs, kTrace, together);
-  for (std::size_t k = 0; k < queries.size(); ++k) {
-    ASSERT_TRUE(test::same_bits(
-        together[k], estimate_ldm(workpiece, queries[k].voxel, kNs, kTrace, queries[k].outward)))
-        << k;
+  // As they were found, by leaves, as contacts come, and in no order.
+  const auto by_leaves = [](const VoxelQuery& a, const VoxelQuery& b) {
+    return leaf_key(voxel_key(a.voxel)) < leaf_key(voxel_key(b.voxel));
+  };
+  std::mt19937 random(3);
+  for (int order = 0; order < 3; ++order) {
+    if (order == 1) std::stable_sort(queries.begin(), queries.end(), by_leaves);
+    if (order == 2) std::shuffle(queries.begin(), queries.end(), random);
+    std::vector<SurfaceEstimate> ldm(queries.size()), fast(queries.size());
+    estimate_ldm(workpiece, queries, kNs, kTrace, ldm);
+    estimate_ldm_fast(workpiece, queries, kNs, kTrace, fast);
+    for (std::size_t k = 0; k < queries.size(); ++k) {
+      const auto& [voxel, outward] = queries[k];
+      ASSERT_TRUE(test::same_bits(ldm[k], estimate_ldm(workpiece, voxel, kNs, kTrace, outward)))
+          << order << " " << k;
+      ASSERT_TRUE(
+          test::same_bits(fast[k], estimate_ldm_fast(workpiece, voxel, kNs, kTrace, outward)))
+          << order << " " << k;
+    }
   }
 }
 

@@ -9,6 +9,7 @@
 
 #include "engine/normals/coarse_normal.hpp"
 #include "engine/normals/leaf_tiles.hpp"
+#include "engine/normals/map_group.hpp"
 #include "engine/normals/tilted_fit.hpp"
 #include "tests/support/instruction_sets.hpp"
 #include "tests/support/shapes.hpp"
@@ -68,6 +69,12 @@ class MapKernelsTest : public ::testing::TestWithParam<InstructionSet> {
         }
       }
     }
+  }
+
+  /// Of a surface across itself, a column out.
+  static float bend_of(const ColumnQuadric& surface) {
+    return (std::abs(surface.c[3]) + std::abs(surface.c[4]) + std::abs(surface.c[5])) *
+           foot_of(surface).normal_z;
   }
 
   const MapKernels* const plain_ = map_kernels_of(InstructionSet::kPlain);
@@ -240,9 +247,50 @@ TEST_P(MapKernelsTest, SurfacesOfAGroupAreThoseOfEachOfIts) {
         EXPECT_EQ(group->surface(k).c, one.c);
         EXPECT_EQ(group->foot(k).normal_x, foot_of(one).normal_x);
         EXPECT_EQ(group->foot(k).offset, foot_of(one).offset);
+        EXPECT_EQ(group->bend[k], bend_of(one));
       }
     }
   }
+}
+
+TEST_P(MapKernelsTest, FeetOfGroupsAreThoseOfTheirSurfaces) {
+  std::array<SurfaceGroup, 3> a;
+  for (int n = 0; n < 24; ++n) {
+    SurfaceGroup& group = a[static_cast<std::size_t>(n / 8)];
+    QuadricSums sums;
+    for (std::size_t f = 0; f < kQuadric; ++f)
+      sums[f] = 37 * (n + 3) % 91 * (f == 0 ? 40 : 9) - 300;
+    group.put(n % 8, sums, n % 5, n % 7 - 3, n % 2 == 0 ? 1 : -1, quadric_filter(2 + n % 5, 16));
+    group.axis[n % 8] = n % 3;
+    for (int axis = 0; axis < 3; ++axis) {
+      group.coarse[axis][n % 8] = static_cast<float>(std::sin(2 * n + axis));
+      group.tool[axis][n % 8] = static_cast<float>(std::cos(5 * n + 3 * axis));
+    }
+  }
+  std::array<SurfaceGroup, 3> b = a, surfaces = a;
+  const std::uint64_t stand = plain_->feet(a.data(), a.size());
+  ASSERT_EQ(fast_->feet(b.data(), b.size()), stand);
+  int standing = 0;
+  for (int n = 0; n < 24; ++n) {
+    const auto e = static_cast<std::size_t>(n / 8);
+    const int k = n % 8;
+    if (k == 0) plain_->surfaces(surfaces[e], 1);
+    const SurfaceGroup& group = surfaces[e];
+    const MapAxes axes{group.axis[k], n % 2 == 0 ? 1 : -1};
+    const Vector3f normal = to_index_space(group.foot(k), axes).normal;
+    const Vector3f coarse(group.coarse[0][k], group.coarse[1][k], group.coarse[2][k]);
+    const Vector3f tool(group.tool[0][k], group.tool[1][k], group.tool[2][k]);
+    const bool stands_alone = stands(normal, coarse, heard(tool, coarse));
+    EXPECT_EQ((stand >> n & 1) != 0, stands_alone) << n;
+    standing += stands_alone ? 1 : 0;
+    for (const auto* groups : {&a, &b}) {
+      EXPECT_EQ((*groups)[e].normal(k), normal) << n;
+      EXPECT_EQ((*groups)[e].offset[k], group.offset[k]) << n;
+      EXPECT_EQ((*groups)[e].bend[k], bend_of(group.surface(k))) << n;
+    }
+  }
+  EXPECT_GT(standing, 3);
+  EXPECT_LT(standing, 21);
 }
 
 TEST_P(MapKernelsTest, ResidualsOfAGroupAreThoseOfEachOfItsMaps) {
@@ -311,6 +359,7 @@ TEST_P(MapKernelsTest, VoxelsAreAimedAndFoundInTheirTilesAsOneByOne) {
     for (std::size_t first = 0; first + 64 <= cells.size(); first += 64) {
       SurfaceGroup plain[8], fast[8];
       std::array<MapAxes, 64> axes;
+      std::array<Vector3f, 64> out;
       std::uint64_t with_side = 0;
       for (std::size_t k = 0; k < 64; ++k) {
         const Cell& c = cells[first + k];
@@ -321,6 +370,7 @@ TEST_P(MapKernelsTest, VoxelsAreAimedAndFoundInTheirTilesAsOneByOne) {
           groups[k / 8].put_voxel(static_cast<int>(k % 8), c.data(), tool.data(), sums.data());
         }
         const Vector3f coarse = sums.isZero() ? tool : Vector3f((-sums).cast<float>());
+        out[k] = coarse;
         axes[k] = dominant_axes(coarse);
         if (!coarse.isZero()) with_side |= std::uint64_t{1} << k;
       }
@@ -333,6 +383,7 @@ TEST_P(MapKernelsTest, VoxelsAreAimedAndFoundInTheirTilesAsOneByOne) {
         const Eigen::Vector3i at = in_tile(cells[first + k], axes[k]);
         for (const SurfaceGroup* groups : {plain, fast}) {
           const SurfaceGroup& g = groups[k / 8];
+          ASSERT_EQ(Vector3f(g.coarse[0][k % 8], g.coarse[1][k % 8], g.coarse[2][k % 8]), out[k]);
           ASSERT_EQ(g.axis[k % 8], axes[k].axis);
           ASSERT_EQ(g.sign[k % 8], static_cast<float>(axes[k].sign));
           ASSERT_EQ(g.column[k % 8], at.y() * kLeafEdge + at.x());
