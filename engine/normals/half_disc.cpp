@@ -22,9 +22,9 @@ constexpr float kMostInside = -0.25f, kMostOutside = 1.0f;  // offset of the vox
 constexpr float kLeastCosine = 0.42f;                       // to the coarse normal
 constexpr float kPerPoint = 0.004f;                         // of the score, voxels
 constexpr int kFewestGrown = 12;
-// Of parts of balls: of how many halves, the best first, and of what is
-// found in them that lies on their first planes; how far behind the voxel the side begins, where
-// the voxel is inside a face and else, and radii, voxels; and what those are worth, of the score.
+// Of parts of balls: of how many halves, the best first, and of what is found in them that lies on
+// their first planes; how far behind the voxel the side begins, where the voxel is inside a face
+// and else, and radii, voxels; and what those are worth, of the score.
 constexpr int kMostCurved = 3;
 constexpr float kLeastShare = 0.8f;
 constexpr float kInside[] = {2.5f}, kBehind[] = {1.5f, 0.0f}, kCurvedRadii[] = {6.8f, 3.8f};

@@ -23,8 +23,7 @@ struct HalfDisc {
 /// face point away from `outward`, map space, what the tool knows; zero where that is nothing.
 /// Where no half-disc is plane, as on the walls of a narrow hole, it is what explains the part of a
 /// ball on one side (fit_tilted). Where a small ball about the voxel is `inside` one face, that
-/// comes first, from just behind it on. None where none does, or
-/// `outward` leaves none of its kind.
+/// comes first, from just behind it on. None where none does, or `outward` leaves none of its kind.
 std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vector3f& coarse,
                                           const Eigen::Vector3f& outward, bool inside) noexcept;
 

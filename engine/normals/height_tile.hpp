@@ -54,6 +54,13 @@ struct HeightTile {
   const signed char* middle_row(int u, int v) const { return height[ns + v] + u; }
   int at(int u, int v) const { return height[ns + v][kMargin + u]; }
   const Column& column(int u, int v) const { return columns[v * kEdge + u]; }
+  /// Sums of the whole map about a column.
+  QuadricSums sums_of(unsigned column) const {
+    const auto& row = sums[column / kEdge];
+    QuadricSums of;
+    for (std::size_t f = 0; f < kQuadric; ++f) of[f] = row[f][column % kEdge];
+    return of;
+  }
   bool is_sound(int u, int v) const { return (sound[v] >> u & 1) != 0; }
   /// Whether the map of the voxel at (u, v, w) in the leaf can be cut out: whole, and its heights
   /// within `trace`.

@@ -99,17 +99,16 @@ void fit_in_tiles(int ns, int trace, LeafTiles& tiles, Batch& batch) {
                             std::min(kRingsAtEdge + 1, ns), batch.surfaces.data(), batch.groups());
   batch.even = maps.even & batch.sided;
   batch.partly = maps.partly & batch.sided;
-  QuadricSums sums;
   const QuadricFilter& whole = quadric_filter(ns, lanes_of(ns));
   for_each(batch.even, [&](std::size_t k) {
-    const unsigned u = batch.column(k) % HeightTile::kEdge, v = batch.column(k) / HeightTile::kEdge;
-    for (std::size_t f = 0; f < kQuadric; ++f) sums[f] = batch.tiles[k]->sums[v][f][u];
+    const QuadricSums sums = batch.tiles[k]->sums_of(batch.column(k));
     batch.group(k).put_sums(Batch::place(k), sums, whole);
   });
   for_each(batch.partly, [&](std::size_t k) {
     const auto u = static_cast<int>(batch.column(k) % HeightTile::kEdge),
                v = static_cast<int>(batch.column(k) / HeightTile::kEdge);
     const QuadricFilter& filter = quadric_filter(batch.columns[k].even_rings, lanes_of(ns));
+    QuadricSums sums;
     map_kernels().fit(batch.tiles[k]->middle_row(u, v), HeightTile::kLanes, filter, sums);
     batch.group(k).put_sums(Batch::place(k), sums, filter);
   });

@@ -38,11 +38,9 @@ std::size_t MapGroup::take(const Workpiece& workpiece, std::span<const VoxelQuer
     if (is_whole_[k]) {
       const HeightTile& tile = *tiles_[k];
       const auto column = static_cast<unsigned>(eight(k).column[place(k)]);
-      const unsigned u = column % HeightTile::kEdge, v = column / HeightTile::kEdge;
-      QuadricSums of_tile;
-      for (std::size_t f = 0; f < kQuadric; ++f) of_tile[f] = tile.sums[v][f][u];
-      eight(k).put_sums(place(k), of_tile, whole);
-      at_[k] = {static_cast<int>(u), static_cast<int>(v), eight(k).layer[place(k)]};
+      eight(k).put_sums(place(k), tile.sums_of(column), whole);
+      at_[k] = {static_cast<int>(column % HeightTile::kEdge),
+                static_cast<int>(column / HeightTile::kEdge), eight(k).layer[place(k)]};
       rows_[k] = rows_of(tile, at_[k].x(), at_[k].y(), at_[k].z());
       continue;
     }

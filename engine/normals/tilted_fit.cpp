@@ -89,71 +89,56 @@ NormalEquations without_quantisation(const TiltedMoments& s, const TiltedFrame& 
   return equations_of(s, frame, 1.0f / (24.0f * frame.radius * frame.radius));
 }
 
-/// Two by two numbers, row by row.
-struct Block {
-  float a, b, c, d;
-};
-struct Pair {
-  float x, y;
-};
-Block operator*(const Block& m, const Block& n) {
-  return {m.a * n.a + m.b * n.c, m.a * n.b + m.b * n.d, m.c * n.a + m.d * n.c,
-          m.c * n.b + m.d * n.d};
-}
-Block operator-(const Block& m, const Block& n) {
-  return {m.a - n.a, m.b - n.b, m.c - n.c, m.d - n.d};
-}
-Pair operator*(const Block& m, const Pair& v) {
-  return {m.a * v.x + m.b * v.y, m.c * v.x + m.d * v.y};
-}
-Pair operator-(const Pair& v, const Pair& w) { return {v.x - w.x, v.y - w.y}; }
-Block transposed(const Block& m) { return {m.a, m.c, m.b, m.d}; }
+using Block = Eigen::Matrix2f;
+using Pair = Eigen::Vector2f;
 
 /// Of a symmetric pivot. False where it is singular, seen from what it was before elimination.
 bool invert(const Block& pivot, const Block& before, Block& inverse) {
-  const float determinant = pivot.a * pivot.d - pivot.c * pivot.c;
-  const float one = 1.0f / determinant;
-  inverse = {pivot.d * one, -pivot.c * one, -pivot.c * one, pivot.a * one};
-  return pivot.a > 1e-6f * before.a && determinant > 1e-6f * pivot.a * before.d;
+  const float a = pivot(0, 0), c = pivot(1, 0), d = pivot(1, 1);
+  const float determinant = a * d - c * c, one = 1.0f / determinant;
+  inverse << d * one, -c * one, -c * one, a * one;
+  return a > 1e-6f * before(0, 0) && determinant > 1e-6f * a * before(1, 1);
 }
 
 /// Coefficients, or none where the points do not determine them. By Cholesky's L D L', two rows at
 /// a time: half as many divisions wait for one another.
 std::optional<Quadric> solve_quadric(const NormalEquations& e) {
   const auto block = [&](int i, int j) {
-    return Block{e.matrix[i][j], i == j ? e.matrix[i + 1][i] : e.matrix[i][j + 1],
-                 e.matrix[i + 1][j], e.matrix[i + 1][j + 1]};
+    Block m;
+    m << e.matrix[i][j], i == j ? e.matrix[i + 1][i] : e.matrix[i][j + 1], e.matrix[i + 1][j],
+        e.matrix[i + 1][j + 1];
+    return m;
   };
   const Block a00 = block(0, 0), a10 = block(2, 0), a20 = block(4, 0);
   const Block a11 = block(2, 2), a21 = block(4, 2), a22 = block(4, 4);
   Block i0, i1, i2;
   if (!invert(a00, a00, i0)) return {};
   const Block l10 = a10 * i0, l20 = a20 * i0;
-  const Block s11 = a11 - l10 * transposed(a10), s21 = a21 - l20 * transposed(a10);
+  const Block s11 = a11 - l10 * a10.transpose(), s21 = a21 - l20 * a10.transpose();
   if (!invert(s11, a11, i1)) return {};
   const Block l21 = s21 * i1;
-  const Block s22 = a22 - l20 * transposed(a20) - l21 * transposed(s21);
+  const Block s22 = a22 - l20 * a20.transpose() - l21 * s21.transpose();
   if (!invert(s22, a22, i2)) return {};
-  const Pair b0{e.right[0], e.right[1]}, b1{e.right[2], e.right[3]}, b2{e.right[4], e.right[5]};
+  const Pair b0(e.right[0], e.right[1]), b1(e.right[2], e.right[3]), b2(e.right[4], e.right[5]);
   const Pair y1 = b1 - l10 * b0, y2 = b2 - l20 * b0 - l21 * y1;
   const Pair x2 = i2 * y2;
-  const Pair x1 = i1 * y1 - transposed(l21) * x2;
-  const Pair x0 = i0 * b0 - transposed(l10) * x1 - transposed(l20) * x2;
-  return Quadric{x0.x, x0.y, x1.x, x1.y, x2.x, x2.y};
+  const Pair x1 = i1 * y1 - l21.transpose() * x2;
+  const Pair x0 = i0 * b0 - l10.transpose() * x1 - l20.transpose() * x2;
+  return Quadric{x0.x(), x0.y(), x1.x(), x1.y(), x2.x(), x2.y()};
 }
 
 /// The same of the first three.
 std::optional<Quadric> solve_plane(const NormalEquations& e) {
-  const Block a00{e.matrix[0][0], e.matrix[1][0], e.matrix[1][0], e.matrix[1][1]};
-  Block i0;
+  Block a00, i0;
+  a00 << e.matrix[0][0], e.matrix[1][0], e.matrix[1][0], e.matrix[1][1];
   if (!invert(a00, a00, i0)) return {};
-  const Pair a10{e.matrix[2][0], e.matrix[2][1]}, b0{e.right[0], e.right[1]};
+  const Pair a10(e.matrix[2][0], e.matrix[2][1]), b0(e.right[0], e.right[1]);
   const Pair l10 = i0 * a10;
-  const float pivot = e.matrix[2][2] - (l10.x * a10.x + l10.y * a10.y);
+  const float pivot = e.matrix[2][2] - l10.dot(a10);
   if (!(pivot > 1e-6f * e.matrix[2][2])) return {};
-  const float x2 = (e.right[2] - (l10.x * b0.x + l10.y * b0.y)) / pivot;
-  const Pair x0 = i0 * b0 - Pair{l10.x * x2, l10.y * x2};
-  return Quadric{x0.x, x0.y, x2};
+  const float x2 = (e.right[2] - l10.dot(b0)) / pivot;
+  const Pair x0 = i0 * b0 - l10 * x2;
+  return Quadric{x0.x(), x0.y(), x2};
 }
 
 bool explains(const Quadric& c, const TiltedPoints& points, const TiltedFrame& frame,
