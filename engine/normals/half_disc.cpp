@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <span>
 
 #include "engine/normals/grown_plane.hpp"
 #include "engine/normals/map_kernels.hpp"
 #include "engine/normals/plane_solution.hpp"
-#include "engine/normals/tilted_fit.hpp"
 
 namespace sulcus {
 
@@ -25,7 +25,7 @@ constexpr int kFewestGrown = 12;
 // Of parts of balls: of how many halves, the best first, and of what is found in them that lies on
 // their first planes; how far behind the voxel the side begins, where the voxel is inside a face
 // and else, and radii, voxels; and what those are worth, of the score.
-constexpr int kMostCurved = 3;
+constexpr std::size_t kMostCurved = 3;
 constexpr float kLeastShare = 0.8f;
 constexpr float kInside[] = {2.5f}, kBehind[] = {1.5f, 0.0f}, kCurvedRadii[] = {6.8f, 3.8f};
 constexpr float kPerBehind = 0.1f, kPerRadius = 0.05f;
@@ -84,30 +84,51 @@ MapSide side_of(int d, float behind) {
   return {kRays[d][0], kRays[d][1], behind};
 }
 
-/// The surface that explains the largest part of a ball about a candidate's side, where it may be
-/// the voxel's. A little behind the voxel first, since at its rim a fit looks ahead only.
-std::optional<HalfDisc> curved_side(const HeightMap& map, const Candidate& c,
-                                    const Eigen::Vector3f& coarse, std::span<const float> behinds) {
-  const Foot& plane = c.disc.foot;
-  const Eigen::Vector3f tilt(plane.normal_x, plane.normal_y, plane.normal_z);
+/// Of candidates' sides, the surface of the voxel's that explains the largest part of a ball about
+/// each. A little behind the voxel first, since at its rim a fit looks ahead only.
+std::array<std::optional<HalfDisc>, kMostCurved> curved_sides_of(
+    const HeightMap& map, std::span<const Candidate* const> candidates,
+    const Eigen::Vector3f& coarse, std::span<const float> behinds, TiltedFitter& fitter) {
+  std::array<std::optional<HalfDisc>, kMostCurved> discs;
   for (const float behind : behinds) {
+    unsigned left = 0;
+    for (std::size_t n = 0; n < candidates.size(); ++n) left |= (discs[n] ? 0u : 1u) << n;
     for (const float radius : kCurvedRadii) {
-      const std::optional<Foot> foot = fit_tilted(map, tilt, radius, side_of(c.half, behind));
-      if (!foot) continue;
-      const Eigen::Vector3f normal(foot->normal_x, foot->normal_y, foot->normal_z);
-      const bool may_be = normal.dot(coarse) >= kLeastCosine && foot->offset >= kMostInside &&
-                          foot->offset <= kMostOutside;
-      if (!may_be) break;
-      return HalfDisc{*foot, std::abs(foot->offset) - kPerBehind * behind - kPerRadius * radius};
+      std::array<TiltedFit, kMostCurved> fits;
+      std::array<std::size_t, kMostCurved> of;
+      std::size_t count = 0;
+      for (unsigned rest = left; rest != 0; rest &= rest - 1) {
+        const auto n = static_cast<std::size_t>(std::countr_zero(rest));
+        const Foot& plane = candidates[n]->disc.foot;
+        fits[count] = {&map,
+                       {plane.normal_x, plane.normal_y, plane.normal_z},
+                       radius,
+                       side_of(candidates[n]->half, behind),
+                       {}};
+        of[count++] = n;
+      }
+      if (count == 0) break;
+      fitter.fit(std::span(fits).first(count));
+      for (std::size_t f = 0; f < count; ++f) {
+        if (!fits[f].foot) continue;
+        left &= ~(1u << of[f]);
+        const Foot& foot = *fits[f].foot;
+        const Eigen::Vector3f normal(foot.normal_x, foot.normal_y, foot.normal_z);
+        const bool may_be = normal.dot(coarse) >= kLeastCosine && foot.offset >= kMostInside &&
+                            foot.offset <= kMostOutside;
+        if (!may_be) continue;
+        discs[of[f]] = {foot, std::abs(foot.offset) - kPerBehind * behind - kPerRadius * radius};
+      }
     }
   }
-  return {};
+  return discs;
 }
 
 }  // namespace
 
 std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vector3f& coarse,
-                                          const Eigen::Vector3f& outward, bool inside) noexcept {
+                                          const Eigen::Vector3f& outward, bool inside,
+                                          TiltedFitter& fitter) noexcept {
   std::array<PlaneSums, kHalves> halves;
   map_kernels().halves(map, halves);
   // The best first, and the first of equals.
@@ -127,12 +148,15 @@ std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vec
   // like, so that it changes no other answer.
   bool any = false;
   const auto curved_sides = [&](std::span<const float> behinds) {
-    std::optional<HalfDisc> nearest;
-    int tried = 0;
-    for (auto c = candidates.begin(); c != end && tried < kMostCurved; ++c) {
+    std::array<const Candidate*, kMostCurved> tried;
+    std::size_t count = 0;
+    for (auto c = candidates.begin(); c != end && count < tried.size(); ++c) {
       if (c->inliers < kLeastShare * halves[static_cast<std::size_t>(c->half)].n) continue;
-      ++tried;
-      const std::optional<HalfDisc> curved = curved_side(map, *c, coarse, behinds);
+      tried[count++] = &*c;
+    }
+    std::optional<HalfDisc> nearest;
+    for (const std::optional<HalfDisc>& curved :
+         curved_sides_of(map, std::span(tried).first(count), coarse, behinds, fitter)) {
       if (!curved) continue;
       any = true;
       if (nearest && !(curved->score < nearest->score)) continue;

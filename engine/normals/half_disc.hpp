@@ -6,6 +6,7 @@
 
 #include "engine/normals/column_quadric.hpp"
 #include "engine/normals/height_map.hpp"
+#include "engine/normals/tilted_fit.hpp"
 
 namespace sulcus {
 
@@ -22,9 +23,10 @@ struct HalfDisc {
 /// face of an edge or corner of 50 degrees or more is further than 65 degrees from it. Nor does the
 /// face point away from `outward`, map space, what the tool knows; zero where that is nothing.
 /// Where no half-disc is plane, as on the walls of a narrow hole, it is what explains the part of a
-/// ball on one side (fit_tilted). Where a small ball about the voxel is `inside` one face, that
+/// ball on one side (TiltedFitter). Where a small ball about the voxel is `inside` one face, that
 /// comes first, from just behind it on. None where none does, or `outward` leaves none of its kind.
 std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vector3f& coarse,
-                                          const Eigen::Vector3f& outward, bool inside) noexcept;
+                                          const Eigen::Vector3f& outward, bool inside,
+                                          TiltedFitter& fitter) noexcept;
 
 }  // namespace sulcus

@@ -1,6 +1,8 @@
 #include "engine/normals/ldm.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <optional>
 
@@ -88,9 +90,10 @@ std::optional<Foot> fit_wide(const Workpiece& workpiece, const Cell& voxel, cons
 std::optional<SurfaceEstimate> nearest_face(const Workpiece& workpiece, const Cell& voxel,
                                             const HeightMap& map, const MapAxes& axes, int trace,
                                             const Vector3f& coarse, const Vector3f& tool,
-                                            std::uint8_t& windows, bool inside) noexcept {
+                                            std::uint8_t& windows, bool inside,
+                                            TiltedFitter& fitter) noexcept {
   const std::optional<HalfDisc> nearest = nearest_half_disc(
-      map, to_map_space(coarse, axes).normalized(), to_map_space(tool, axes), inside);
+      map, to_map_space(coarse, axes).normalized(), to_map_space(tool, axes), inside, fitter);
   Vector3f rest = coarse.cwiseAbs();
   const float component = rest[axes.axis];
   rest[axes.axis] = -1.0f;
@@ -101,8 +104,9 @@ std::optional<SurfaceEstimate> nearest_face(const Workpiece& workpiece, const Ce
     HeightMap other;
     other.ns = map.ns;
     trace_along(workpiece, voxel, second, trace, other);
-    const std::optional<HalfDisc> across = nearest_half_disc(
-        other, to_map_space(coarse, second).normalized(), to_map_space(tool, second), inside);
+    const std::optional<HalfDisc> across =
+        nearest_half_disc(other, to_map_space(coarse, second).normalized(),
+                          to_map_space(tool, second), inside, fitter);
     if (across && (!nearest || across->score < nearest->score)) {
       return to_index_space(across->foot, second);
     }
@@ -111,28 +115,37 @@ std::optional<SurfaceEstimate> nearest_face(const Workpiece& workpiece, const Ce
   return {};
 }
 
-/// Where no quadric explains the whole map.
-SurfaceEstimate estimate_in_parts(const Workpiece& workpiece, const Cell& voxel,
-                                  const HeightMap& map, const MapAxes& axes, int trace,
-                                  const Vector3f& coarse, const Vector3f& tool,
-                                  std::uint8_t& windows) noexcept {
-  std::optional<Foot> in_ball;
-  const Vector3f tilt = to_map_space(coarse, axes).normalized();
-  const float wide = std::max(1.0f, static_cast<float>(map.ns) / 6.0f);
+/// What explains a ball about a voxel.
+struct Ball {
+  Foot foot;
+  float radius = 0.0f;  // at NS = 6
+};
+
+/// The largest balls that are explained, of the voxels of a group that `which` has a bit for.
+void find_balls(MapGroup& group, std::uint32_t which, int neighbourhood, TiltedFitter& fitter,
+                std::array<std::optional<Ball>, MapGroup::kSize>& balls) noexcept {
+  const float wide = std::max(1.0f, static_cast<float>(neighbourhood) / 6.0f);
   for (const float at_six : kRadii) {
     // The largest grows with the map; the others are there for what is small.
     const float radius = at_six == kRadii[0] ? at_six * wide : at_six;
-    in_ball = fit_tilted(map, tilt, radius);
-    if (!in_ball) continue;
-    if (radius > kNearEdge) return to_index_space(*in_ball, axes);
-    break;
+    for (std::uint32_t left = which; left != 0;) {
+      std::array<TiltedFit, TiltedGroup::kSize> fits;
+      std::array<unsigned, TiltedGroup::kSize> of;
+      std::size_t count = 0;
+      for (; left != 0 && count < fits.size(); left &= left - 1) {
+        const auto k = static_cast<unsigned>(std::countr_zero(left));
+        const Vector3f tilt = to_map_space(group.coarse[k], group.axes[k]).normalized();
+        fits[count] = {&group.map(k), tilt, radius, {}, {}};
+        of[count++] = k;
+      }
+      fitter.fit(std::span(fits).first(count));
+      for (std::size_t n = 0; n < count; ++n) {
+        if (!fits[n].foot) continue;
+        balls[of[n]] = {*fits[n].foot, at_six};
+        which &= ~(1u << of[n]);
+      }
+    }
   }
-  const std::optional<SurfaceEstimate> face =
-      nearest_face(workpiece, voxel, map, axes, trace, coarse, tool, windows, in_ball.has_value());
-  if (face) return *face;
-  if (in_ball) return to_index_space(*in_ball, axes);
-  // Nothing fits, as on the floor of a fissure. The coarse normal errs least there.
-  return last_resort(coarse, tool, windows);
 }
 
 }  // namespace
@@ -143,10 +156,13 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
   const int columns = (2 * neighbourhood + 1) * (2 * neighbourhood + 1);
   const float flat = kMostBend / static_cast<float>(neighbourhood * neighbourhood);
   MapGroup group;
+  TiltedFitter fitter;
   LeafTiles tiles(workpiece, queries, neighbourhood, false);
   for (std::size_t first = 0, count; first < queries.size(); first += count) {
     count = group.take(workpiece, queries, first, neighbourhood, trace, tiles);
     const std::uint32_t explained = explained_of(group, neighbourhood);
+    std::array<std::optional<Ball>, MapGroup::kSize> balls;
+    find_balls(group, group.sided() & ~explained, neighbourhood, fitter, balls);
     for (std::size_t e = 0; e < group.eights(); ++e) map_kernels().sharpen_group(group.surfaces[e]);
     for (std::size_t k = 0; k < count; ++k) {
       const Cell& voxel = queries[first + k].voxel;
@@ -179,13 +195,20 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
             wide ? fit_wide(workpiece, voxel, axes, neighbourhood, trace, !level) : std::nullopt;
         if (!face && is_flat) face = grow_plane(group.map(k), foot, columns, false);
         estimate = to_index_space(face ? *face : foot, axes);
+      } else if (balls[k] && balls[k]->radius > kNearEdge) {
+        estimate = to_index_space(balls[k]->foot, axes);
       } else {
-        estimate =
-            estimate_in_parts(workpiece, voxel, group.map(k), axes, trace, coarse, tool, windows);
+        const std::optional<SurfaceEstimate> face =
+            nearest_face(workpiece, voxel, group.map(k), axes, trace, coarse, tool, windows,
+                         balls[k].has_value(), fitter);
+        // Where nothing fits, as on the floor of a fissure, the coarse normal errs least.
+        estimate = face       ? *face
+                   : balls[k] ? to_index_space(balls[k]->foot, axes)
+                              : last_resort(coarse, tool, windows);
       }
       if (!stands(estimate.normal, coarse, tool)) {
-        const std::optional<SurfaceEstimate> face =
-            nearest_face(workpiece, voxel, group.map(k), axes, trace, coarse, tool, windows, false);
+        const std::optional<SurfaceEstimate> face = nearest_face(
+            workpiece, voxel, group.map(k), axes, trace, coarse, tool, windows, false, fitter);
         estimate = face ? *face : last_resort(coarse, tool, windows);
       }
       estimate.windows = windows;

@@ -32,6 +32,8 @@ struct MapGroup {
   SurfaceGroup& eight(std::size_t k) { return surfaces[k / SurfaceGroup::kSize]; }
   static int place(std::size_t k) { return static_cast<int>(k % SurfaceGroup::kSize); }
   std::size_t eights() const { return (count_ + SurfaceGroup::kSize - 1) / SurfaceGroup::kSize; }
+  /// Which have a side, and so a map: a bit for each.
+  std::uint32_t sided() const { return static_cast<std::uint32_t>(sided_); }
   bool is_whole(std::size_t k) const { return is_whole_[k]; }
   /// Of the whole maps of an eight.
   const MapRows* rows(std::size_t eight) const {

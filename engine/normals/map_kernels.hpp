@@ -109,6 +109,42 @@ struct TiltedMoments {
   float m[5][5], z[3][3];
 };
 
+/// Up to eight fits to points in frames aslant, side by side.
+struct alignas(32) TiltedGroup {
+  static constexpr int kSize = 8;
+  // Frames and moments.
+  float u[3][kSize]{}, w[3][kSize]{}, n[3][kSize]{}, radius[kSize]{};
+  float m[5][5][kSize]{}, z[3][3][kSize]{};
+  // Surfaces in units of the radius, and whether (-1) the points determine them.
+  float quadric[kQuadric][kSize], plane[3][kSize];
+  std::int32_t has_quadric[kSize], has_plane[kSize];
+  // Feet of the voxels' centres on `quadric`: normals in map space, and offsets in voxels.
+  float normal[3][kSize], offset[kSize];
+
+  void put_frame(int k, const TiltedFrame& frame) {
+    for (unsigned a = 0; a < 3; ++a) {
+      u[a][k] = frame.u[a], w[a][k] = frame.w[a], n[a][k] = frame.n[a];
+    }
+    radius[k] = frame.radius;
+  }
+  void put_moments(int k, const TiltedMoments& moments) {
+    for (int a = 0; a <= 4; ++a) {
+      for (int b = 0; a + b <= 4; ++b) m[a][b][k] = moments.m[a][b];
+    }
+    for (int a = 0; a <= 2; ++a) {
+      for (int b = 0; a + b <= 2; ++b) z[a][b][k] = moments.z[a][b];
+    }
+  }
+  Quadric quadric_at(int k) const {
+    return {quadric[0][k], quadric[1][k], quadric[2][k],
+            quadric[3][k], quadric[4][k], quadric[5][k]};
+  }
+  void put_quadric(int k, const Quadric& c) {
+    for (unsigned f = 0; f < kQuadric; ++f) quadric[f][k] = c[f];
+  }
+  Foot foot(int k) const { return {normal[0][k], normal[1][k], normal[2][k], offset[k]}; }
+};
+
 /// The rows of a whole map, where they lie: in the map itself, or in a tile.
 struct MapRows {
   const signed char* middle = nullptr;  // row through the voxel, lanes / 2 lanes before it
@@ -253,6 +289,11 @@ struct MapKernels {
                     Residuals& residuals) noexcept;
   /// Takes a quadric off the points, and weighs each by the square of what is left besides.
   void (*sharpen_points)(const Quadric& quadric, TiltedPoints& points) noexcept;
+  /// Quadrics and planes from the moments, less what quantisation adds to these; quadrics of
+  /// sharpened points.
+  void (*solve_quantised)(TiltedGroup& group) noexcept;
+  void (*solve_sharpened)(TiltedGroup& group) noexcept;
+  void (*tilted_feet)(TiltedGroup& group) noexcept;
 };
 
 /// Compiled for a set; null where the processor or the build has none.

@@ -7,6 +7,7 @@
 #include "engine/normals/map_kernels.hpp"
 #include "engine/normals/plane_step.inl"
 #include "engine/normals/surface_group.inl"
+#include "engine/normals/tilted_group.inl"
 #include "engine/normals/tilted_points.inl"
 
 namespace sulcus {
@@ -594,12 +595,33 @@ void fit_rows(const signed char* middle, std::ptrdiff_t pitch, const QuadricFilt
 }
 
 constexpr MapKernels vector_kernels(const char* name) {
-  return {name,          coarse_sums,    trace_map,        trace_maps,
-          read_tile,     cut_map,        fit_rows,         aim,
-          look_up,       surfaces_of,    feet_of,          group_residuals,
-          sharpen_group, map_residuals,  close_sums,       plane_step,
-          look_at_plane, half_sums,      sums_on_plane,    residuals_on_plane,
-          gather_points, tilted_moments, tilted_residuals, sharpen_points};
+  return {name,
+          coarse_sums,
+          trace_map,
+          trace_maps,
+          read_tile,
+          cut_map,
+          fit_rows,
+          aim,
+          look_up,
+          surfaces_of,
+          feet_of,
+          group_residuals,
+          sharpen_group,
+          map_residuals,
+          close_sums,
+          plane_step,
+          look_at_plane,
+          half_sums,
+          sums_on_plane,
+          residuals_on_plane,
+          gather_points,
+          tilted_moments,
+          tilted_residuals,
+          sharpen_points,
+          solve_quantised,
+          solve_sharpened,
+          tilted_feet};
 }
 
 }  // namespace

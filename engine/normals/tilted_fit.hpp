@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <optional>
+#include <span>
 
 #include <Eigen/Core>
 
@@ -14,11 +16,29 @@ namespace sulcus {
 /// of it; none where they are fewer than five or in line.
 std::optional<Foot> close_plane(const HeightMap& map) noexcept;
 
-/// The plane, else the quadric, that explains all points of a map of stride 1, or of a side of it,
-/// within `radius` voxels of the voxel to their quantisation, fitted in the frame whose third axis
-/// is `normal`: there a curved surface is a quadric farther out than over the columns. None where
-/// neither does.
-std::optional<Foot> fit_tilted(const HeightMap& map, const Eigen::Vector3f& normal, float radius,
-                               const MapSide& side = {}) noexcept;
+/// A fit that is asked for, and what came of it.
+struct TiltedFit {
+  const HeightMap* map = nullptr;  // of stride 1
+  Eigen::Vector3f normal;          // third axis of the frame, unit, map space
+  float radius = 0.0f;             // voxels
+  MapSide side;
+  std::optional<Foot> foot;
+};
+
+/// Fits up to TiltedGroup::kSize tilted surfaces side by side.
+class TiltedFitter {
+ public:
+  /// The plane, else the quadric, that explains all points of a map, or of a side of it, within
+  /// `radius` of the voxel to their quantisation, fitted in the frame whose third axis is `normal`:
+  /// there a curved surface is a quadric farther out than over the columns. None where neither
+  /// does.
+  void fit(std::span<TiltedFit> fits) noexcept;
+
+ private:
+  // Lanes beyond the fits hold what earlier ones left.
+  TiltedGroup group_, thrice_;
+  std::array<TiltedFrame, TiltedGroup::kSize> frames_;
+  std::array<TiltedPoints, TiltedGroup::kSize> points_;
+};
 
 }  // namespace sulcus

@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "engine/normals/leaf_tiles.hpp"
-#include "engine/normals/tilted_fit.hpp"
 #include "tests/support/map_kernels_fixture.hpp"
 
 namespace sulcus {
@@ -258,66 +257,6 @@ TEST_P(MapKernelsTest, HalfDiscsAreThePixelsOnOneSideAndTheSameBitForBit) {
         ASSERT_EQ(r.sum_squares, s.sum_squares);
       }
     }
-  });
-}
-
-TEST_P(MapKernelsTest, TiltedPointsAndTheirSumsAreTheSameBitForBit) {
-  for_maps([&](const ColumnBits::Windows& columns, int sign) {
-    HeightMap map = ask(6, 1, sign);
-    plain_->trace(columns, 12, map);
-    const float radius = 8.0f;
-    TiltedFrame frame{{0.8f, 0.0f, -0.6f}, {0.36f, 0.8f, 0.48f}, {0.48f, -0.6f, 0.64f}, radius, {}};
-    TiltedPoints a, b;
-    frame.side = {0.6f, -0.8f, 1.3f};
-    plain_->gather(map, frame, a);
-    fast_->gather(map, frame, b);
-    ASSERT_EQ(a.count, b.count);
-    ASSERT_EQ(std::memcmp(a.u, b.u, static_cast<std::size_t>(a.count) * sizeof(float)), 0);
-    int inside = 0;
-    for (int j = -6; j <= 6; ++j) {
-      for (int i = -6; i <= 6; ++i) {
-        const float z = static_cast<float>(sign * map.at(i, j)) + 0.5f;
-        if (0.6 * i - 0.8 * j < -1.3) continue;
-        inside += static_cast<float>(i * i + j * j) + z * z <= radius * radius ? 1 : 0;
-      }
-    }
-    ASSERT_EQ(a.count, inside);
-    frame.side = {};
-    plain_->gather(map, frame, a);
-    fast_->gather(map, frame, b);
-    ASSERT_EQ(a.count, b.count);
-    inside = 0;
-    for (int j = -6; j <= 6; ++j) {
-      for (int i = -6; i <= 6; ++i) {
-        const float z = static_cast<float>(sign * map.at(i, j)) + 0.5f;
-        inside += static_cast<float>(i * i + j * j) + z * z <= radius * radius ? 1 : 0;
-      }
-    }
-    ASSERT_EQ(a.count, inside);
-    const auto same_points = [&] {
-      const std::size_t bytes = static_cast<std::size_t>((a.count + 7) / 8 * 8) * sizeof(float);
-      return std::memcmp(a.weight, b.weight, bytes) == 0 && std::memcmp(a.u, b.u, bytes) == 0 &&
-             std::memcmp(a.w, b.w, bytes) == 0 && std::memcmp(a.n, b.n, bytes) == 0;
-    };
-    ASSERT_TRUE(same_points());
-    TiltedMoments p, q;
-    plain_->moments(a, p);
-    fast_->moments(a, q);
-    for (int i = 0; i <= 4; ++i) {
-      for (int j = 0; i + j <= 4; ++j) ASSERT_EQ(p.m[i][j], q.m[i][j]);
-    }
-    for (int i = 0; i <= 2; ++i) {
-      for (int j = 0; i + j <= 2; ++j) ASSERT_EQ(p.z[i][j], q.z[i][j]);
-    }
-    Residuals r, s;
-    const Quadric c{0.01f, 0.1f, -0.2f, 0.3f, 0.05f, -0.1f};
-    plain_->residuals(a, c, r);
-    fast_->residuals(a, c, s);
-    ASSERT_EQ(r.largest, s.largest);
-    ASSERT_EQ(r.sum_squares, s.sum_squares);
-    plain_->sharpen_points(c, a);
-    fast_->sharpen_points(c, b);
-    ASSERT_TRUE(same_points());
   });
 }
 
