@@ -21,11 +21,15 @@ using Eigen::Vector3f;
 // Each of these is in voxels, or a share.
 constexpr float kMostResidual = 0.35f;  // of a whole map, beyond half the cosine of its tilt
 constexpr float kMostWideResidual = 0.6f;
-constexpr float kMostCubic = 0.2f;  // of the quadric's own part, at the rim of the map
+constexpr float kMostSeemingBend = 0.15f;  // of a face that few terraces make look bent (is_face)
+constexpr float kMostCubic = 0.2f;         // of the quadric's own part, at the rim of the map
 // Where the surface is so level, a map of stride 2 helps, as on all faces: terraces are wide there,
 // on what is nearly a face wider than on what is curved.
 constexpr float kNearlyFlat = 1.25f;
 constexpr float kLevelFace = 0.98f, kLevelCurved = 0.995f;
+// Slopes so near to whole numbers have terraces as wide along diagonals of the grid. Few of them
+// lie in a map, and a face may look bent by them.
+constexpr float kDiagonal = 0.1f;
 constexpr float kSecondAxis = 0.55f;  // of the dominant component of the coarse normal
 constexpr float kRadii[] = {7.6f, 5.8f, 4.2f, 2.6f};  // at NS = 6
 constexpr float kNearEdge = 3.0f;                     // a ball no larger than this
@@ -63,13 +67,14 @@ std::uint32_t explained_of(MapGroup& group, int neighbourhood) noexcept {
   return explained;
 }
 
-/// The surface of a map of stride 2, where that is whole, a quadric explains it, and it is `flat`
-/// where that is asked for.
+/// The surface of a map of stride 2: the quadric that explains it, where it is whole, which is
+/// `flat` where that is asked for; else, of what may be one, the face near to `first` that all of
+/// it lies on.
 std::optional<Foot> fit_wide(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes,
-                             int neighbourhood, int trace, bool flat) noexcept {
+                             int neighbourhood, int trace, bool flat, const Foot& first) noexcept {
   HeightMap map;
   trace_wide(workpiece, voxel, axes, neighbourhood, trace, map);
-  if (map.whole_rings < map.ns) return {};
+  if (map.whole_rings < map.ns) return face_over(map, first);
   const QuadricFilter& filter = quadric_filter(map.ns, map.lanes);
   ColumnQuadric surface = fit_whole(map, filter);
   const auto rim = static_cast<float>(map.ns * map.stride);
@@ -77,7 +82,8 @@ std::optional<Foot> fit_wide(const Workpiece& workpiece, const Cell& voxel, cons
   if (!may_explain(surface.t_x, surface.t_y, rim) ||
       !(map_kernels().map_residuals(rows_of(map), surface, left) <=
         kMostWideResidual * kMostWideResidual)) {
-    return {};
+    if (!bends_by_no_more(kMostSeemingBend, surface, first, neighbourhood)) return {};
+    return face_over(map, first);
   }
   sharpen(filter.solution, left, static_cast<float>(map.stride), surface);
   const Foot foot = foot_of(surface);
@@ -113,6 +119,14 @@ std::optional<SurfaceEstimate> nearest_face(const Workpiece& workpiece, const Ce
   }
   if (nearest) return to_index_space(nearest->foot, axes);
   return {};
+}
+
+bool is_diagonal(const Foot& foot) noexcept {
+  const auto near = [&](float component) {
+    const float slope = std::abs(component / foot.normal_z);
+    return std::abs(slope - static_cast<float>(static_cast<int>(slope + 0.5f))) <= kDiagonal;
+  };
+  return foot.normal_z > kLeastPlaneCosine && near(foot.normal_x) && near(foot.normal_y);
 }
 
 /// What explains a ball about a voxel.
@@ -188,15 +202,23 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
       }
       const Vector3f tool = heard(queries[first + k].outward, coarse);
       if (is_explained) {
+        const Foot foot = surfaces.foot(place);
         const bool wide = has_wide && (level || is_flat);
         if (wide) windows |= SurfaceEstimate::kWideWindow;
-        const Foot foot = surfaces.foot(place);
         std::optional<Foot> face =
-            wide ? fit_wide(workpiece, voxel, axes, neighbourhood, trace, !level) : std::nullopt;
+            wide ? fit_wide(workpiece, voxel, axes, neighbourhood, trace, !level, foot)
+                 : std::nullopt;
         if (!face && is_flat) face = grow_plane(group.map(k), foot, columns, false);
         estimate = to_index_space(face ? *face : foot, axes);
       } else if (balls[k] && balls[k]->radius > kNearEdge) {
-        estimate = to_index_space(balls[k]->foot, axes);
+        Foot foot = balls[k]->foot;
+        if (has_wide && is_diagonal(foot)) {
+          windows |= SurfaceEstimate::kWideWindow;
+          HeightMap map;
+          trace_wide(workpiece, voxel, axes, neighbourhood, trace, map);
+          foot = face_over(map, foot).value_or(foot);
+        }
+        estimate = to_index_space(foot, axes);
       } else {
         const std::optional<SurfaceEstimate> face =
             nearest_face(workpiece, voxel, group.map(k), axes, trace, coarse, tool, windows,

@@ -171,7 +171,8 @@ struct PlaneSums {
   float n = 0, i = 0, j = 0, ii = 0, ij = 0, jj = 0, z = 0, iz = 0, jz = 0;
 };
 
-/// A plane over a map, and how far a pixel may lie from it, across it, to be on it.
+/// A plane over a map, its slopes by column, and how far a pixel may lie from it, across it, to be
+/// on it.
 struct HeightPlane {
   float c0 = 0, c1 = 0, c2 = 0;
   float cosine = 1;

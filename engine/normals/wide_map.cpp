@@ -1,6 +1,17 @@
 #include "engine/normals/wide_map.hpp"
 
+#include <span>
+
+#include "engine/normals/grown_plane.hpp"
+
 namespace sulcus {
+
+namespace {
+
+constexpr float kLeastOfFace = 0.6f;  // of all columns
+constexpr float kMostOff = 0.8f;  // of columns from the first plane, beyond quantisation, voxels
+
+}  // namespace
 
 void trace_wide(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes,
                 int neighbourhood, int trace, HeightMap& map) noexcept {
@@ -15,6 +26,22 @@ ColumnQuadric fit_whole(const HeightMap& map, const QuadricFilter& filter) noexc
   const int level = map.at(0, 0);
   return column_quadric(quadric_of(sums, level, level, map.sign, filter.solution), filter.answers,
                         static_cast<float>(map.stride));
+}
+
+std::optional<Foot> face_over(const HeightMap& wide, const Foot& first) noexcept {
+  const auto rows = static_cast<std::size_t>(2 * wide.ns + 1);
+  int found = 0;  // in whole numbers as small as these, unlike std::count, side by side
+  for (const signed char height :
+       std::span(wide.height).first(rows * static_cast<std::size_t>(wide.lanes))) {
+    found += height != HeightMap::kNone ? 1 : 0;
+  }
+  if (static_cast<float>(found) < kLeastOfFace * static_cast<float>(rows * rows)) return {};
+  // Most that is no face can be told from where it begins.
+  const HeightPlane near = plane_through(first, wide.stride, kMostOff);
+  PlaneLook look;
+  map_kernels().look_at_plane(wide, near, look);
+  if (look.count < found) return {};
+  return grow_plane(wide, near, found, true);
 }
 
 }  // namespace sulcus

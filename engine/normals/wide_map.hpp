@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 
 #include "engine/normals/map_group.hpp"
 #include "engine/normals/quadric_filter.hpp"
@@ -15,12 +16,21 @@ void trace_wide(const Workpiece& workpiece, const Cell& voxel, const MapAxes& ax
 /// The surface of a whole map, by its filter.
 ColumnQuadric fit_whole(const HeightMap& map, const QuadricFilter& filter) noexcept;
 
-/// Whether a wide map's surface is a face: it bends by no more than a tenth of a voxel across
-/// itself, half a map out.
-inline bool is_face(const ColumnQuadric& surface, const Foot& foot, int neighbourhood) {
+/// Of a face.
+inline constexpr float kMostWideBend = 0.1f;
+/// Whether a wide map's surface bends by no more than so many voxels across itself, half a map out.
+inline bool bends_by_no_more(float most, const ColumnQuadric& surface, const Foot& foot,
+                             int neighbourhood) {
   const float bends =
       std::abs(surface.c[3]) + std::abs(surface.c[4]) + std::abs(surface.c[5]);  // a column out
-  return bends * foot.normal_z <= 0.1f / static_cast<float>(neighbourhood * neighbourhood);
+  return bends * foot.normal_z <= most / static_cast<float>(neighbourhood * neighbourhood);
 }
+inline bool is_face(const ColumnQuadric& surface, const Foot& foot, int neighbourhood) {
+  return bends_by_no_more(kMostWideBend, surface, foot, neighbourhood);
+}
+
+/// The face that all columns lie on whose heights a wide map has, from a plane near to it: steep
+/// ones leave the trace, so that the map is not whole. None where there is none, or few columns.
+std::optional<Foot> face_over(const HeightMap& wide, const Foot& first) noexcept;
 
 }  // namespace sulcus

@@ -32,7 +32,8 @@ TEST(TruthShapes, TheSphereIsThePapers) {
 }
 
 TEST(TruthShapes, TruthIsOfSurfaceVoxelsWithUnitNormalsOutOfTheSolid) {
-  for (const char* name : {"torus", "cone", "drilled_ellipsoid", "gyroid"}) {
+  for (const char* name : {"torus", "cone", "drilled_ellipsoid", "gyroid", "tetrahedron",
+                           "dodecahedron", "hyperboloid", "quartic"}) {
     const TruthShape shape = single(name);
     EXPECT_EQ(shape.name, name);
     ASSERT_GT(shape.voxels.size(), 10000u) << name;

@@ -81,6 +81,28 @@ TEST(GrownPlane, ReachesUpToTheEdgeAndNotBeyond) {
   }
 }
 
+TEST(GrownPlane, OverEveryOtherColumnItIsTheSamePlaneSeenFarther) {
+  double sum = 0.0, wide_sum = 0.0;
+  int planes = 0;
+  for_planes([&](double c0, double c1, double c2) {
+    HeightMap wide = map_of(c0, 2.0 * c1, 2.0 * c2, kNs);
+    wide.stride = 2;
+    for (const bool is_wide : {false, true}) {
+      const HeightMap& map = is_wide ? wide : map_of(c0, c1, c2, kNs);
+      const HeightPlane first = plane_through(roughly(c0, c1, c2), map.stride, 0.8f);
+      const auto face = grow_plane(map, first, 150, true);
+      ASSERT_TRUE(face) << c0 << " " << c1 << " " << c2;
+      const Vector3d normal(face->normal_x, face->normal_y, face->normal_z);
+      EXPECT_NEAR(normal.norm(), 1.0, 1e-5);
+      (is_wide ? wide_sum : sum) += test::angle_deg(normal, normal_of(c1, c2));
+    }
+    ++planes;
+  });
+  std::printf("grown plane: mean %.3f deg, over every other column %.3f\n", sum / planes,
+              wide_sum / planes);
+  EXPECT_LT(wide_sum, 0.65 * sum) << "half of it or so, as it sees twice as far";
+}
+
 TEST(GrownPlane, NeedsItsColumns) {
   const HeightMap map = map_of(0.4, 0.3, -0.2, 2);
   const Foot first = roughly(0.4, 0.3, -0.2);

@@ -179,6 +179,66 @@ ComposedShape gyroid(double least_radius) {
   return {{std::move(side)}, box_of(Vector3d::Zero())};
 }
 
+/// Vertices at (1, 1, 1), (1, -1, -1), (-1, 1, -1) and (-1, -1, 1) times `corner`.
+ComposedShape tetrahedron(double corner) {
+  std::vector<Side> sides;
+  for (const Vector3d& vertex :
+       {Vector3d(1, 1, 1), Vector3d(1, -1, -1), Vector3d(-1, 1, -1), Vector3d(-1, -1, 1)}) {
+    sides.push_back(half_space(-corner / 3.0 * vertex, -vertex.normalized()));
+  }
+  return {std::move(sides), box_of(Vector3d::Constant(corner))};
+}
+
+/// Twelve faces at `inner_radius` from the origin, across the vertices of an icosahedron.
+ComposedShape dodecahedron(double inner_radius) {
+  std::vector<Side> sides;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double one : {-1.0, 1.0}) {
+      for (const double golden : {-std::numbers::phi, std::numbers::phi}) {
+        Vector3d normal;
+        normal[axis] = 0.0, normal[(axis + 1) % 3] = one, normal[(axis + 2) % 3] = golden;
+        normal.normalize();
+        sides.push_back(half_space(inner_radius * normal, normal));
+      }
+    }
+  }
+  // A corner is 1.26 inner radii out.
+  return {std::move(sides), box_of(Vector3d::Constant(1.26 * inner_radius))};
+}
+
+/// x^2 + y^2 <= waist^2 + (flare z)^2 between two planes.
+ComposedShape hyperboloid(double waist, double flare, double half_height) {
+  const double scale = 1.0 / std::hypot(1.0, flare);  // of what is steepest far out
+  const auto radius_at = [=](double z) { return std::hypot(waist, flare * z); };
+  Side lateral;
+  lateral.value = [=](const Vector3d& p) {
+    return scale * (std::hypot(p.x(), p.y()) - radius_at(p.z()));
+  };
+  lateral.gradient = [=](const Vector3d& p) -> Vector3d {
+    const double r = std::hypot(p.x(), p.y());
+    const Vector3d out = r > 0.0 ? Vector3d(p.x() / r, p.y() / r, 0.0) : Vector3d::UnitX();
+    return scale * (out - flare * flare * p.z() / radius_at(p.z()) * Vector3d::UnitZ());
+  };
+  const Vector3d top = half_height * Vector3d::UnitZ();
+  const double rim = radius_at(half_height);
+  return {{std::move(lateral), half_space(top, Vector3d::UnitZ()),
+           half_space(-top, -Vector3d::UnitZ())},
+          box_of(Vector3d(rim, rim, half_height))};
+}
+
+/// x^4 + y^4 + z^4 <= radius^4.
+ComposedShape quartic(double radius) {
+  const auto norm = [](const Vector3d& p) { return std::pow(p.array().pow(4).sum(), 0.25); };
+  Side side;
+  side.value = [=](const Vector3d& p) { return norm(p) - radius; };
+  side.gradient = [=](const Vector3d& p) -> Vector3d {
+    const double length = norm(p);
+    if (length == 0.0) return Vector3d::UnitZ();
+    return (p / length).array().cube();
+  };
+  return {{std::move(side)}, box_of(Vector3d::Constant(radius))};
+}
+
 ComposedShape cut_molar() {
   const Molar molar;
   const Vector3d pit = molar.central_pit();
@@ -252,6 +312,10 @@ std::vector<TruthShape> truth_shapes(std::string_view name) {
     return one(drilled_ellipsoid({60, 42, 32}, {0.3, 0.2, 0.9}, 9), 144, aslant(), 4);
   }
   if (name == "gyroid") return one(gyroid(12), 144, aslant(), kMarginAtCuts);
+  if (name == "tetrahedron") return one(tetrahedron(45), 176, aslant(), 4);
+  if (name == "dodecahedron") return one(dodecahedron(48), 136, aslant(), 4);
+  if (name == "hyperboloid") return one(hyperboloid(26, 0.7, 44), 144, aslant(), 4);
+  if (name == "quartic") return one(quartic(50), 152, aslant(), 4);
   std::vector<TruthShape> shapes;
   if (name == "rotated_cube") {
     for (const Pose& pose : attitudes()) {
