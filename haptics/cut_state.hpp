@@ -31,8 +31,8 @@ class CutState {
   };
   Spent add_energy(std::uint32_t voxel, double energy_J, double needed_J) noexcept;
 
-  /// Asks for what add_energy of this voxel will read, some voxels ahead: where many are cut at,
-  /// the table is larger than the caches.
+  /// Asks for what add_energy of this voxel will read and write, some voxels ahead: where many are
+  /// cut at, the table is larger than the caches.
   void prefetch(std::uint32_t voxel) const noexcept {
     __builtin_prefetch(&slots_[home(voxel | kUsed)], 1);
   }

@@ -10,7 +10,7 @@ namespace sulcus {
 namespace {
 
 constexpr double kLittle = 0.01;    // of a tick's work
-constexpr std::size_t kAhead = 16;  // contacts, that their memory is asked for
+constexpr std::size_t kAhead = 16;  // so many contacts ahead their memory is asked for
 
 }  // namespace
 
@@ -53,7 +53,9 @@ std::uint32_t removal(Workpiece& workpiece, std::span<const TissueSettings> tiss
   std::uint32_t standing = 0;
   const double before_J = state.work_J;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    if (i + kAhead < contacts.size()) state.part_cut.prefetch(contacts.keys()[i + kAhead]);
+    if (const std::size_t next = i + kAhead; next < contacts.size() && power_W[next] > 0.0f) {
+      state.part_cut.prefetch(contacts.keys()[next]);
+    }
     if (power_W[i] <= 0.0f) continue;
     const double work_J = static_cast<double>(power_W[i]) * dt_s;
     state.work_J += work_J;

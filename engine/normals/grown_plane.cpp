@@ -30,10 +30,10 @@ bool add(const PlaneSums& step, float share, float stride, HeightPlane& plane) {
 
 }  // namespace
 
-HeightPlane plane_through(const Foot& foot, int stride, float slack) noexcept {
+HeightPlane plane_through(const Foot& foot, int stride, float excess) noexcept {
   const float per = 1.0f / foot.normal_z, per_column = per * static_cast<float>(stride);
   return {foot.offset * per, -foot.normal_x * per_column, -foot.normal_y * per_column,
-          foot.normal_z, slack + 0.5f * foot.normal_z};
+          foot.normal_z, excess + 0.5f * foot.normal_z};
 }
 
 std::optional<Foot> grow_plane(const HeightMap& map, const Foot& first, int least,

@@ -9,8 +9,8 @@
 namespace sulcus {
 
 /// The plane through a foot, by the columns of a map of this stride; those are on it that lie no
-/// more than `slack` voxels further from it, across, than quantisation leaves them.
-HeightPlane plane_through(const Foot& foot, int stride, float slack) noexcept;
+/// more than `excess` voxels further from it, across, than quantisation leaves them.
+HeightPlane plane_through(const Foot& foot, int stride, float excess) noexcept;
 
 /// The face that a plane over a map belongs to: fitted again, where `fit` says so, to all columns
 /// of the map that lie on it, so that up to an edge every column of the face has a say and none
@@ -27,7 +27,7 @@ HeightPlane plane_through(const Foot& foot, int stride, float slack) noexcept;
 /// is steep over the columns.
 std::optional<Foot> grow_plane(const HeightMap& map, const Foot& first, int least,
                                bool fit) noexcept;
-/// The same from a plane with a slack of its own, which is that of the first fit.
+/// The same from a plane with a slack of its own, until it is fitted.
 std::optional<Foot> grow_plane(const HeightMap& map, const HeightPlane& first, int least,
                                bool fit) noexcept;
 

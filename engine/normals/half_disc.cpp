@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <span>
 
@@ -26,6 +25,7 @@ constexpr int kFewestGrown = 12;
 // their first planes; how far behind the voxel the side begins, where the voxel is inside a face
 // and else, and radii, voxels; and what those are worth, of the score.
 constexpr std::size_t kMostCurved = 3;
+static_assert(kMostCurved <= TiltedGroup::kSize);
 constexpr float kLeastShare = 0.8f;
 constexpr float kInside[] = {2.5f}, kBehind[] = {1.5f, 0.0f}, kCurvedRadii[] = {6.8f, 3.8f};
 constexpr float kPerBehind = 0.1f, kPerRadius = 0.05f;
@@ -84,44 +84,55 @@ MapSide side_of(int d, float behind) {
   return {kRays[d][0], kRays[d][1], behind};
 }
 
-/// Of candidates' sides, the surface of the voxel's that explains the largest part of a ball about
-/// each. A little behind the voxel first, since at its rim a fit looks ahead only.
-std::array<std::optional<HalfDisc>, kMostCurved> curved_sides_of(
-    const HeightMap& map, std::span<const Candidate* const> candidates,
-    const Eigen::Vector3f& coarse, std::span<const float> behinds, TiltedFitter& fitter) {
-  std::array<std::optional<HalfDisc>, kMostCurved> discs;
+/// What explains a part of a ball about the voxel on the side of a candidate's half.
+struct CurvedSide {
+  const Candidate* candidate = nullptr;
+  bool settled = false;          // of this side: something does
+  std::optional<HalfDisc> disc;  // that may be the voxel's
+};
+
+/// Looks for one radius at the sides that nothing has explained, side by side.
+void look_at_sides(const HeightMap& map, const Eigen::Vector3f& coarse, float behind, float radius,
+                   std::span<CurvedSide> sides, TiltedFitter& fitter) {
+  std::array<TiltedFit, kMostCurved> fits;
+  std::array<CurvedSide*, kMostCurved> of;
+  std::size_t count = 0;
+  for (CurvedSide& side : sides) {
+    if (side.settled) continue;
+    const Foot& plane = side.candidate->disc.foot;
+    fits[count] = {&map,
+                   {plane.normal_x, plane.normal_y, plane.normal_z},
+                   radius,
+                   side_of(side.candidate->half, behind),
+                   {}};
+    of[count++] = &side;
+  }
+  if (count == 0) return;
+  fitter.fit(std::span(fits).first(count));
+  for (std::size_t k = 0; k < count; ++k) {
+    if (!fits[k].foot) continue;
+    of[k]->settled = true;
+    const Foot& foot = *fits[k].foot;
+    const Eigen::Vector3f normal(foot.normal_x, foot.normal_y, foot.normal_z);
+    if (normal.dot(coarse) < kLeastCosine || foot.offset < kMostInside ||
+        foot.offset > kMostOutside) {
+      continue;
+    }
+    of[k]->disc = {foot, std::abs(foot.offset) - kPerBehind * behind - kPerRadius * radius};
+  }
+}
+
+/// Of candidates' sides, the largest part of a ball that is explained. A little behind the voxel
+/// first, since at its rim a fit looks ahead only.
+void find_curved(const HeightMap& map, const Eigen::Vector3f& coarse,
+                 std::span<const float> behinds, std::span<CurvedSide> sides,
+                 TiltedFitter& fitter) {
   for (const float behind : behinds) {
-    unsigned left = 0;
-    for (std::size_t n = 0; n < candidates.size(); ++n) left |= (discs[n] ? 0u : 1u) << n;
+    for (CurvedSide& side : sides) side.settled = side.disc.has_value();
     for (const float radius : kCurvedRadii) {
-      std::array<TiltedFit, kMostCurved> fits;
-      std::array<std::size_t, kMostCurved> of;
-      std::size_t count = 0;
-      for (unsigned rest = left; rest != 0; rest &= rest - 1) {
-        const auto n = static_cast<std::size_t>(std::countr_zero(rest));
-        const Foot& plane = candidates[n]->disc.foot;
-        fits[count] = {&map,
-                       {plane.normal_x, plane.normal_y, plane.normal_z},
-                       radius,
-                       side_of(candidates[n]->half, behind),
-                       {}};
-        of[count++] = n;
-      }
-      if (count == 0) break;
-      fitter.fit(std::span(fits).first(count));
-      for (std::size_t f = 0; f < count; ++f) {
-        if (!fits[f].foot) continue;
-        left &= ~(1u << of[f]);
-        const Foot& foot = *fits[f].foot;
-        const Eigen::Vector3f normal(foot.normal_x, foot.normal_y, foot.normal_z);
-        const bool may_be = normal.dot(coarse) >= kLeastCosine && foot.offset >= kMostInside &&
-                            foot.offset <= kMostOutside;
-        if (!may_be) continue;
-        discs[of[f]] = {foot, std::abs(foot.offset) - kPerBehind * behind - kPerRadius * radius};
-      }
+      look_at_sides(map, coarse, behind, radius, sides, fitter);
     }
   }
-  return discs;
 }
 
 }  // namespace
@@ -148,15 +159,15 @@ std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vec
   // like, so that it changes no other answer.
   bool any = false;
   const auto curved_sides = [&](std::span<const float> behinds) {
-    std::array<const Candidate*, kMostCurved> tried;
+    std::array<CurvedSide, kMostCurved> sides;
     std::size_t count = 0;
-    for (auto c = candidates.begin(); c != end && count < tried.size(); ++c) {
+    for (auto c = candidates.begin(); c != end && count < sides.size(); ++c) {
       if (c->inliers < kLeastShare * halves[static_cast<std::size_t>(c->half)].n) continue;
-      tried[count++] = &*c;
+      sides[count++].candidate = &*c;
     }
+    find_curved(map, coarse, behinds, std::span(sides).first(count), fitter);
     std::optional<HalfDisc> nearest;
-    for (const std::optional<HalfDisc>& curved :
-         curved_sides_of(map, std::span(tried).first(count), coarse, behinds, fitter)) {
+    for (const auto& [candidate, settled, curved] : sides) {
       if (!curved) continue;
       any = true;
       if (nearest && !(curved->score < nearest->score)) continue;

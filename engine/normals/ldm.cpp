@@ -21,15 +21,16 @@ using Eigen::Vector3f;
 // Each of these is in voxels, or a share.
 constexpr float kMostResidual = 0.35f;  // of a whole map, beyond half the cosine of its tilt
 constexpr float kMostWideResidual = 0.6f;
-constexpr float kMostSeemingBend = 0.15f;  // of a face that few terraces make look bent (is_face)
-constexpr float kMostCubic = 0.2f;         // of the quadric's own part, at the rim of the map
+constexpr float kMostSeemingBend =
+    0.15f;                          // of a face that few terraces make look bent, half a map out
+constexpr float kMostCubic = 0.2f;  // of the quadric's own part, at the rim of the map
 // Where the surface is so level, a map of stride 2 helps, as on all faces: terraces are wide there,
 // on what is nearly a face wider than on what is curved.
 constexpr float kNearlyFlat = 1.25f;
 constexpr float kLevelFace = 0.98f, kLevelCurved = 0.995f;
-// Slopes so near to whole numbers have terraces as wide along diagonals of the grid. Few of them
+// Slopes so near to whole numbers have wide terraces along diagonals of the grid, too. Few of them
 // lie in a map, and a face may look bent by them.
-constexpr float kDiagonal = 0.1f;
+constexpr float kNearWhole = 0.1f;
 constexpr float kSecondAxis = 0.55f;  // of the dominant component of the coarse normal
 constexpr float kRadii[] = {7.6f, 5.8f, 4.2f, 2.6f};  // at NS = 6
 constexpr float kNearEdge = 3.0f;                     // a ball no larger than this
@@ -67,13 +68,28 @@ std::uint32_t explained_of(MapGroup& group, int neighbourhood) noexcept {
   return explained;
 }
 
-/// The surface of a map of stride 2: the quadric that explains it, where it is whole, which is
-/// `flat` where that is asked for; else, of what may be one, the face near to `first` that all of
-/// it lies on.
-std::optional<Foot> fit_wide(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes,
-                             int neighbourhood, int trace, bool flat, const Foot& first) noexcept {
+/// A voxel, and what its surface is looked for with.
+struct Target {
+  const Workpiece& workpiece;
+  const Cell& voxel;
+  const MapAxes& axes;
+  const Vector3f& coarse;
+  Vector3f tool;
+  int neighbourhood, trace;
+  std::uint8_t windows;  // where was looked
+};
+
+void trace_wide(Target& target, HeightMap& map) noexcept {
+  target.windows |= SurfaceEstimate::kWideWindow;
+  trace_wide(target.workpiece, target.voxel, target.axes, target.neighbourhood, target.trace, map);
+}
+
+/// The surface of a map of stride 2: the quadric that explains it, where it is whole and that is a
+/// face, or where it need not be (`or_curved`). Where the map is not whole, or a face may only look
+/// bent, the face near to `first` that all of it lies on.
+std::optional<Foot> fit_wide(Target& target, bool or_curved, const Foot& first) noexcept {
   HeightMap map;
-  trace_wide(workpiece, voxel, axes, neighbourhood, trace, map);
+  trace_wide(target, map);
   if (map.whole_rings < map.ns) return face_over(map, first);
   const QuadricFilter& filter = quadric_filter(map.ns, map.lanes);
   ColumnQuadric surface = fit_whole(map, filter);
@@ -82,37 +98,36 @@ std::optional<Foot> fit_wide(const Workpiece& workpiece, const Cell& voxel, cons
   if (!may_explain(surface.t_x, surface.t_y, rim) ||
       !(map_kernels().map_residuals(rows_of(map), surface, left) <=
         kMostWideResidual * kMostWideResidual)) {
-    if (!bends_by_no_more(kMostSeemingBend, surface, first, neighbourhood)) return {};
+    if (!bends_by_no_more(kMostSeemingBend, surface, first, map.ns)) return {};
     return face_over(map, first);
   }
   sharpen(filter.solution, left, static_cast<float>(map.stride), surface);
   const Foot foot = foot_of(surface);
-  if (flat && !is_face(surface, foot, neighbourhood)) return {};
+  if (!or_curved && !is_face(surface, foot, map.ns)) return {};
   return foot;
 }
 
 /// The face nearest to the voxel that its map, or one across the second axis, has; `inside`, as a
-/// small ball tells. Adds to `windows` where it looked.
-std::optional<SurfaceEstimate> nearest_face(const Workpiece& workpiece, const Cell& voxel,
-                                            const HeightMap& map, const MapAxes& axes, int trace,
-                                            const Vector3f& coarse, const Vector3f& tool,
-                                            std::uint8_t& windows, bool inside,
+/// small ball tells.
+std::optional<SurfaceEstimate> nearest_face(Target& target, const HeightMap& map, bool inside,
                                             TiltedFitter& fitter) noexcept {
-  const std::optional<HalfDisc> nearest = nearest_half_disc(
-      map, to_map_space(coarse, axes).normalized(), to_map_space(tool, axes), inside, fitter);
-  Vector3f rest = coarse.cwiseAbs();
+  const MapAxes& axes = target.axes;
+  const auto nearest_on = [&](const HeightMap& of, const MapAxes& along) {
+    return nearest_half_disc(of, to_map_space(target.coarse, along).normalized(),
+                             to_map_space(target.tool, along), inside, fitter);
+  };
+  const std::optional<HalfDisc> nearest = nearest_on(map, axes);
+  Vector3f rest = target.coarse.cwiseAbs();
   const float component = rest[axes.axis];
   rest[axes.axis] = -1.0f;
   MapAxes second;
   if (rest.maxCoeff(&second.axis) > kSecondAxis * component) {
-    second.sign = coarse[second.axis] > 0.0f ? 1 : -1;
-    windows |= second.window();
+    second.sign = target.coarse[second.axis] > 0.0f ? 1 : -1;
+    target.windows |= second.window();
     HeightMap other;
     other.ns = map.ns;
-    trace_along(workpiece, voxel, second, trace, other);
-    const std::optional<HalfDisc> across =
-        nearest_half_disc(other, to_map_space(coarse, second).normalized(),
-                          to_map_space(tool, second), inside, fitter);
+    trace_along(target.workpiece, target.voxel, second, target.trace, other);
+    const std::optional<HalfDisc> across = nearest_on(other, second);
     if (across && (!nearest || across->score < nearest->score)) {
       return to_index_space(across->foot, second);
     }
@@ -121,18 +136,43 @@ std::optional<SurfaceEstimate> nearest_face(const Workpiece& workpiece, const Ce
   return {};
 }
 
-bool is_diagonal(const Foot& foot) noexcept {
+/// How the quadric of a whole map lies, where a wide map may see more.
+struct Lie {
+  bool flat = false, level = false;
+};
+Lie lie_of(float bend, float cosine, int neighbourhood) noexcept {
+  const float flat = kMostBend / static_cast<float>(neighbourhood * neighbourhood);
+  const float least_level = bend <= kNearlyFlat * flat ? kLevelFace : kLevelCurved;
+  return {bend <= flat, cosine > least_level && has_wide_maps(neighbourhood)};
+}
+
+/// The foot on the quadric that explains a whole map, or on what it is taken for.
+Foot explained_foot(Target& target, const Foot& foot, const Lie& lie, MapGroup& group,
+                    std::size_t k) noexcept {
+  std::optional<Foot> better;
+  if (has_wide_maps(target.neighbourhood) && (lie.level || lie.flat)) {
+    better = fit_wide(target, lie.level, foot);
+  }
+  if (!better && lie.flat) {
+    const int columns = (2 * target.neighbourhood + 1) * (2 * target.neighbourhood + 1);
+    better = grow_plane(group.map(k), foot, columns, false);
+  }
+  return better.value_or(foot);
+}
+
+/// Whether a face has wide terraces, along an axis or a diagonal.
+bool has_near_whole_slopes(const Foot& foot) noexcept {
   const auto near = [&](float component) {
     const float slope = std::abs(component / foot.normal_z);
-    return std::abs(slope - static_cast<float>(static_cast<int>(slope + 0.5f))) <= kDiagonal;
+    return std::abs(slope - static_cast<float>(static_cast<int>(slope + 0.5f))) <= kNearWhole;
   };
   return foot.normal_z > kLeastPlaneCosine && near(foot.normal_x) && near(foot.normal_y);
 }
 
-/// What explains a ball about a voxel.
+/// The foot on what explains a ball about a voxel.
 struct Ball {
   Foot foot;
-  float radius = 0.0f;  // at NS = 6
+  bool is_small = false;  // the voxel is near to an edge
 };
 
 /// The largest balls that are explained, of the voxels of a group that `which` has a bit for.
@@ -155,20 +195,25 @@ void find_balls(MapGroup& group, std::uint32_t which, int neighbourhood, TiltedF
       fitter.fit(std::span(fits).first(count));
       for (std::size_t n = 0; n < count; ++n) {
         if (!fits[n].foot) continue;
-        balls[of[n]] = {*fits[n].foot, at_six};
+        balls[of[n]] = {*fits[n].foot, radius < kNearEdge};
         which &= ~(1u << of[n]);
       }
     }
   }
 }
 
+/// The same where a face may be, on that.
+Foot ball_foot(Target& target, const Ball& ball) noexcept {
+  if (!has_wide_maps(target.neighbourhood) || !has_near_whole_slopes(ball.foot)) return ball.foot;
+  HeightMap map;
+  trace_wide(target, map);
+  return face_over(map, ball.foot).value_or(ball.foot);
+}
+
 }  // namespace
 
 void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
                   int neighbourhood, int trace, std::span<SurfaceEstimate> estimates) noexcept {
-  const bool has_wide = has_wide_maps(neighbourhood);
-  const int columns = (2 * neighbourhood + 1) * (2 * neighbourhood + 1);
-  const float flat = kMostBend / static_cast<float>(neighbourhood * neighbourhood);
   MapGroup group;
   TiltedFitter fitter;
   LeafTiles tiles(workpiece, queries, neighbourhood, false);
@@ -179,7 +224,7 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
     find_balls(group, group.sided() & ~explained, neighbourhood, fitter, balls);
     for (std::size_t e = 0; e < group.eights(); ++e) map_kernels().sharpen_group(group.surfaces[e]);
     for (std::size_t k = 0; k < count; ++k) {
-      const Cell& voxel = queries[first + k].voxel;
+      const VoxelQuery& query = queries[first + k];
       const MapAxes& axes = group.axes[k];
       const Vector3f& coarse = group.coarse[k];
       SurfaceEstimate& estimate = estimates[first + k];
@@ -190,50 +235,31 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
       const SurfaceGroup& surfaces = group.eight(k);
       const int place = MapGroup::place(k);
       const bool is_explained = (explained >> k & 1u) != 0;
-      const bool is_flat = surfaces.bend[place] <= flat;
-      const float least_level =
-          surfaces.bend[place] <= kNearlyFlat * flat ? kLevelFace : kLevelCurved;
-      const bool level = is_explained && surfaces.normal_z[place] > least_level && has_wide;
-      const bool as_it_is = is_explained && !level && !is_flat;
-      std::uint8_t windows = axes.window();
-      if (as_it_is && surfaces.stands[place] != 0) {
-        estimate = {surfaces.normal(place), surfaces.offset[place], true, windows};
+      const Lie lie = lie_of(surfaces.bend[place], surfaces.normal_z[place], neighbourhood);
+      if (is_explained && !lie.level && !lie.flat && surfaces.stands[place] != 0) {
+        estimate = {surfaces.normal(place), surfaces.offset[place], true, axes.window()};
         continue;
       }
-      const Vector3f tool = heard(queries[first + k].outward, coarse);
+      const Vector3f tool = heard(query.outward, coarse);
+      Target target{workpiece, query.voxel,   axes,  coarse,
+                    tool,      neighbourhood, trace, axes.window()};
+      const std::optional<Ball>& ball = balls[k];
       if (is_explained) {
-        const Foot foot = surfaces.foot(place);
-        const bool wide = has_wide && (level || is_flat);
-        if (wide) windows |= SurfaceEstimate::kWideWindow;
-        std::optional<Foot> face =
-            wide ? fit_wide(workpiece, voxel, axes, neighbourhood, trace, !level, foot)
-                 : std::nullopt;
-        if (!face && is_flat) face = grow_plane(group.map(k), foot, columns, false);
-        estimate = to_index_space(face ? *face : foot, axes);
-      } else if (balls[k] && balls[k]->radius > kNearEdge) {
-        Foot foot = balls[k]->foot;
-        if (has_wide && is_diagonal(foot)) {
-          windows |= SurfaceEstimate::kWideWindow;
-          HeightMap map;
-          trace_wide(workpiece, voxel, axes, neighbourhood, trace, map);
-          foot = face_over(map, foot).value_or(foot);
-        }
-        estimate = to_index_space(foot, axes);
+        estimate =
+            to_index_space(explained_foot(target, surfaces.foot(place), lie, group, k), axes);
+      } else if (ball && !ball->is_small) {
+        estimate = to_index_space(ball_foot(target, *ball), axes);
+      } else if (const auto face = nearest_face(target, group.map(k), ball.has_value(), fitter)) {
+        estimate = *face;
       } else {
-        const std::optional<SurfaceEstimate> face =
-            nearest_face(workpiece, voxel, group.map(k), axes, trace, coarse, tool, windows,
-                         balls[k].has_value(), fitter);
         // Where nothing fits, as on the floor of a fissure, the coarse normal errs least.
-        estimate = face       ? *face
-                   : balls[k] ? to_index_space(balls[k]->foot, axes)
-                              : last_resort(coarse, tool, windows);
+        estimate = ball ? to_index_space(ball->foot, axes) : last_resort(coarse, tool, 0);
       }
       if (!stands(estimate.normal, coarse, tool)) {
-        const std::optional<SurfaceEstimate> face = nearest_face(
-            workpiece, voxel, group.map(k), axes, trace, coarse, tool, windows, false, fitter);
-        estimate = face ? *face : last_resort(coarse, tool, windows);
+        const auto face = nearest_face(target, group.map(k), false, fitter);
+        estimate = face ? *face : last_resort(coarse, tool, 0);
       }
-      estimate.windows = windows;
+      estimate.windows = target.windows;
     }
   }
 }

@@ -13,7 +13,7 @@ namespace sulcus {
 /// walls with one setting. Further from [Kim and Park 2019, V] than `ldm_fast`:
 /// - where the map along the dominant axis is whole, and one quadric explains all its heights to
 ///   their quantisation, that is the surface; near level, and on faces, a map of every other column
-///   stands in for it;
+///   stands in for it (face_over where that is not whole);
 /// - least squares is where a fit begins: since quantisation leaves residuals spread evenly up to
 ///   a bound, not in a bell, a step towards the least sum of fourth powers follows;
 /// - where a plane explains what a quadric does, it grows over all columns of the map that lie on
@@ -21,7 +21,8 @@ namespace sulcus {
 /// - else the largest ball about the voxel in which a quadric does, fitted in the frame of
 ///   the coarse normal, where a curved surface is a quadric farther out than in the columns' frame.
 ///   The quantisation of the heights enters the abscissas of that frame as well; what it adds to
-///   the normal equations is taken off;
+///   the normal equations is taken off. Where its slopes are near to whole numbers, the face that
+///   a map of every other column lies on stands in for it;
 /// - where only a small ball is explained, the voxel is near an edge: of the planes through eight
 ///   half-discs of the map, and of a map along the second axis, the one whose face passes nearest
 ///   to the voxel; where none is plane, and first of all where that ball is inside a face, what

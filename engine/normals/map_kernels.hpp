@@ -294,6 +294,7 @@ struct MapKernels {
   /// sharpened points.
   void (*solve_quantised)(TiltedGroup& group) noexcept;
   void (*solve_sharpened)(TiltedGroup& group) noexcept;
+  /// Of the voxels' centres on the quadrics of a group.
   void (*tilted_feet)(TiltedGroup& group) noexcept;
 };
 

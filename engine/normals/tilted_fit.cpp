@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 
 #include <Eigen/Geometry>
@@ -61,8 +62,7 @@ std::optional<Foot> close_plane(const HeightMap& map) noexcept {
   return Foot{-slope_x * cosine, -slope_y * cosine, cosine, 0.5f * twice->c0 * cosine};
 }
 
-void TiltedFitter::fit(std::span<TiltedFit> fits) noexcept {
-  constexpr std::size_t kSize = TiltedGroup::kSize;
+void TiltedFitter::gather(std::span<const TiltedFit> fits) noexcept {
   const MapKernels& kernels = map_kernels();
   TiltedMoments moments;
   for (std::size_t k = 0; k < fits.size(); ++k) {
@@ -72,51 +72,59 @@ void TiltedFitter::fit(std::span<TiltedFit> fits) noexcept {
     group_.put_frame(static_cast<int>(k), frames_[k]);
     group_.put_moments(static_cast<int>(k), moments);
   }
-  kernels.solve_quantised(group_);
+}
 
-  enum class Found : std::uint8_t { kNothing, kFlat, kBent };
-  std::array<Found, kSize> found{};
-  // A step of Newton's towards the least sum of fourth powers: what quantisation leaves is spread
-  // evenly up to a bound, so that the points near to it say most (see grow_plane).
-  bool any_bent = false;
-  for (std::size_t k = 0; k < fits.size(); ++k) {
-    const auto lane = static_cast<int>(k);
-    const Quadric quadric = group_.quadric_at(lane);
-    if (points_[k].count < kFewestPoints || group_.has_quadric[k] == 0 ||
-        !explains(quadric, points_[k], frames_[k], kCurved)) {
-      continue;
-    }
-    const Quadric plane{group_.plane[0][k], group_.plane[1][k], group_.plane[2][k]};
-    if (group_.has_plane[k] != 0 && explains(plane, points_[k], frames_[k], kPlane)) {
-      found[k] = Found::kFlat;
-      group_.put_quadric(lane, plane);
-      continue;
-    }
-    found[k] = Found::kBent;
-    any_bent = true;
-    kernels.sharpen_points(quadric, points_[k]);
+TiltedFitter::Found TiltedFitter::judge(std::size_t k) noexcept {
+  const auto lane = static_cast<int>(k);
+  if (points_[k].count < kFewestPoints || group_.has_quadric[k] == 0 ||
+      !explains(group_.quadric_at(lane), points_[k], frames_[k], kCurved)) {
+    return Found::kNothing;
+  }
+  const Quadric plane{group_.plane[0][k], group_.plane[1][k], group_.plane[2][k]};
+  if (group_.has_plane[k] == 0 || !explains(plane, points_[k], frames_[k], kPlane)) {
+    return Found::kCurved;
+  }
+  group_.put_quadric(lane, plane);
+  return Found::kFlat;
+}
+
+/// A step of Newton's towards the least sum of fourth powers: what quantisation leaves is spread
+/// evenly up to a bound, so that the points near to it say most (see grow_plane).
+void TiltedFitter::sharpen(std::span<const Found> found) noexcept {
+  if (std::ranges::count(found, Found::kCurved) == 0) return;
+  const MapKernels& kernels = map_kernels();
+  TiltedMoments moments;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    if (found[k] != Found::kCurved) continue;
+    kernels.sharpen_points(group_.quadric_at(static_cast<int>(k)), points_[k]);
     kernels.moments(points_[k], moments);
-    thrice_.put_moments(lane, moments);
+    sharpened_.put_moments(static_cast<int>(k), moments);
   }
-  if (any_bent) {
-    kernels.solve_sharpened(thrice_);
-    for (std::size_t k = 0; k < fits.size(); ++k) {
-      if (found[k] != Found::kBent || thrice_.has_quadric[k] == 0) continue;
-      for (auto f = 0; f < kQuadric; ++f) {
-        group_.quadric[f][k] += thrice_.quadric[f][k] * (1.0f / 3.0f);
-      }
+  kernels.solve_sharpened(sharpened_);
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    if (found[k] != Found::kCurved || sharpened_.has_quadric[k] == 0) continue;
+    for (std::size_t f = 0; f < kQuadric; ++f) {
+      group_.quadric[f][k] += sharpened_.quadric[f][k] * (1.0f / 3.0f);
     }
   }
-  kernels.tilted_feet(group_);
+}
+
+void TiltedFitter::fit(std::span<TiltedFit> fits) noexcept {
+  assert(fits.size() <= points_.size());
+  gather(fits);
+  map_kernels().solve_quantised(group_);
+  std::array<Found, TiltedGroup::kSize> found{};
+  for (std::size_t k = 0; k < fits.size(); ++k) found[k] = judge(k);
+  sharpen(std::span(found).first(fits.size()));
+  map_kernels().tilted_feet(group_);
   for (std::size_t k = 0; k < fits.size(); ++k) {
-    fits[k].foot.reset();
+    TiltedFit& fit = fits[k];
+    fit.foot.reset();
     if (found[k] == Found::kNothing) continue;
-    fits[k].foot = group_.foot(static_cast<int>(k));
+    fit.foot = group_.foot(static_cast<int>(k));
     if (found[k] != Found::kFlat) continue;
     const auto least = static_cast<int>(kLeastGrown * static_cast<float>(points_[k].count));
-    if (const auto face = grow_plane(*fits[k].map, *fits[k].foot, least, true)) {
-      fits[k].foot = face;
-    }
+    if (const auto face = grow_plane(*fit.map, *fit.foot, least, true)) fit.foot = face;
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -25,7 +26,7 @@ struct TiltedFit {
   std::optional<Foot> foot;
 };
 
-/// Fits up to TiltedGroup::kSize tilted surfaces side by side.
+/// Fits tilted surfaces, up to TiltedGroup::kSize of them side by side.
 class TiltedFitter {
  public:
   /// The plane, else the quadric, that explains all points of a map, or of a side of it, within
@@ -35,8 +36,15 @@ class TiltedFitter {
   void fit(std::span<TiltedFit> fits) noexcept;
 
  private:
+  enum class Found : std::uint8_t { kNothing, kFlat, kCurved };
+
+  void gather(std::span<const TiltedFit> fits) noexcept;
+  /// Whether what was solved for a fit explains its points; a plane is put in its quadric's place.
+  Found judge(std::size_t k) noexcept;
+  void sharpen(std::span<const Found> found) noexcept;
+
   // Lanes beyond the fits hold what earlier ones left.
-  TiltedGroup group_, thrice_;
+  TiltedGroup group_, sharpened_;
   std::array<TiltedFrame, TiltedGroup::kSize> frames_;
   std::array<TiltedPoints, TiltedGroup::kSize> points_;
 };

@@ -15,13 +15,19 @@ struct NormalEquations {
   Lanes matrix[kQuadric][kQuadric], right[kQuadric];
 };
 
-/// `half_variance`: of what was added to the points along the columns, to be taken off the moments.
-inline NormalEquations equations_of(const TiltedGroup& g, const Lanes& half_variance) {
+/// Heights are uniform in [-1/2, 1/2] about the surface, along e = (eu, ew, en) in the frame. To
+/// second order, the moment of a power p of the points exceeds the surface's own by half the
+/// variance, 1/12, times the second derivative of p along e; of points as they are (`kQuantised`)
+/// that is taken off here.
+template <bool kQuantised>
+inline NormalEquations equations_of(const TiltedGroup& g) {
+  const Lanes radius = load(g.radius), half_variance = 1.0f / (24.0f * radius * radius);
   const Lanes eu = load(g.u[2]), ew = load(g.w[2]), en = load(g.n[2]);
   const Lanes uu = eu * eu * half_variance, uw = 2.0f * eu * ew * half_variance,
               ww = ew * ew * half_variance, un = 2.0f * en * eu * half_variance,
               wn = 2.0f * en * ew * half_variance;
   const auto moment = [&](int a, int b) {
+    if constexpr (!kQuantised) return load(g.m[a][b]);
     Lanes d{};
     if (a >= 2) d += uu * static_cast<float>(a * (a - 1)) * load(g.m[a - 2][b]);
     if (a >= 1 && b >= 1) d += uw * static_cast<float>(a * b) * load(g.m[a - 1][b - 1]);
@@ -29,6 +35,7 @@ inline NormalEquations equations_of(const TiltedGroup& g, const Lanes& half_vari
     return load(g.m[a][b]) - d;
   };
   const auto right = [&](int a, int b) {
+    if constexpr (!kQuantised) return load(g.z[a][b]);
     Lanes d{};
     if (a >= 2) d += 2.0f * uu * load(g.z[a - 2][b]);
     if (a >= 1 && b >= 1) d += uw * load(g.z[a - 1][b - 1]);
@@ -128,18 +135,12 @@ inline void solve_planes(const NormalEquations& e, TiltedGroup& g) {
   store(exists0 & (pivot > 1e-6f * e.matrix[2][2]), g.has_plane);
 }
 
-/// Heights are uniform in [-1/2, 1/2] about the surface, along e = (eu, ew, en) in the frame. To
-/// second order, the moment of a power p of the points exceeds the surface's own by half the
-/// variance, 1/12, times the second derivative of p along e; that is taken off here.
 inline void solve_quantised(TiltedGroup& g) noexcept {
-  const Lanes radius = load(g.radius);
-  const NormalEquations e = equations_of(g, 1.0f / (24.0f * radius * radius));
+  const NormalEquations e = equations_of<true>(g);
   solve_quadrics(e, g);
   solve_planes(e, g);
 }
-inline void solve_sharpened(TiltedGroup& g) noexcept {
-  solve_quadrics(equations_of(g, Lanes{}), g);
-}
+inline void solve_sharpened(TiltedGroup& g) noexcept { solve_quadrics(equations_of<false>(g), g); }
 
 inline void tilted_feet(TiltedGroup& g) noexcept {
   ColumnQuadricOf<Lanes> surface{};  // in units of the radius

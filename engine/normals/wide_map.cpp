@@ -30,12 +30,13 @@ ColumnQuadric fit_whole(const HeightMap& map, const QuadricFilter& filter) noexc
 
 std::optional<Foot> face_over(const HeightMap& wide, const Foot& first) noexcept {
   const auto rows = static_cast<std::size_t>(2 * wide.ns + 1);
-  int found = 0;  // in whole numbers as small as these, unlike std::count, side by side
+  int found = 0;  // unlike std::count's 64 bits, an int is added up in vectors
   for (const signed char height :
        std::span(wide.height).first(rows * static_cast<std::size_t>(wide.lanes))) {
     found += height != HeightMap::kNone ? 1 : 0;
   }
   if (static_cast<float>(found) < kLeastOfFace * static_cast<float>(rows * rows)) return {};
+  if (first.normal_z < kLeastPlaneCosine) return {};
   // Most that is no face can be told from where it begins.
   const HeightPlane near = plane_through(first, wide.stride, kMostOff);
   PlaneLook look;

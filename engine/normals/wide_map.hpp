@@ -16,8 +16,7 @@ void trace_wide(const Workpiece& workpiece, const Cell& voxel, const MapAxes& ax
 /// The surface of a whole map, by its filter.
 ColumnQuadric fit_whole(const HeightMap& map, const QuadricFilter& filter) noexcept;
 
-/// Of a face.
-inline constexpr float kMostWideBend = 0.1f;
+inline constexpr float kMostWideBend = 0.1f;  // of a face across itself, half a map out, voxels
 /// Whether a wide map's surface bends by no more than so many voxels across itself, half a map out.
 inline bool bends_by_no_more(float most, const ColumnQuadric& surface, const Foot& foot,
                              int neighbourhood) {
@@ -29,8 +28,9 @@ inline bool is_face(const ColumnQuadric& surface, const Foot& foot, int neighbou
   return bends_by_no_more(kMostWideBend, surface, foot, neighbourhood);
 }
 
-/// The face that all columns lie on whose heights a wide map has, from a plane near to it: steep
-/// ones leave the trace, so that the map is not whole. None where there is none, or few columns.
+/// The face that all columns of a wide map lie on that were found, from a plane near to it: those
+/// of a steep one leave the trace, so that its map is not whole. None where there is none, or where
+/// less than 0.6 of the columns were found.
 std::optional<Foot> face_over(const HeightMap& wide, const Foot& first) noexcept;
 
 }  // namespace sulcus

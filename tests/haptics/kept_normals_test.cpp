@@ -39,6 +39,9 @@ std::vector<Workpiece> shapes() {
     return std::abs(0.5 * c.x() + 0.2 * c.y() + 0.84 * c.z() - 36.0) < 1.1;
   }));
   all.emplace_back(test::ball({48, 48, 48}, 1e-4, {23, 24, 22}, 18));
+  // Along a diagonal of the grid, where maps that are not whole are looked at wide.
+  all.emplace_back(
+      test::half_space({48, 48, 48}, 1e-4, Eigen::Vector3d(0.72, -0.69, 0.055), {23, 24, 24}));
   return all;
 }
 

@@ -1,6 +1,7 @@
 #include "tools/sulcus_lab/truth_shapes.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -48,6 +49,58 @@ TEST(TruthShapes, TruthIsOfSurfaceVoxelsWithUnitNormalsOutOfTheSolid) {
       blocked += workpiece.solid(outside.array().round().cast<int>());
     }
     EXPECT_EQ(blocked, 0u) << name << ", of " << seen;
+  }
+}
+
+TEST(TruthShapes, TruthPointsAwayFromTheSolidsOwnCentreOfMass) {
+  // The second way: in a ball of 6 voxels, away from edges, the solid lies on the other side.
+  constexpr int kReach = 6;
+  for (const char* name : {"torus", "cone", "drilled_ellipsoid", "gyroid", "tetrahedron",
+                           "dodecahedron", "hyperboloid", "quartic"}) {
+    const TruthShape shape = single(name);
+    double sum_deg = 0.0;
+    int count = 0;
+    for (std::size_t v = 0; v < shape.voxels.size(); v += 211) {
+      const TruthVoxel& voxel = shape.voxels[v];
+      if (voxel.zone != 0) continue;
+      Cell sum = Cell::Zero();
+      for (int n = 0; n < 13 * 13 * 13; ++n) {
+        const Cell d(n % 13 - kReach, n / 13 % 13 - kReach, n / 169 - kReach);
+        if (d.squaredNorm() <= kReach * kReach && shape.model.solid(voxel.cell + d)) sum += d;
+      }
+      const Vector3d away = -sum.cast<double>().normalized();
+      sum_deg += std::acos(std::clamp(away.dot(voxel.normal), -1.0, 1.0)) * 180.0 / M_PI;
+      ++count;
+    }
+    ASSERT_GT(count, 20) << name;
+    EXPECT_LT(sum_deg / count, 5.0) << name;
+  }
+}
+
+TEST(TruthShapes, FacesOfSolidsMeetAtTheirAngles) {
+  struct Solid {
+    const char* name;
+    std::size_t faces;
+    double least_deg;  // between the normals of two faces
+  };
+  for (const Solid& solid :
+       {Solid{"tetrahedron", 4, 180.0 - 70.5288}, Solid{"dodecahedron", 12, 180.0 - 116.5651}}) {
+    const TruthShape shape = single(solid.name);
+    std::vector<Vector3d> normals;
+    double least_deg = 180.0;
+    for (const TruthVoxel& voxel : shape.voxels) {
+      bool is_new = true;
+      for (const Vector3d& normal : normals) {
+        if ((normal - voxel.normal).norm() < 1e-9) is_new = false;
+      }
+      if (!is_new) continue;
+      for (const Vector3d& normal : normals) {
+        least_deg = std::min(least_deg, std::acos(normal.dot(voxel.normal)) * 180.0 / M_PI);
+      }
+      normals.push_back(voxel.normal);
+    }
+    EXPECT_EQ(normals.size(), solid.faces) << solid.name;
+    EXPECT_NEAR(least_deg, solid.least_deg, 1e-3) << solid.name;
   }
 }
 

@@ -172,15 +172,17 @@ TEST(Ldm, FacesAlongDiagonalsOfTheGridAreSeenFarther) {
     const Vector3d normal = aslant.normalized();
     const Workpiece workpiece(test::half_space({64, 64, 64}, 1e-4, normal, {31.6, 32.3, 32.1}));
     double sum = 0.0;
-    int count = 0;
+    int count = 0, wide = 0;
     for (const Cell& c : test::surface_cells(workpiece)) {
       if ((c.array() < 18).any() || (c.array() > 45).any()) continue;
       const SurfaceEstimate estimate = estimate_ldm(workpiece, c, kNs, kTrace);
+      wide += estimate.looked_wide() ? 1 : 0;
       sum += test::angle_deg(estimate.normal.cast<double>(), normal);
       ++count;
     }
     std::printf("ldm, a face along a diagonal: mean %.3f deg, %d voxels\n", sum / count, count);
     ASSERT_GT(count, 500);
+    EXPECT_GT(wide, count / 2);
     EXPECT_LT(sum / count, 0.6) << "by maps that are not wide, 1.1";
   }
 }

@@ -1,6 +1,7 @@
 #include "engine/normals/map_group.hpp"
 
 #include <cstring>
+#include <vector>
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
 #include "engine/normals/tilted_fit.hpp"
 
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 
 #include <Eigen/Cholesky>
@@ -193,7 +194,7 @@ TEST_P(TiltedFitTest, EightAreSolvedSideBySideAndTheSameBitForBit) {
 
 TEST_P(TiltedFitTest, FitsAskedForTogetherAreThoseAskedForOneByOne) {
   // What the fitter did before, and what stands beside, changes nothing.
-  TiltedFitter together;
+  TiltedFitter fitter;
   int found = 0, nothing = 0;
   for_maps([&](const ColumnBits::Windows& columns, int sign) {
     HeightMap map = ask(6, 1, sign);
@@ -206,23 +207,82 @@ TEST_P(TiltedFitTest, FitsAskedForTogetherAreThoseAskedForOneByOne) {
       fits[k] = {&map, normal, 7.6f - 0.7f * turn, {}, {}};
       if (k % 3 == 2) fits[k].side = {0.6f, -0.8f, 1.5f};
     }
-    together.fit(fits);
-    for (const TiltedFit& fit : fits) {
+    fitter.fit(fits);
+    // And fewer than before.
+    std::array<TiltedFit, 3> fewer{fits[5], fits[0], fits[2]};
+    fitter.fit(fewer);
+    const auto expect_alone = [&](const TiltedFit& fit) {
       TiltedFit one = fit;
       one.foot.reset();
-      TiltedFitter alone;
-      alone.fit({&one, 1});
+      TiltedFitter().fit({&one, 1});
       ASSERT_EQ(one.foot.has_value(), fit.foot.has_value());
       (one.foot ? found : nothing) += 1;
-      if (!one.foot) continue;
+      if (!one.foot) return;
       ASSERT_EQ(one.foot->normal_x, fit.foot->normal_x);
       ASSERT_EQ(one.foot->normal_y, fit.foot->normal_y);
       ASSERT_EQ(one.foot->normal_z, fit.foot->normal_z);
       ASSERT_EQ(one.foot->offset, fit.foot->offset);
-    }
+    };
+    for (const TiltedFit& fit : fits) expect_alone(fit);
+    for (const TiltedFit& fit : fewer) expect_alone(fit);
   });
   EXPECT_GT(found, 500);
   EXPECT_GT(nothing, 500);
+}
+
+/// The map of the voxel below the origin, over a surface of so high above it.
+template <class Height>
+HeightMap map_over(const Height& height) {
+  HeightMap map;
+  map.ns = 6;
+  map.lanes = lanes_of(map.ns);
+  map.height.fill(HeightMap::kNone);
+  for (int j = -map.ns; j <= map.ns; ++j) {
+    for (int i = -map.ns; i <= map.ns; ++i) {
+      map.height[static_cast<std::size_t>(map.place(i, j))] =
+          static_cast<signed char>(std::floor(height(i, j)));
+    }
+  }
+  return map;
+}
+
+TEST(TiltedFitter, FindsTheBallAndThePlaneThatHeightsAreOf) {
+  TiltedFitter fitter;
+  double ball_deg = 0.0, plane_deg = 0.0;
+  constexpr int kTimes = 60;
+  for (int k = 0; k < kTimes; ++k) {
+    // 35 degrees down a ball of 20 voxels, about as high as the voxel.
+    const double turn = 2.4 * k, radius = 20.0;
+    const Eigen::Vector3d normal(0.57 * std::cos(turn), 0.57 * std::sin(turn), 0.82);
+    const Eigen::Vector3d foot = Eigen::Vector3d(0.0, 0.0, 0.1 + 0.013 * k);
+    const Eigen::Vector3d centre = foot - radius * normal.normalized();
+    const HeightMap on_ball = map_over([&](double x, double y) {
+      const double across2 = std::pow(x - centre.x(), 2) + std::pow(y - centre.y(), 2);
+      return across2 < radius * radius ? centre.z() + std::sqrt(radius * radius - across2) : -30.0;
+    });
+    const HeightMap on_plane = map_over([&](double x, double y) {
+      return foot.z() - (x * normal.x() + y * normal.y()) / normal.z();
+    });
+    const Vector3f tilt = (normal + Eigen::Vector3d(0.1, -0.05, 0.0)).normalized().cast<float>();
+    std::array<TiltedFit, 2> fits{TiltedFit{&on_ball, tilt, 5.8f, {}, {}},
+                                  TiltedFit{&on_plane, tilt, 7.6f, {}, {}}};
+    fitter.fit(fits);
+    for (const TiltedFit& fit : fits) {
+      ASSERT_TRUE(fit.foot) << k;
+      const Eigen::Vector3d found(fit.foot->normal_x, fit.foot->normal_y, fit.foot->normal_z);
+      EXPECT_NEAR(found.norm(), 1.0, 1e-5);
+      const Eigen::Vector3d truth =
+          &fit == &fits[0] ? Eigen::Vector3d(-centre) : Eigen::Vector3d(normal);
+      (&fit == &fits[0] ? ball_deg : plane_deg) += test::angle_deg(found, truth.normalized());
+      const double distance =
+          &fit == &fits[0] ? radius - centre.norm() : foot.dot(normal.normalized());
+      EXPECT_NEAR(fit.foot->offset, distance, 0.25) << k;
+    }
+  }
+  std::printf("fits in tilted frames: ball %.3f deg, plane %.3f\n", ball_deg / kTimes,
+              plane_deg / kTimes);
+  EXPECT_LT(ball_deg / kTimes, 1.2);
+  EXPECT_LT(plane_deg / kTimes, 0.3);
 }
 
 }  // namespace

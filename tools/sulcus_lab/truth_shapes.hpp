@@ -29,8 +29,9 @@ struct TruthShape {
   bool either_sign = false;                       // a wall of one voxel has no side of its own
 };
 
-/// The first six are those of [Kim and Park 2019, VI-C] and of the design; the last six are there
-/// to be unlike them. No method was tuned on the last four; the rims of the other two were looked
+/// The first six are those of [Kim and Park 2019, VI-C] and of the design, the last seven are there
+/// to be unlike them. No method was tuned on the gyroid, the dodecahedron, the hyperboloid and the
+/// quartic; rims of the cone and the drilled ellipsoid, and a face of the tetrahedron, were looked
 /// at.
 inline constexpr std::string_view kShapeNames[] = {
     "sphere",      "cube",   "rotated_cube",      "torus",  "molar",       "plate",
