@@ -1,6 +1,8 @@
 #include "engine/normals/grown_plane.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cassert>
 #include <cmath>
 
 #include "engine/normals/map_kernels.hpp"
@@ -28,6 +30,66 @@ bool add(const PlaneSums& step, float share, float stride, HeightPlane& plane) {
   return plane.cosine >= kLeastPlaneCosine;
 }
 
+/// Stage by stage, all planes in each, so that none waits for what it has just solved.
+template <std::size_t kMost>
+void grow(std::span<PlaneGrowth> growths) {
+  assert(growths.size() <= kMost);
+  const MapKernels& kernels = map_kernels();
+  struct Growing {
+    const PlaneGrowth* of;
+    HeightPlane plane;
+    float stride, bound;
+  };
+  std::array<Growing, kMost> growing;
+  std::array<PlaneSums, kMost> sums;
+  std::size_t count = 0;
+  for (PlaneGrowth& growth : growths) {
+    growth.foot.reset();
+    if (growth.first.cosine < kLeastPlaneCosine) continue;
+    growing[count++] = {&growth, growth.first, static_cast<float>(growth.map->stride), 0.0f};
+  }
+  // What does not hold is left out of what follows.
+  const auto keep = [&](const auto& holds) {
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      if (holds(growing[k], sums[k])) growing[kept++] = growing[k];
+    }
+    count = kept;
+  };
+  const auto step = [&](PlaneWeight weight, float share, const auto& is_asked) {
+    for (std::size_t k = 0; k < count; ++k) {
+      const Growing& g = growing[k];
+      if (is_asked(g)) kernels.plane_step(*g.of->map, g.plane, weight, g.bound, sums[k]);
+    }
+    keep([&](Growing& g, const PlaneSums& of) {
+      return !is_asked(g) || add(of, share, g.stride, g.plane);
+    });
+  };
+  const auto all = [](const Growing&) { return true; };
+
+  step(PlaneWeight::kTaper, 1.0f, [](const Growing& g) { return g.of->fit; });
+  for (std::size_t k = 0; k < count; ++k) {
+    Growing& g = growing[k];
+    if (g.of->fit) g.plane.slack = kPlaneSlack + 0.5f * g.plane.cosine;
+  }
+  step(PlaneWeight::kQuartic, 1.0f / 3.0f, all);
+  keep([&](Growing& g, const PlaneSums&) {
+    PlaneLook look;
+    kernels.look_at_plane(*g.of->map, g.plane, look);
+    const float mean = kMostPlaneMean * g.plane.cosine;
+    g.bound = std::max(kBeyond * look.residuals.largest, 0.5f * g.plane.cosine);
+    return look.count >= g.of->least &&
+           look.residuals.sum_squares <= static_cast<float>(look.count) * mean * mean;
+  });
+  step(PlaneWeight::kInterior, 1.0f, all);
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto& [of, plane, stride, bound] = growing[k];
+    const float per_voxel = plane.cosine / stride;
+    growths[static_cast<std::size_t>(of - growths.data())].foot =
+        Foot{-plane.c1 * per_voxel, -plane.c2 * per_voxel, plane.cosine, plane.c0 * plane.cosine};
+  }
+}
+
 }  // namespace
 
 HeightPlane plane_through(const Foot& foot, int stride, float excess) noexcept {
@@ -36,38 +98,19 @@ HeightPlane plane_through(const Foot& foot, int stride, float excess) noexcept {
           foot.normal_z, excess + 0.5f * foot.normal_z};
 }
 
-std::optional<Foot> grow_plane(const HeightMap& map, const Foot& first, int least,
-                               bool fit) noexcept {
-  return grow_plane(map, plane_through(first, map.stride, kPlaneSlack), least, fit);
+HeightPlane plane_to_grow(const HeightMap& map, const Foot& first) noexcept {
+  return plane_through(first, map.stride, kPlaneSlack);
 }
 
-std::optional<Foot> grow_plane(const HeightMap& map, const HeightPlane& first, int least,
-                               bool fit) noexcept {
-  if (first.cosine < kLeastPlaneCosine) return {};
-  const MapKernels& kernels = map_kernels();
-  const auto stride = static_cast<float>(map.stride);
-  HeightPlane plane = first;
-  PlaneSums step;
-  if (fit) {
-    kernels.plane_step(map, plane, PlaneWeight::kTaper, 0.0f, step);
-    if (!add(step, 1.0f, stride, plane)) return {};
-    plane.slack = kPlaneSlack + 0.5f * plane.cosine;
-  }
-  kernels.plane_step(map, plane, PlaneWeight::kQuartic, 0.0f, step);
-  if (!add(step, 1.0f / 3.0f, stride, plane)) return {};
+void grow_planes(std::span<PlaneGrowth> growths) noexcept {
+  growths.size() == 1 ? grow<1>(growths) : grow<kMostGrowths>(growths);
+}
 
-  PlaneLook look;
-  kernels.look_at_plane(map, plane, look);
-  const float mean = kMostPlaneMean * plane.cosine;
-  if (look.count < least ||
-      look.residuals.sum_squares > static_cast<float>(look.count) * mean * mean) {
-    return {};
-  }
-  const float bound = std::max(kBeyond * look.residuals.largest, 0.5f * plane.cosine);
-  kernels.plane_step(map, plane, PlaneWeight::kInterior, bound, step);
-  if (!add(step, 1.0f, stride, plane)) return {};
-  const float per_voxel = plane.cosine / stride;
-  return Foot{-plane.c1 * per_voxel, -plane.c2 * per_voxel, plane.cosine, plane.c0 * plane.cosine};
+std::optional<Foot> grow_plane(const HeightMap& map, const Foot& first, int least,
+                               bool fit) noexcept {
+  PlaneGrowth growth{&map, plane_to_grow(map, first), least, fit, {}};
+  grow_planes({&growth, 1});
+  return growth.foot;
 }
 
 }  // namespace sulcus

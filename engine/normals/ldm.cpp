@@ -21,9 +21,8 @@ using Eigen::Vector3f;
 // Each of these is in voxels, or a share.
 constexpr float kMostResidual = 0.35f;  // of a whole map, beyond half the cosine of its tilt
 constexpr float kMostWideResidual = 0.6f;
-constexpr float kMostSeemingBend =
-    0.15f;                          // of a face that few terraces make look bent, half a map out
-constexpr float kMostCubic = 0.2f;  // of the quadric's own part, at the rim of the map
+constexpr float kMostSeemingBend = 0.15f;  // half a map out, of what may be a face all the same
+constexpr float kMostCubic = 0.2f;         // of the quadric's own part, at the rim of the map
 // Where the surface is so level, a map of stride 2 helps, as on all faces: terraces are wide there,
 // on what is nearly a face wider than on what is curved.
 constexpr float kNearlyFlat = 1.25f;

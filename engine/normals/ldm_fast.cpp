@@ -49,7 +49,7 @@ struct Batch {
   std::array<const HeightTile*, kBatch> tiles;
   std::array<HeightTile::Column, kBatch> columns;
   // What coarse normals are added up from, then what some maps at a time are traced in.
-  static constexpr std::size_t kTraced = 16;
+  static constexpr std::size_t kTraced = kMostGrowths;
   std::array<ColumnBits::Windows, kBatch> windows;
   std::array<HeightMap, kTraced> maps;
 
@@ -80,12 +80,27 @@ void take_axes(const Workpiece& workpiece, std::span<const VoxelQuery> queries, 
   batch.sided &= first_bits(batch.count);
 }
 
-/// The face that the columns nearest to the voxel and half of the map lie on, where there is one.
-std::optional<Foot> face_of(const HeightMap& map) {
-  const std::optional<Foot> close = close_plane(map);
-  if (!close) return {};
-  const int half = (2 * map.ns + 1) * (2 * map.ns + 1) / 2;
-  return grow_plane(map, *close, half, true);
+/// Of maps across an edge, the faces that the columns nearest to the voxel and half of the map lie
+/// on, where there are any.
+void find_faces(std::span<const HeightMap> maps, std::span<const std::size_t> which, Batch& batch) {
+  std::array<PlaneGrowth, Batch::kTraced> growths;
+  std::array<std::size_t, Batch::kTraced> of;
+  std::size_t count = 0;
+  for (std::size_t n = 0; n < which.size(); ++n) {
+    const HeightMap& map = maps[n];
+    if (map.even_rings > kRingsAtEdge || map.even_rings >= map.ns) continue;
+    const std::optional<Foot> close = close_plane(map);
+    if (!close) continue;
+    const int half = (2 * map.ns + 1) * (2 * map.ns + 1) / 2;
+    growths[count] = {&map, plane_to_grow(map, *close), half, true, {}};
+    of[count++] = which[n];
+  }
+  grow_planes(std::span(growths).first(count));
+  for (std::size_t n = 0; n < count; ++n) {
+    if (!growths[n].foot) continue;
+    batch.feet[of[n]] = *growths[n].foot;
+    batch.faces |= bit_of(of[n]);
+  }
 }
 
 /// Sums of the maps that the tiles have and that are not across an edge.
@@ -131,17 +146,11 @@ void trace_others(const Workpiece& workpiece, std::span<const VoxelQuery> querie
       which[count++] = k;
     }
     map_kernels().trace_all(batch.windows.data(), count, trace, batch.maps.data());
+    find_faces(batch.maps, std::span(which).first(count), batch);
     for (std::size_t n = 0; n < count; ++n) {
       const HeightMap& map = batch.maps[n];
       const std::size_t k = which[n];
-      if (map.even_rings <= kRingsAtEdge && map.even_rings < ns) {
-        if (const std::optional<Foot> face = face_of(map)) {
-          batch.feet[k] = *face;
-          batch.faces |= bit_of(k);
-          continue;
-        }
-      }
-      if (map.even_rings < 1) continue;
+      if ((batch.faces & bit_of(k)) != 0 || map.even_rings < 1) continue;
       const QuadricFilter& filter = quadric_filter(map.even_rings, map.lanes);
       QuadricSums sums;
       map_kernels().fit(map.middle_row(), map.lanes, filter, sums);

@@ -42,7 +42,9 @@ std::optional<Foot> face_over(const HeightMap& wide, const Foot& first) noexcept
   PlaneLook look;
   map_kernels().look_at_plane(wide, near, look);
   if (look.count < found) return {};
-  return grow_plane(wide, near, found, true);
+  PlaneGrowth growth{&wide, near, found, true, {}};
+  grow_planes({&growth, 1});
+  return growth.foot;
 }
 
 }  // namespace sulcus

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -90,7 +91,9 @@ TEST(GrownPlane, OverEveryOtherColumnItIsTheSamePlaneSeenFarther) {
     for (const bool is_wide : {false, true}) {
       const HeightMap& map = is_wide ? wide : map_of(c0, c1, c2, kNs);
       const HeightPlane first = plane_through(roughly(c0, c1, c2), map.stride, 0.8f);
-      const auto face = grow_plane(map, first, 150, true);  // of 169
+      PlaneGrowth growth{&map, first, 150, true, {}};
+      grow_planes({&growth, 1});
+      const auto& face = growth.foot;  // of 169
       ASSERT_TRUE(face) << c0 << " " << c1 << " " << c2;
       const Vector3d normal(face->normal_x, face->normal_y, face->normal_z);
       EXPECT_NEAR(normal.norm(), 1.0, 1e-5);
@@ -101,6 +104,40 @@ TEST(GrownPlane, OverEveryOtherColumnItIsTheSamePlaneSeenFarther) {
   std::printf("grown plane: mean %.3f deg, over every other column %.3f\n", sum / planes,
               wide_sum / planes);
   EXPECT_LT(wide_sum, 0.65 * sum) << "half of it or so, as it sees twice as far";
+}
+
+TEST(GrownPlane, ThoseThatGrowTogetherAreThoseThatGrowAlone) {
+  std::vector<HeightMap> maps;
+  std::vector<PlaneGrowth> growths;
+  for_planes([&](double c0, double c1, double c2) {
+    maps.push_back(map_of(c0, c1, c2, static_cast<int>(maps.size() % 7)));
+  });
+  for (std::size_t k = 0; k < maps.size(); ++k) {
+    maps[k].stride = k % 5 == 0 ? 2 : 1;
+    const double slope = 0.1 * static_cast<double>(k % 9);
+    growths.push_back({&maps[k],
+                       plane_to_grow(maps[k], roughly(0.3, slope, -0.4)),
+                       static_cast<int>(k % 120),
+                       k % 3 != 0,
+                       {}});
+  }
+  int grown = 0, none = 0;
+  for (std::size_t first = 0; first + kMostGrowths <= growths.size(); first += kMostGrowths) {
+    grow_planes(std::span(growths).subspan(first, kMostGrowths));
+    for (std::size_t k = first; k < first + kMostGrowths; ++k) {
+      PlaneGrowth alone = growths[k];
+      grow_planes({&alone, 1});
+      ASSERT_EQ(alone.foot.has_value(), growths[k].foot.has_value());
+      (alone.foot ? grown : none) += 1;
+      if (!alone.foot) continue;
+      EXPECT_EQ(alone.foot->normal_x, growths[k].foot->normal_x);
+      EXPECT_EQ(alone.foot->normal_y, growths[k].foot->normal_y);
+      EXPECT_EQ(alone.foot->normal_z, growths[k].foot->normal_z);
+      EXPECT_EQ(alone.foot->offset, growths[k].foot->offset);
+    }
+  }
+  EXPECT_GT(grown, 20);
+  EXPECT_GT(none, 20);
 }
 
 TEST(GrownPlane, NeedsItsColumns) {
