@@ -163,7 +163,8 @@ Foot explained_foot(Target& target, const Foot& foot, const Lie& lie, MapGroup& 
 bool has_near_whole_slopes(const Foot& foot) noexcept {
   const auto near = [&](float component) {
     const float slope = std::abs(component / foot.normal_z);
-    return std::abs(slope - static_cast<float>(static_cast<int>(slope + 0.5f))) <= kNearWhole;
+    const float over = slope - static_cast<float>(static_cast<int>(slope));
+    return std::min(over, 1.0f - over) <= kNearWhole;
   };
   return foot.normal_z > kLeastPlaneCosine && near(foot.normal_x) && near(foot.normal_y);
 }
