@@ -65,7 +65,6 @@ void take_kept(const KeptNormals& kept, float voxel_m, bool told, ContactScratch
       const int place = leaf_place(key);
       if (page && KeptNormals::is(page->kept, place)) {
         values[k] = page->values[static_cast<std::size_t>(place)].normal;
-        __builtin_prefetch(values[k]);  // of many contacts, the pages are larger than the caches
       } else {
         ask(scratch, first + k);
       }

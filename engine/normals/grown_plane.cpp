@@ -18,14 +18,15 @@ constexpr float kBeyond = 1.02f;         // the bound that residuals keep, of th
 
 /// Adds `share` of what a step's sums give. False where they give nothing, or too steep a
 /// plane.
-bool add(const PlaneSums& step, float share, float stride, HeightPlane& plane) {
+bool add(const PlaneSums& step, float share, int stride, HeightPlane& plane) {
   const std::optional<PlaneSolution> more = solve_plane(step);
   if (!more) return false;
   const float scale = share / plane.cosine;
   plane.c0 += scale * more->c0;
   plane.c1 += scale * more->c1;
   plane.c2 += scale * more->c2;
-  const float x = plane.c1 / stride, y = plane.c2 / stride;
+  const auto voxels = static_cast<float>(stride);
+  const float x = plane.c1 / voxels, y = plane.c2 / voxels;
   plane.cosine = 1.0f / std::sqrt(1.0f + x * x + y * y);
   return plane.cosine >= kLeastPlaneCosine;
 }
@@ -36,9 +37,9 @@ void grow(std::span<PlaneGrowth> growths) {
   assert(growths.size() <= kMost);
   const MapKernels& kernels = map_kernels();
   struct Growing {
-    const PlaneGrowth* of;
+    PlaneGrowth* of;
     HeightPlane plane;
-    float stride, bound;
+    float bound;  // that residuals keep
   };
   std::array<Growing, kMost> growing;
   std::array<PlaneSums, kMost> sums;
@@ -46,7 +47,7 @@ void grow(std::span<PlaneGrowth> growths) {
   for (PlaneGrowth& growth : growths) {
     growth.foot.reset();
     if (growth.first.cosine < kLeastPlaneCosine) continue;
-    growing[count++] = {&growth, growth.first, static_cast<float>(growth.map->stride), 0.0f};
+    growing[count++] = {&growth, growth.first, 0.0f};
   }
   // What does not hold is left out of what follows.
   const auto keep = [&](const auto& holds) {
@@ -62,7 +63,7 @@ void grow(std::span<PlaneGrowth> growths) {
       if (is_asked(g)) kernels.plane_step(*g.of->map, g.plane, weight, g.bound, sums[k]);
     }
     keep([&](Growing& g, const PlaneSums& of) {
-      return !is_asked(g) || add(of, share, g.stride, g.plane);
+      return !is_asked(g) || add(of, share, g.of->map->stride, g.plane);
     });
   };
   const auto all = [](const Growing&) { return true; };
@@ -83,9 +84,9 @@ void grow(std::span<PlaneGrowth> growths) {
   });
   step(PlaneWeight::kInterior, 1.0f, all);
   for (std::size_t k = 0; k < count; ++k) {
-    const auto& [of, plane, stride, bound] = growing[k];
-    const float per_voxel = plane.cosine / stride;
-    growths[static_cast<std::size_t>(of - growths.data())].foot =
+    const auto& [of, plane, bound] = growing[k];
+    const float per_voxel = plane.cosine / static_cast<float>(of->map->stride);
+    of->foot =
         Foot{-plane.c1 * per_voxel, -plane.c2 * per_voxel, plane.cosine, plane.c0 * plane.cosine};
   }
 }

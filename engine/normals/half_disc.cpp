@@ -25,7 +25,6 @@ constexpr int kFewestGrown = 12;
 // their first planes; how far behind the voxel the side begins, where the voxel is inside a face
 // and else, and radii, voxels; and what those are worth, of the score.
 constexpr std::size_t kMostCurved = 3;
-static_assert(kMostCurved <= TiltedGroup::kSize);
 constexpr float kLeastShare = 0.8f;
 constexpr float kInside[] = {2.5f}, kBehind[] = {1.5f, 0.0f}, kCurvedRadii[] = {6.8f, 3.8f};
 constexpr float kPerBehind = 0.1f, kPerRadius = 0.05f;
@@ -107,7 +106,6 @@ void look_at_sides(const HeightMap& map, const Eigen::Vector3f& coarse, float be
                    {}};
     of[count++] = &side;
   }
-  if (count == 0) return;
   fitter.fit(std::span(fits).first(count));
   for (std::size_t k = 0; k < count; ++k) {
     if (!fits[k].foot) continue;
@@ -167,13 +165,13 @@ std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vec
     }
     find_curved(map, coarse, behinds, std::span(sides).first(count), fitter);
     std::optional<HalfDisc> nearest;
-    for (const auto& [candidate, settled, curved] : sides) {
-      if (!curved) continue;
+    for (const CurvedSide& side : sides) {
+      if (!side.disc) continue;
       any = true;
-      if (nearest && !(curved->score < nearest->score)) continue;
-      const Eigen::Vector3f normal(curved->foot.normal_x, curved->foot.normal_y,
-                                   curved->foot.normal_z);
-      if (!(normal.dot(outward) < 0.0f)) nearest = curved;
+      if (nearest && !(side.disc->score < nearest->score)) continue;
+      const Foot& foot = side.disc->foot;
+      const Eigen::Vector3f normal(foot.normal_x, foot.normal_y, foot.normal_z);
+      if (!(normal.dot(outward) < 0.0f)) nearest = side.disc;
     }
     return nearest;
   };

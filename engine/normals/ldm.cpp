@@ -178,27 +178,32 @@ struct Ball {
 /// The largest balls that are explained, of the voxels of a group that `which` has a bit for.
 void find_balls(MapGroup& group, std::uint32_t which, int neighbourhood, TiltedFitter& fitter,
                 std::array<std::optional<Ball>, MapGroup::kSize>& balls) noexcept {
+  if (which == 0) return;
+  std::array<TiltedFit, MapGroup::kSize> fits;
+  std::array<unsigned, MapGroup::kSize> of;
+  std::size_t count = 0;
+  for (; which != 0; which &= which - 1) {
+    const auto k = static_cast<unsigned>(std::countr_zero(which));
+    const Vector3f tilt = to_map_space(group.coarse[k], group.axes[k]).normalized();
+    fits[count] = {&group.map(k), tilt, 0.0f, {}, {}};
+    of[count++] = k;
+  }
   const float wide = std::max(1.0f, static_cast<float>(neighbourhood) / 6.0f);
   for (const float at_six : kRadii) {
     // The largest grows with the map; the others are there for what is small.
     const float radius = at_six == kRadii[0] ? at_six * wide : at_six;
-    for (std::uint32_t left = which; left != 0;) {
-      std::array<TiltedFit, TiltedGroup::kSize> fits;
-      std::array<unsigned, TiltedGroup::kSize> of;
-      std::size_t count = 0;
-      for (; left != 0 && count < fits.size(); left &= left - 1) {
-        const auto k = static_cast<unsigned>(std::countr_zero(left));
-        const Vector3f tilt = to_map_space(group.coarse[k], group.axes[k]).normalized();
-        fits[count] = {&group.map(k), tilt, radius, {}, {}};
-        of[count++] = k;
-      }
-      fitter.fit(std::span(fits).first(count));
-      for (std::size_t n = 0; n < count; ++n) {
-        if (!fits[n].foot) continue;
+    for (std::size_t n = 0; n < count; ++n) fits[n].radius = radius;
+    fitter.fit(std::span(fits).first(count));
+    std::size_t left = 0;
+    for (std::size_t n = 0; n < count; ++n) {
+      if (fits[n].foot) {
         balls[of[n]] = {*fits[n].foot, radius < kNearEdge};
-        which &= ~(1u << of[n]);
+      } else {
+        fits[left] = fits[n];
+        of[left++] = of[n];
       }
     }
+    count = left;
   }
 }
 

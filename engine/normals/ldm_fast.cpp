@@ -76,8 +76,7 @@ void take_axes(const Workpiece& workpiece, std::span<const VoxelQuery> queries, 
     batch.group(k).put_voxel(Batch::place(k), queries[k].voxel.data(), queries[k].outward.data(),
                              sums[k].data());
   }
-  batch.sided = map_kernels().aim(batch.surfaces.data(), batch.groups());
-  batch.sided &= first_bits(batch.count);
+  batch.sided = map_kernels().aim(batch.surfaces.data(), batch.count);
 }
 
 /// Of maps across an edge, the faces that the columns nearest to the voxel and half of the map lie

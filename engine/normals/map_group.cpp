@@ -15,8 +15,7 @@ std::size_t MapGroup::take(const Workpiece& workpiece, std::span<const VoxelQuer
     const VoxelQuery& query = queries[first + k];
     eight(k).put_voxel(place(k), query.voxel.data(), query.outward.data(), sums[k].data());
   }
-  sided_ = map_kernels().aim(surfaces.data(), eights());
-  sided_ &= (std::uint64_t{1} << count_) - 1;  // the last eight may not be full
+  sided_ = map_kernels().aim(surfaces.data(), count_);
 
   for (std::size_t k = 0; k < count_; ++k) {
     const SurfaceGroup& group = eight(k);

@@ -237,10 +237,10 @@ struct MapKernels {
   void (*fit)(const signed char* middle, std::ptrdiff_t pitch, const QuadricFilter& filter,
               QuadricSums& sums) noexcept;
 
-  /// Coarse normals of the voxels of so many groups, up to eight, of the tool where the solid has
+  /// Coarse normals of so many voxels, 1 to 64, in their groups, of the tool where the solid has
   /// none; the axis and sign of their maps, and where they are in their tiles. A bit for each that
-  /// has a side.
-  std::uint64_t (*aim)(SurfaceGroup* groups, std::size_t count) noexcept;
+  /// has a side, and for none beyond them.
+  std::uint64_t (*aim)(SurfaceGroup* groups, std::size_t voxels) noexcept;
   /// Heights at the centres, from the columns of so many groups' voxels in their tiles, and which
   /// of the voxels are of the leaf that begins at `origin` and have maps of at least so many even
   /// rings.

@@ -104,8 +104,9 @@ inline std::uint64_t feet_of(SurfaceGroup* groups, std::size_t count) noexcept {
   });
 }
 
-inline std::uint64_t aim(SurfaceGroup* groups, std::size_t count) noexcept {
-  return bits_of_groups(groups, count, [](SurfaceGroup& g) {
+inline std::uint64_t aim(SurfaceGroup* groups, std::size_t voxels) noexcept {
+  const std::size_t count = (voxels + SurfaceGroup::kSize - 1) / SurfaceGroup::kSize;
+  const std::uint64_t sided = bits_of_groups(groups, count, [](SurfaceGroup& g) {
     const IntLanes x = load(g.around[0]), y = load(g.around[1]), z = load(g.around[2]);
     const IntLanes solid = (x | y | z) != 0;
     const auto or_tool = [&](const IntLanes& sum, const float* tool) {
@@ -130,6 +131,7 @@ inline std::uint64_t aim(SurfaceGroup* groups, std::size_t count) noexcept {
     store(by_axis(i, j, k), g.layer);
     return (out[0] != 0.0f) | (out[1] != 0.0f) | (out[2] != 0.0f);
   });
+  return sided & ~std::uint64_t{0} >> (64 - voxels);  // the last eight may not be full
 }
 
 inline TileMaps look_up(const HeightTile::Column* columns, const std::int32_t* origin, int ns,

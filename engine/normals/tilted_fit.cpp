@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 
 #include <Eigen/Geometry>
@@ -110,7 +109,12 @@ void TiltedFitter::sharpen(std::span<const Found> found) noexcept {
 }
 
 void TiltedFitter::fit(std::span<TiltedFit> fits) noexcept {
-  assert(fits.size() <= points_.size());
+  for (std::size_t first = 0; first < fits.size(); first += points_.size()) {
+    fit_eight(fits.subspan(first, std::min(points_.size(), fits.size() - first)));
+  }
+}
+
+void TiltedFitter::fit_eight(std::span<TiltedFit> fits) noexcept {
   gather(fits);
   map_kernels().solve_quantised(group_);
   std::array<Found, TiltedGroup::kSize> found{};

@@ -26,7 +26,7 @@ struct TiltedFit {
   std::optional<Foot> foot;
 };
 
-/// Fits tilted surfaces, up to TiltedGroup::kSize of them side by side.
+/// Fits tilted surfaces, TiltedGroup::kSize of them side by side.
 class TiltedFitter {
  public:
   /// The plane, else the quadric, that explains all points of a map, or of a side of it, within
@@ -38,6 +38,7 @@ class TiltedFitter {
  private:
   enum class Found : std::uint8_t { kNothing, kFlat, kCurved };
 
+  void fit_eight(std::span<TiltedFit> fits) noexcept;  // or fewer
   void gather(std::span<const TiltedFit> fits) noexcept;
   /// Whether what was solved for a fit explains its points; a plane is put in its quadric's place.
   Found judge(std::size_t k) noexcept;

@@ -91,9 +91,9 @@ TEST(GrownPlane, OverEveryOtherColumnItIsTheSamePlaneSeenFarther) {
     for (const bool is_wide : {false, true}) {
       const HeightMap& map = is_wide ? wide : map_of(c0, c1, c2, kNs);
       const HeightPlane first = plane_through(roughly(c0, c1, c2), map.stride, 0.8f);
-      PlaneGrowth growth{&map, first, 150, true, {}};
+      PlaneGrowth growth{&map, first, 150, true, {}};  // of 169 columns
       grow_planes({&growth, 1});
-      const auto& face = growth.foot;  // of 169
+      const std::optional<Foot>& face = growth.foot;
       ASSERT_TRUE(face) << c0 << " " << c1 << " " << c2;
       const Vector3d normal(face->normal_x, face->normal_y, face->normal_z);
       EXPECT_NEAR(normal.norm(), 1.0, 1e-5);

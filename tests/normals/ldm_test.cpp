@@ -143,47 +143,54 @@ TEST(Ldm, WallsOfANarrowHoleHoldUpToItsRim) {
   EXPECT_LT(sum / count, 8.0) << "without parts of balls, 9.9";
 }
 
+/// Of a method on a face through the middle of a grid, away from the grid's own faces.
+struct FaceErrors {
+  double sum_deg = 0.0;
+  int count = 0, wide = 0;
+  double mean_deg() const { return sum_deg / count; }
+};
+template <class Estimate>
+void add_face(const Vector3d& aslant, const Estimate& estimate, FaceErrors& errors) {
+  const Vector3d normal = aslant.normalized();
+  const Workpiece workpiece(test::half_space({64, 64, 64}, 1e-4, normal, {31.6, 32.3, 32.1}));
+  for (const Cell& c : test::surface_cells(workpiece)) {
+    if ((c.array() < 18).any() || (c.array() > 45).any()) continue;  // the grid cuts maps off
+    const SurfaceEstimate found = estimate(workpiece, c);
+    errors.wide += found.looked_wide() ? 1 : 0;
+    errors.sum_deg += test::angle_deg(found.normal.cast<double>(), normal);
+    ++errors.count;
+  }
+}
+
 TEST(Ldm, FacesAreSeenFartherThanTheMapReaches) {
   // Tilts at which 13 columns see few steps, and as many that are none.
-  double sum = 0.0;
-  int count = 0, wide = 0;
+  FaceErrors errors;
   for (const Vector3d& tilt : {Vector3d(0.11, 0.03, 1.0), Vector3d(0.27, -0.4, 1.0),
                                Vector3d(-0.62, 0.21, 1.0), Vector3d(0.05, -0.09, 1.0)}) {
-    const Vector3d normal = tilt.normalized();
-    const Workpiece workpiece(test::half_space({64, 64, 64}, 1e-4, normal, {31.6, 32.3, 32.1}));
-    for (const Cell& c : test::surface_cells(workpiece)) {
-      if ((c.array() < 18).any() || (c.array() > 45).any()) continue;  // the grid cuts maps off
-      const SurfaceEstimate estimate = estimate_ldm_fast(workpiece, c, kNs, kTrace);
-      wide += estimate.looked_wide() ? 1 : 0;
-      sum += test::angle_deg(estimate.normal.cast<double>(), normal);
-      ++count;
-    }
+    add_face(
+        tilt,
+        [](const Workpiece& w, const Cell& c) { return estimate_ldm_fast(w, c, kNs, kTrace); },
+        errors);
   }
-  std::printf("ldm_fast, planes: mean %.3f deg, %d voxels\n", sum / count, count);
-  ASSERT_GT(count, 2000);
-  EXPECT_GT(wide, count * 3 / 4);
-  EXPECT_LT(sum / count, 0.15) << "without wide maps, 0.355";
+  std::printf("ldm_fast, planes: mean %.3f deg, %d voxels\n", errors.mean_deg(), errors.count);
+  ASSERT_GT(errors.count, 2000);
+  EXPECT_GT(errors.wide, errors.count * 3 / 4);
+  EXPECT_LT(errors.mean_deg(), 0.15) << "without wide maps, 0.355";
 }
 
 TEST(Ldm, FacesAlongDiagonalsOfTheGridAreSeenFarther) {
   // Steps of one voxel a column, and in 13 columns one or two that break the pattern: a quadric
   // takes these for a bend, and wide maps go out of the trace.
   for (const Vector3d& aslant : {Vector3d(0.72, -0.69, 0.055), Vector3d(0.591, 0.582, 0.559)}) {
-    const Vector3d normal = aslant.normalized();
-    const Workpiece workpiece(test::half_space({64, 64, 64}, 1e-4, normal, {31.6, 32.3, 32.1}));
-    double sum = 0.0;
-    int count = 0, wide = 0;
-    for (const Cell& c : test::surface_cells(workpiece)) {
-      if ((c.array() < 18).any() || (c.array() > 45).any()) continue;
-      const SurfaceEstimate estimate = estimate_ldm(workpiece, c, kNs, kTrace);
-      wide += estimate.looked_wide() ? 1 : 0;
-      sum += test::angle_deg(estimate.normal.cast<double>(), normal);
-      ++count;
-    }
-    std::printf("ldm, a face along a diagonal: mean %.3f deg, %d voxels\n", sum / count, count);
-    ASSERT_GT(count, 500);
-    EXPECT_GT(wide, count / 2);
-    EXPECT_LT(sum / count, 0.6) << "by maps that are not wide, 1.1";
+    FaceErrors errors;
+    add_face(
+        aslant, [](const Workpiece& w, const Cell& c) { return estimate_ldm(w, c, kNs, kTrace); },
+        errors);
+    std::printf("ldm, a face along a diagonal: mean %.3f deg, %d voxels\n", errors.mean_deg(),
+                errors.count);
+    ASSERT_GT(errors.count, 500);
+    EXPECT_GT(errors.wide, errors.count / 2);
+    EXPECT_LT(errors.mean_deg(), 0.6) << "by maps that are not wide, 1.1";
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -287,6 +288,24 @@ std::vector<TruthShape> plates() {
   return all;
 }
 
+/// Half spaces at seeded random attitudes.
+std::vector<TruthShape> planes() {
+  std::mt19937 random(7);
+  std::vector<TruthShape> all;
+  for (int n = 0; n < 200; ++n) {
+    // Of a cube what lies in the ball, so that all directions are as likely.
+    Vector3d normal;
+    do {
+      for (double& c : normal) c = 2.0 * (static_cast<double>(random()) / 4294967296.0) - 1.0;
+    } while (normal.squaredNorm() > 1.0 || normal.squaredNorm() < 0.01);
+    normal.normalize();
+    const ComposedShape solid({half_space(Vector3d::Constant(0.3), normal)},
+                              box_of(Vector3d::Constant(60)));
+    all.push_back(make_shape("planes", solid, grid_of(64, 1.0), {}, kMarginAtCuts));
+  }
+  return all;
+}
+
 std::string listed_names() {
   std::string list;
   for (const std::string_view name : kShapeNames)
@@ -298,6 +317,7 @@ std::string listed_names() {
 
 std::vector<TruthShape> truth_shapes(std::string_view name) {
   if (name == "plate") return plates();
+  if (name == "planes") return planes();
   const auto one = [&](const ComposedShape& shape, int cells, const Pose& pose, int margin) {
     std::vector<TruthShape> shapes;
     shapes.push_back(make_shape(std::string(name), shape, grid_of(cells, 1.0), pose, margin));

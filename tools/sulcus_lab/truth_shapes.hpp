@@ -29,14 +29,16 @@ struct TruthShape {
   bool either_sign = false;                       // a wall of one voxel has no side of its own
 };
 
-/// The first six are those of [Kim and Park 2019, VI-C] and of the design, the last seven are there
+/// The first six are those of [Kim and Park 2019, VI-C] and of the design, the others are there
 /// to be unlike them. No method was tuned on the gyroid, the dodecahedron, the hyperboloid and the
-/// quartic; rims of the cone and the drilled ellipsoid, and a face of the tetrahedron, were looked
-/// at.
+/// quartic; rims of the cone and the drilled ellipsoid, a face of the tetrahedron and the planes
+/// were looked at.
 inline constexpr std::string_view kShapeNames[] = {
-    "sphere",      "cube",   "rotated_cube",      "torus",  "molar",       "plate",
-    "molar_cut",   "cone",   "drilled_ellipsoid", "gyroid", "tetrahedron", "dodecahedron",
-    "hyperboloid", "quartic"};
+    "sphere",      "cube",        "rotated_cube",
+    "torus",       "molar",       "plate",
+    "molar_cut",   "cone",        "drilled_ellipsoid",
+    "gyroid",      "tetrahedron", "dodecahedron",
+    "hyperboloid", "quartic",     "planes"};
 
 /// The shapes of a name, in voxels unless said otherwise; solids with edges have the zones face,
 /// near (2 to 10 voxels from an edge) and edge.
@@ -55,9 +57,10 @@ inline constexpr std::string_view kShapeNames[] = {
 /// - gyroid: saddles everywhere, smallest radius of curvature 12
 /// - tetrahedron: edges of 70.5 degrees, 127 long, aslant
 /// - dodecahedron: edges of 116.6 degrees, 43 long, aslant
-/// - hyperboloid: of one sheet, waist 26, rims of 40 where planes cut it, aslant: saddles with
+/// - hyperboloid: of one sheet, waist 26, rims of 40 where planes cut it, aslant: saddles, and
 /// edges
 /// - quartic: x^4 + y^4 + z^4 <= 50^4, aslant: flat, and bent ever more from there on
+/// - planes: 200 of random attitudes, the same every time
 /// Voxels near the grid's faces, where a shape goes on beyond them, are left out. InputError for
 /// another name. Runs on oneTBB; the result does not depend on the number of threads.
 std::vector<TruthShape> truth_shapes(std::string_view name);
