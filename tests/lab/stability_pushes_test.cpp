@@ -42,7 +42,7 @@ TEST(StabilityPushes, ClinicalOnesAreHeldAndFeltInTheirShortForm) {
     judged += row.limit ? 1 : 0;
     EXPECT_TRUE(row.pass()) << row.quantity << " " << row.value;
   }
-  EXPECT_EQ(judged, 32);
+  EXPECT_EQ(judged, 46);
 }
 
 TEST(StabilityPushes, ThePlainPenaltyLetsTheSamePressThroughOrBuzzes) {

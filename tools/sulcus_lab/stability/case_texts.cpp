@@ -155,12 +155,14 @@ std::span<const CaseText> other_texts() {
       {"clinical_pushes", "What dentists press with, held",
        "Forces that a device can render in a stable way are a tenth of what dentists press with, "
        "unless the tool hangs on it by a spring.",
-       "0.5, 1 and 2 N on faces at four tilts and at three places of the molar's sulcus; round, "
-       "fissure and flame burrs, on tips and sides; two devices, three hands, no delay and one "
-       "tick; the spindle stopped, and cutting. A row has the worst of its settings.",
+       "0.5, 1 and 2 N on faces at four tilts and at three places of the molar's sulcus, on the "
+       "place and beside it, where a burr first slides down; round, fissure and flame burrs, on "
+       "tips and sides; two devices, three hands, no delay and one tick; the spindle stopped, and "
+       "cutting. A row has the worst of its settings.",
        "None through and none slid off; the handle shakes by less than a resolution over the last "
        "0.6 s (while cutting: about its own straight line); and from 1 N on at least 90 % of the "
-       "coupling's stiffness is felt, from first contact on and from 1 to 2 N."},
+       "coupling's stiffness is felt, from first contact on (not where a burr slides first, of "
+       "which that would tell how far) and from 1 to 2 N."},
       {"coupled_tick", "What the coupling costs",
        "It evaluates the contact several times in a tick.",
        "Burrs with about 30 and 2,000 voxels in contact slide over a face at 1 to 20 mm/s; beside "

@@ -11,6 +11,7 @@
 #include <tbb/parallel_for.h>
 
 #include "engine/core/units.hpp"
+#include "engine/import/build_workpiece.hpp"
 #include "engine/scene/device_presets.hpp"
 #include "tools/sulcus_lab/stability/pushes.hpp"
 
@@ -39,26 +40,41 @@ constexpr std::array<Head, 7> kHeads{
      {"flame on its side", "shape = 'flame'\ndiameter_mm = 1.0\nlength_mm = 2.5", 0.5e-3, 2.5e-3,
       true}}};
 
-/// Where a burr is pressed: a scene's [workpiece], the point, and the direction out of the solid.
+/// Where a burr is pressed: a scene's [workpiece] and what it describes, the point, and the
+/// direction out of the solid.
 struct Site {
   std::string name, workpiece;
   Vector3d point_m, out;
+  bool is_hollow;  // around the point the solid falls off to where a burr comes to lie
+  VoxelModel solid;
 };
+
+std::string push_text(const std::string& workpiece, const Head& head) {
+  return "tissue = ['enamel']\n" + workpiece + "[burr]\n" + head.toml + "\nfield = 'auto'\n";
+}
+
+Site make_site(std::string name, std::string workpiece, const Vector3d& point_m,
+               const Vector3d& out, bool is_hollow) {
+  VoxelModel solid =
+      build_workpiece(method_scene(ContactMethod::kCoupling, push_text(workpiece, kHeads[0])));
+  return {std::move(name), std::move(workpiece), point_m, out, is_hollow, std::move(solid)};
+}
 
 std::vector<Site> sites(bool brief) {
   std::vector<Site> all;
   // A burr that turns on its side walks: pressed with 2 N it drags the light hand 6 mm along before
-  // that holds it. So far the face must go, or it walks off.
+  // that holds it. So far the face must go, or it walks off. Along the burr it ends before the
+  // shank, which is thicker than the head and would touch first.
   for (const double tilt_deg : {30.0, 0.0, 15.0, 45.0}) {
     char text[200];
     std::snprintf(text, sizeof(text),
-                  "[workpiece]\nshape = 'plate'\ncells = [192, 512, 192]\n"
+                  "[workpiece]\nshape = 'plate'\ncells = [128, 512, 128]\n"
                   "plate.thickness_mm = 2.0\nplate.tilt_deg = %g\n",
                   tilt_deg);
     const double tilt = tilt_deg * kDegree;
     const Vector3d out(std::sin(tilt), 0.0, std::cos(tilt));
-    all.push_back(
-        {"face at " + std::to_string(static_cast<int>(tilt_deg)) + " deg", text, 1e-3 * out, out});
+    all.push_back(make_site("face at " + std::to_string(static_cast<int>(tilt_deg)) + " deg", text,
+                            1e-3 * out, out, false));
     if (brief) break;
   }
   // Places on the way along the sulcus of scenes/cut_sulcus.toml, put in the middle of the grid.
@@ -67,71 +83,122 @@ std::vector<Site> sites(bool brief) {
     double x_mm, y_mm, z_mm;
   };
   for (const Pit& pit :
-       {Pit{"central pit", 0.40, 0.0, 5.649}, Pit{"mesial fossa", 2.4, -0.2, 6.315},
+       {Pit{"mesial fossa", 2.4, -0.2, 6.315}, Pit{"central pit", 0.40, 0.0, 5.649},
         Pit{"distal fossa", -2.4, -0.19, 5.862}}) {
     char text[200];
     std::snprintf(text, sizeof(text),
                   "[workpiece]\nshape = 'molar'\ncells = [192, 192, 192]\n"
                   "position_mm = [%g, %g, %g]\n",
                   -pit.x_mm, -pit.y_mm, -pit.z_mm);
-    all.push_back({pit.name, text, Vector3d::Zero(), Vector3d::UnitZ()});
+    all.push_back(make_site(pit.name, text, Vector3d::Zero(), Vector3d::UnitZ(), true));
     if (brief) break;
   }
   return all;
 }
 
-struct Task {
+/// Where a head comes down. In a hollow twice: straight onto where it comes to lie, and beside
+/// that, from where it slides there.
+struct Place {
   const Site* site;
   const Head* head;
+  Vector3d start_m, axis;
+  bool slides;
+
+  std::string name() const {
+    return std::string(head->name) + ", " + (slides ? "beside the " : "") + site->name;
+  }
+};
+
+struct Task {
+  const Place* place;
   Push push;
   PushResult result;
 };
 
-std::vector<Task> tasks_of(const std::vector<Site>& all_sites, std::size_t heads, bool brief) {
-  std::vector<Task> tasks;
+PushResult run(const Push& push, const Place& place) {
+  constexpr double kReach_m = 3e-3;
+  return run_push(push, push_text(place.site->workpiece, *place.head), place.start_m, kReach_m, {},
+                  &place.site->solid);
+}
+
+Push push_at(const Place& place) {
+  Push push;
+  push.into = -place.site->out;
+  push.axis = place.axis;
+  return push;
+}
+
+/// Above where a head comes to lie that is pressed, let go and pressed again, as a hand finds it.
+Vector3d above_rest(Place place) {
+  Push push = push_at(place);
+  push.hand = "firm";
+  push.force_N = 2.0;
+  constexpr int kPresses = 3;
+  for (int press = 0; press < kPresses; ++press) {
+    const PushResult pressed = run(push, place);
+    if (!pressed.reached) break;
+    const Vector3d moved = pressed.tip_m - place.start_m;
+    place.start_m += moved - moved.dot(place.site->out) * place.site->out;
+  }
+  return place.start_m;
+}
+
+/// Over a site's point; on its side along the sulcus, its middle over the point.
+Place place_over(const Site& site, const Head& head) {
+  constexpr double kAbove_m = 0.8e-3;
+  Place place{&site, &head, site.point_m + kAbove_m * site.out, site.out, false};
+  if (head.on_side) {
+    place.axis = (Vector3d::UnitX() - site.out.x() * site.out).normalized();
+    place.start_m += head.radius_m * site.out - 0.5 * head.length_m * place.axis;
+  }
+  return place;
+}
+
+std::vector<Place> places_of(const std::vector<Site>& all_sites, std::size_t heads) {
+  std::vector<Place> places;
   for (const Site& site : all_sites) {
     for (std::size_t h = 0; h < heads; ++h) {
-      const Head& head = kHeads[h];
-      for (const char* device : {"omni", "touch"}) {
-        for (const std::string_view hand : kHandPresetNames) {
-          for (const int delay : {1, 0}) {
-            for (const double force_N : {0.5, 1.0, 2.0}) {
-              for (const bool cutting : {false, true}) {
-                Push push;
-                push.device = device;
-                push.hand = hand;
-                push.delay = delay;
-                push.force_N = force_N;
-                push.cutting = cutting;
-                push.into = -site.out;
-                // A head on its side lies along the sulcus.
-                push.axis = head.on_side
-                                ? (Vector3d::UnitX() - site.out.x() * site.out).normalized()
-                                : site.out;
-                tasks.push_back({&site, &head, push, {}});
-              }
+      const Place place = places.emplace_back(place_over(site, kHeads[h]));
+      if (!site.is_hollow) continue;
+      places.push_back(place);
+      places.back().slides = true;
+    }
+  }
+  tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
+    Place& place = places[i];
+    if (place.site->is_hollow && !place.slides) place.start_m = above_rest(place);
+  });
+  return places;
+}
+
+std::vector<Task> tasks_of(const std::vector<Place>& places, bool brief) {
+  // A burr that cuts may hang on a slope for a second before it slips: the judged end is after.
+  constexpr double kSlide_s = 1.0;
+  std::vector<Task> tasks;
+  for (const Place& place : places) {
+    for (const char* device : {"omni", "touch"}) {
+      for (const std::string_view hand : kHandPresetNames) {
+        for (const int delay : {1, 0}) {
+          for (const double force_N : {0.5, 1.0, 2.0}) {
+            for (const bool cutting : {false, true}) {
+              Push push = push_at(place);
+              push.device = device;
+              push.hand = hand;
+              push.delay = delay;
+              push.force_N = force_N;
+              push.cutting = cutting;
+              if (cutting && place.slides) push.duration_s += kSlide_s;
+              tasks.push_back({&place, push, {}});
             }
-            if (brief) break;
           }
-          if (brief) break;
+          if (brief || place.slides) break;
         }
         if (brief) break;
       }
+      if (brief) break;
     }
   }
   return tasks;
-}
-
-void run(Task& task) {
-  const Head& head = *task.head;
-  const std::string text = "tissue = ['enamel']\n" + task.site->workpiece + "[burr]\n" + head.toml +
-                           "\nfield = 'auto'\n";
-  constexpr double kAbove_m = 0.8e-3;
-  Vector3d start = task.site->point_m + kAbove_m * task.site->out;
-  if (head.on_side) {
-    start += head.radius_m * task.site->out - 0.5 * head.length_m * task.push.axis;
-  }
-  task.result = run_push(task.push, text, start, 3e-3);
 }
 
 /// Contact was made, and what is pressed with is what is felt in the end: the tool has not gone
@@ -150,76 +217,75 @@ double share_between(const Task& light, const Task& hard) {
 
 }  // namespace
 
-// Felt stiffness from 1 N up, twice: from first contact on, which in a pit is also of how far the
-// burr slides down before it lies at the bottom, and from the push of 1 N to that of 2.
+// Felt stiffness from 1 N up, twice: from first contact on, but for the burrs that slide first, of
+// which it would tell how far, and from the push of 1 N to that of 2.
 CaseResult clinical_pushes(bool brief) {
   constexpr double kLeastShare = 0.9;
   const std::vector<Site> all_sites = sites(brief);
-  const std::size_t heads = brief ? 2 : kHeads.size();
-  std::vector<Task> tasks = tasks_of(all_sites, heads, brief);
-  tbb::parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) { run(tasks[i]); });
+  const std::vector<Place> places = places_of(all_sites, brief ? 2 : kHeads.size());
+  std::vector<Task> tasks = tasks_of(places, brief);
+  tbb::parallel_for(std::size_t{0}, tasks.size(),
+                    [&](std::size_t i) { tasks[i].result = run(tasks[i].push, *tasks[i].place); });
 
   CaseResult result;
-  for (const Site& site : all_sites) {
-    for (std::size_t h = 0; h < heads; ++h) {
-      for (const bool cutting : {false, true}) {
-        double runs = 0.0, not_held = 0.0, unstable = 0.0, step_N = 0.0;
-        double rms = 0.0, share = HUGE_VAL, whole_share = HUGE_VAL;
-        const Task *worst_rms = nullptr, *worst_share = nullptr, *worst_whole = nullptr;
-        const Task* of_1_N = nullptr;  // with the same device, hand and delay
-        for (const Task& task : tasks) {
-          if (task.site != &site || task.head != &kHeads[h] || task.push.cutting != cutting)
-            continue;
-          const PushResult& r = task.result;
-          ++runs;
-          not_held += !is_held(task);
-          unstable += !r.stable();
-          step_N = std::max(step_N, r.step_N);
-          if (!worst_rms || r.rms_m / r.resolution_m > rms) {
-            rms = r.rms_m / r.resolution_m;
-            worst_rms = &task;
-          }
-          if (task.push.force_N < 1.0) continue;
-          const double whole =
-              r.stiffness_N_per_m / device_preset(task.push.device).stiffness_N_per_m;
-          if (whole < whole_share) {
-            whole_share = whole;
-            worst_whole = &task;
-          }
-          if (task.push.force_N == 1.0) {
-            of_1_N = &task;
-          } else if (const double between = share_between(*of_1_N, task); between < share) {
-            share = between;
-            worst_share = &task;
-          }
+  for (const Place& place : places) {
+    for (const bool cutting : {false, true}) {
+      double runs = 0.0, not_held = 0.0, unstable = 0.0, step_N = 0.0;
+      double rms = 0.0, share = HUGE_VAL, whole_share = HUGE_VAL;
+      const Task *worst_rms = nullptr, *worst_share = nullptr, *worst_whole = nullptr;
+      const Task* of_1_N = nullptr;  // with the same device, hand and delay
+      for (const Task& task : tasks) {
+        if (task.place != &place || task.push.cutting != cutting) continue;
+        const PushResult& r = task.result;
+        ++runs;
+        not_held += !is_held(task);
+        unstable += !r.stable();
+        step_N = std::max(step_N, r.step_N);
+        if (!worst_rms || r.rms_m / r.resolution_m > rms) {
+          rms = r.rms_m / r.resolution_m;
+          worst_rms = &task;
         }
-        StabilityRow row;
-        row.case_name = "clinical_pushes";
-        row.burr_mm = 2e3 * kHeads[h].radius_m;
-        const std::string where =
-            std::string(kHeads[h].name) + ", " + site.name + (cutting ? ", cutting" : "") + ": ";
-        const auto add = [&](const char* quantity, double value, std::optional<double> limit,
-                             bool at_least, const Task* of) {
-          row.quantity = where + quantity;
-          row.value = value;
-          row.limit = limit;
-          row.at_least = at_least;
-          row.device = of ? of->push.device : "";
-          row.hand = of ? of->push.hand : "";
-          row.delay = of ? of->push.delay : 0;
-          row.push_N = of ? of->push.force_N : 0.0;
-          result.rows.push_back(row);
-        };
-        add("runs", runs, {}, false, nullptr);
-        add("not held", not_held, 0.0, false, nullptr);
-        add("unstable", unstable, 0.0, false, nullptr);
-        add("rms of the handle over one resolution", rms, 1.0, false, worst_rms);
-        if (!cutting) {
-          add("felt share of the coupling", whole_share, kLeastShare, true, worst_whole);
-          add("felt share of the coupling from 1 to 2 N", share, kLeastShare, true, worst_share);
+        if (task.push.force_N < 1.0) continue;
+        const double whole =
+            r.stiffness_N_per_m / device_preset(task.push.device).stiffness_N_per_m;
+        if (whole < whole_share) {
+          whole_share = whole;
+          worst_whole = &task;
         }
-        add("force_step_N", step_N, {}, false, nullptr);
+        if (task.push.force_N == 1.0) {
+          of_1_N = &task;
+        } else if (const double between = share_between(*of_1_N, task); between < share) {
+          share = between;
+          worst_share = &task;
+        }
       }
+      StabilityRow row;
+      row.case_name = "clinical_pushes";
+      row.burr_mm = 2e3 * place.head->radius_m;
+      const std::string where = place.name() + (cutting ? ", cutting" : "") + ": ";
+      const auto add = [&](const char* quantity, double value, std::optional<double> limit,
+                           bool at_least, const Task* of) {
+        row.quantity = where + quantity;
+        row.value = value;
+        row.limit = limit;
+        row.at_least = at_least;
+        row.device = of ? of->push.device : "";
+        row.hand = of ? of->push.hand : "";
+        row.delay = of ? of->push.delay : 0;
+        row.push_N = of ? of->push.force_N : 0.0;
+        result.rows.push_back(row);
+      };
+      add("runs", runs, {}, false, nullptr);
+      add("not held", not_held, 0.0, false, nullptr);
+      add("unstable", unstable, 0.0, false, nullptr);
+      add("rms of the handle over one resolution", rms, 1.0, false, worst_rms);
+      if (!cutting) {
+        if (!place.slides) {
+          add("felt share of the coupling", whole_share, kLeastShare, true, worst_whole);
+        }
+        add("felt share of the coupling from 1 to 2 N", share, kLeastShare, true, worst_share);
+      }
+      add("force_step_N", step_N, {}, false, nullptr);
     }
   }
   return result;
@@ -228,21 +294,20 @@ CaseResult clinical_pushes(bool brief) {
 CaseResult pressed_off_axis(bool brief) {
   CaseResult result;
   const Site face = sites(true).front();
+  Place place = place_over(face, kHeads[0]);
+  place.axis = Eigen::AngleAxisd(15.0 * kDegree, Vector3d::UnitY()) * face.out;
   for (const std::string_view hand : kHandPresetNames) {
     for (const double force_N : {0.5, 1.0, 2.0}) {
       for (const int delay : {0, 1}) {
-        Task task{&face, &kHeads[0], {}, {}};
-        task.push.device = "premium15";
-        task.push.hand = hand;
-        task.push.delay = delay;
-        task.push.force_N = force_N;
-        task.push.into = -face.out;
-        task.push.axis = Eigen::AngleAxisd(15.0 * kDegree, Vector3d::UnitY()) * face.out;
-        run(task);
-        const PushResult& r = task.result;
+        Push push = push_at(place);
+        push.device = "premium15";
+        push.hand = hand;
+        push.delay = delay;
+        push.force_N = force_N;
+        const PushResult r = run(push, place);
         StabilityRow row;
         row.case_name = "pressed_off_axis";
-        row.device = task.push.device;
+        row.device = push.device;
         row.hand = hand;
         row.delay = delay;
         row.push_N = force_N;
@@ -252,7 +317,7 @@ CaseResult pressed_off_axis(bool brief) {
           row.limit = limit;
           result.rows.push_back(row);
         };
-        const DeviceSettings& device = device_preset(task.push.device);
+        const DeviceSettings& device = device_preset(push.device);
         const double held_Nm = HandSettings{}.turning_stiffness_Nm_per_rad * r.turn;
         add("turned_deg", r.turn / kDegree, {});
         add("torque against the hand's spring_percent",

@@ -93,6 +93,7 @@ PushResult run_push(const Push& push, const std::string& text, const Eigen::Vect
     if (felt.contacts > 0) ++touched;
     if (touched > 5) result.step_N = std::max(result.step_N, (felt.force_N - last_N).norm());
     last_N = felt.force_N;
+    result.tip_m = felt.tool.position;
     if (tick < judged_from) continue;
     if (push.cutting && felt.contacts == 0 && felt.force_N.norm() > 0.9 * push.force_N) {
       result.popped = true;

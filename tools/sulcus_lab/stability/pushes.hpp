@@ -36,6 +36,7 @@ struct PushResult {
   double step_N = 0.0;                 // largest change in a tick after first contact
   double torque_Nm = 0.0, turn = 0.0;  // mean, about the handle; rad, of the device from the hand's
   double turn_rms = 0.0;               // rad
+  Eigen::Vector3d tip_m{0, 0, 0};      // where the tool is in the end
   std::uint64_t buzz_ticks = 0;
   std::vector<float> felt_N, depth_mm;  // of every tick
   bool stable() const { return rms_m < resolution_m; }
