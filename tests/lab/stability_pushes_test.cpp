@@ -45,6 +45,18 @@ TEST(StabilityPushes, ClinicalOnesAreHeldAndFeltInTheirShortForm) {
   EXPECT_EQ(judged, 46);
 }
 
+TEST(StabilityPushes, OnesOffTheAxisTurnTheHandleAsItsSpringHolds) {
+  int judged = 0;
+  for (const StabilityRow& row : pressed_off_axis(true).rows) {
+    judged += row.limit ? 1 : 0;
+    EXPECT_TRUE(row.pass()) << row.quantity << " " << row.value;
+    if (row.quantity == "turned_deg") {
+      EXPECT_GT(row.value, 0.5);
+    }
+  }
+  EXPECT_EQ(judged, 24);
+}
+
 TEST(StabilityPushes, ThePlainPenaltyLetsTheSamePressThroughOrBuzzes) {
   Push push = push_on_face();
   push.method = ContactMethod::kCount;
