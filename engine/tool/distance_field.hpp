@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstddef>
 #include <span>
-#include <vector>
 
 #include <Eigen/Core>
 
+#include "engine/core/huge_pages.hpp"
 #include "engine/tool/burr_profile.hpp"
 #include "engine/tool/field_grid.hpp"
 
@@ -131,7 +131,7 @@ class DistanceField {
   FieldGrid grid_;
   std::ptrdiff_t row_pitch_ = 0;
   std::ptrdiff_t slice_pitch_ = 0;
-  std::vector<float> values_;
+  HugePageVector<float> values_;
 };
 
 /// The field of a generated burr: at each sample the exact distance to its profile. The grid must

@@ -4,8 +4,8 @@
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "engine/core/huge_pages.hpp"
 #include "engine/volume/voxel_model.hpp"
 
 namespace sulcus {
@@ -79,11 +79,11 @@ class ColumnBits {
 
  private:
   struct Axis {
-    std::vector<std::uint32_t> words;  // [height][v][u] of the box with its borders
-    std::ptrdiff_t row = 0;            // words from one v to the next
-    std::ptrdiff_t plane = 0;          // words from one height to the next
-    std::ptrdiff_t origin = 0;         // of the column (0, 0) at the first height; may be negative
-    int below = 0;                     // bits below voxel 0 of a column; may be negative
+    HugePageVector<std::uint32_t> words;  // [height][v][u] of the box with its borders
+    std::ptrdiff_t row = 0;               // words from one v to the next
+    std::ptrdiff_t plane = 0;             // words from one height to the next
+    std::ptrdiff_t origin = 0;  // of the column (0, 0) at the first height; may be negative
+    int below = 0;              // bits below voxel 0 of a column; may be negative
 
     std::ptrdiff_t offset(int u, int v, int word) const noexcept {
       return origin + word * plane + v * row + u;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "engine/core/huge_pages.hpp"
 #include "engine/volume/column_bits.hpp"
 #include "engine/volume/octree.hpp"
 #include "engine/volume/voxel_model.hpp"
@@ -53,7 +54,7 @@ class Workpiece {
   void update_surface(const Cell& c) noexcept;
 
   VoxelModel model_;
-  std::vector<LeafBits> surface_;
+  HugePageVector<LeafBits> surface_;
   Octree octree_;
   ColumnBits columns_;
   std::uint64_t solid_voxels_ = 0;
