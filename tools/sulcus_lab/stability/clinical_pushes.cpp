@@ -197,7 +197,7 @@ std::vector<Task> tasks_of(const std::vector<Place>& places, bool brief) {
               tasks.push_back({&place, push, {}});
             }
           }
-          if (brief || place.slides) break;
+          if (brief) break;
         }
         if (brief) break;
       }
