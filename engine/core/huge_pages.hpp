@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <new>
 #include <vector>
 
@@ -24,18 +25,16 @@ struct HugePageAllocator {
 
   T* allocate(std::size_t count) {
     const std::size_t bytes = count * sizeof(T);
-    if (bytes < kHugePage) return static_cast<T*>(::operator new(bytes, kUsual));
-    void* const memory = ::operator new(bytes, kAligned);
+    if (bytes < kHugePage) return std::allocator<T>().allocate(count);
+    void* const memory = ::operator new (bytes, std::align_val_t{kHugePage});
     madvise(memory, bytes, MADV_HUGEPAGE);  // what it returns changes nothing
     return static_cast<T*>(memory);
   }
   void deallocate(T* memory, std::size_t count) noexcept {
-    ::operator delete(memory, count * sizeof(T) < kHugePage ? kUsual : kAligned);
+    if (count * sizeof(T) < kHugePage) return std::allocator<T>().deallocate(memory, count);
+    ::operator delete (memory, std::align_val_t{kHugePage});
   }
   bool operator==(const HugePageAllocator&) const = default;
-
- private:
-  static constexpr std::align_val_t kUsual{alignof(T) > 16 ? alignof(T) : 16}, kAligned{kHugePage};
 };
 
 template <class T>

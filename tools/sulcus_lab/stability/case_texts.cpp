@@ -161,8 +161,8 @@ std::span<const CaseText> other_texts() {
        "cutting. A row has the worst of its settings.",
        "None through and none slid off; the handle shakes by less than a resolution over the last "
        "0.6 s (while cutting: about its own straight line); and from 1 N on at least 90 % of the "
-       "coupling's stiffness is felt, from first contact on (not where a burr slides first, of "
-       "which that would tell how far) and from 1 to 2 N."},
+       "coupling's stiffness is felt, from first contact on (only told where a burr slides first, "
+       "of which that tells how far) and from 1 to 2 N."},
       {"coupled_tick", "What the coupling costs",
        "It evaluates the contact several times in a tick.",
        "Burrs with about 30 and 2,000 voxels in contact slide over a face at 1 to 20 mm/s; beside "

@@ -223,8 +223,8 @@ double share_between(const Task& light, const Task& hard) {
 
 }  // namespace
 
-// Felt stiffness from 1 N up, twice: from first contact on, but for the burrs that slide first, of
-// which it would tell how far, and from the push of 1 N to that of 2.
+// Felt stiffness from 1 N up, twice: from first contact on, which of the burrs that slide first
+// tells how far, and is only told, and from the push of 1 N to that of 2.
 CaseResult clinical_pushes(bool brief) {
   constexpr double kLeastShare = 0.9;
   const std::vector<Site> all_sites = sites(brief);
@@ -286,9 +286,8 @@ CaseResult clinical_pushes(bool brief) {
       add("unstable", unstable, 0.0, false, nullptr);
       add("rms of the handle over one resolution", rms, 1.0, false, worst_rms);
       if (!cutting) {
-        if (!place.slides) {
-          add("felt share of the coupling", whole_share, kLeastShare, true, worst_whole);
-        }
+        add("felt share of the coupling", whole_share,
+            place.slides ? std::nullopt : std::optional(kLeastShare), true, worst_whole);
         add("felt share of the coupling from 1 to 2 N", share, kLeastShare, true, worst_share);
       }
       add("force_step_N", step_N, {}, false, nullptr);
