@@ -370,7 +370,8 @@ inline MeasureSums measure_all(const ContactFrame& frame, const ForceSettings& s
       } else {
         weight = where(there & (depth > 0.0f), Lanes{} + 1.0f);
       }
-      store3(normal, contacts, Contacts::kNormal, k);
+      // What is known is there already; of many contacts a store costs more than the question.
+      if (any(~known)) store3(normal, contacts, Contacts::kNormal, k);
     } else {
       weight = where(there & (depth > 0.0f), Lanes{} + 1.0f);
     }

@@ -44,19 +44,19 @@ std::size_t KeptNormals::home(std::uint32_t leaf) const noexcept {
 
 std::size_t KeptNormals::slot_of(std::uint32_t leaf) const noexcept {
   std::size_t slot = home(leaf);
-  while (table_[slot] != 0 && pages_[table_[slot] - 1].first_key != leaf) {
+  while (table_[slot].page_plus_1 != 0 && table_[slot].leaf != leaf) {
     slot = (slot + 1) & (table_.size() - 1);
   }
   return slot;
 }
 
 const KeptNormals::Page* KeptNormals::find(std::uint32_t leaf) const noexcept {
-  const std::uint32_t entry = table_[slot_of(leaf)];
+  const std::uint32_t entry = table_[slot_of(leaf)].page_plus_1;
   return entry == 0 ? nullptr : &pages_[entry - 1];
 }
 
 KeptNormals::Page* KeptNormals::page(std::uint32_t leaf) noexcept {
-  const std::uint32_t entry = table_[slot_of(leaf)];
+  const std::uint32_t entry = table_[slot_of(leaf)].page_plus_1;
   return entry == 0 ? nullptr : &pages_[entry - 1];
 }
 
@@ -89,12 +89,12 @@ KeptNormals::Page& KeptNormals::set_page(std::uint32_t at, std::uint32_t leaf,
   page.touched = tick;
   page.kept = page.refined = page.wide = {};
   page.along = {};
-  table_[slot_of(leaf)] = at + 1;
+  table_[slot_of(leaf)] = {leaf, at + 1};
   return page;
 }
 
 void KeptNormals::clear() noexcept {
-  std::ranges::fill(table_, 0u);
+  std::ranges::fill(table_, Slot{});
   used_ = 0;
   hash_ = 0;
 }
@@ -107,9 +107,12 @@ void KeptNormals::forget(std::uint32_t at) noexcept {
   Page& page = pages_[at];
   for (int word = 0; word < 8; ++word) clear(page, word, ~std::uint64_t{0});
   close_gap(
-      slot_of(page.first_key), table_.size(), [&](std::size_t slot) { return table_[slot] != 0; },
-      [&](std::size_t slot) { return home(pages_[table_[slot] - 1].first_key); },
-      [&](std::size_t to, std::size_t from) { table_[to] = from == kNoSlot ? 0 : table_[from]; });
+      slot_of(page.first_key), table_.size(),
+      [&](std::size_t slot) { return table_[slot].page_plus_1 != 0; },
+      [&](std::size_t slot) { return home(table_[slot].leaf); },
+      [&](std::size_t to, std::size_t from) {
+        table_[to] = from == kNoSlot ? Slot{} : table_[from];
+      });
 }
 
 void KeptNormals::keep(std::uint32_t key, const SurfaceEstimate& estimate, bool refined,
@@ -205,7 +208,7 @@ void KeptNormals::drop(std::span<const Edit> edits) noexcept {
 }
 
 std::size_t KeptNormals::memory_bytes() const {
-  return used_ * sizeof(Page) + table_.capacity() * sizeof(std::uint32_t);
+  return used_ * sizeof(Page) + table_.capacity() * sizeof(Slot);
 }
 
 }  // namespace sulcus

@@ -39,14 +39,14 @@ class KeptNormals {
   };
   /// Voxels of a leaf, as in LeafBits.
   using Mask = std::array<std::uint64_t, 8>;
-  /// What is kept of a leaf. Nothing is set before a page is used, so that those which are not cost
-  /// no memory.
-  struct Page {
-    std::uint32_t first_key;  // voxel_key of the leaf's first voxel
-    std::uint64_t touched;    // tick
+  /// What is kept of a leaf, what is looked at first in a cache line of its own. Nothing is set
+  /// before a page is used, so that those which are not cost no memory.
+  struct alignas(sizeof(Mask)) Page {
     Mask kept, refined;
     std::array<Mask, 3> along;      // seen by maps along each axis
     Mask wide;                      // and with every other column, twice as far
+    std::uint32_t first_key;        // voxel_key of the leaf's first voxel
+    std::uint64_t touched;          // tick
     std::array<Value, 512> values;  // by leaf_place
   };
   static bool is(const Mask& mask, int place) {
@@ -92,8 +92,11 @@ class KeptNormals {
   VoxelGrid grid_;
   int across_, wide_;  // reach of a map across its axis, and of a wide one; 0: there are none
   std::uint32_t capacity_, used_ = 0;
-  std::unique_ptr<Page[]> pages_;     // untouched until used
-  std::vector<std::uint32_t> table_;  // page + 1 by leaf_key, open addressing; 0: free
+  std::unique_ptr<Page[]> pages_;  // untouched until used
+  struct Slot {
+    std::uint32_t leaf = 0, page_plus_1 = 0;  // 0: free
+  };
+  std::vector<Slot> table_;  // by leaf_key, open addressing
   std::uint64_t hash_ = 0;
 };
 

@@ -50,30 +50,60 @@ void ask(ContactScratch& scratch, std::size_t i) {
 }
 
 /// Takes what is kept, and asks for what is not. Adds what the tool vetoes of it where `told`.
+///
+/// Block by block, so that memory is asked for a block before it is read: first the pages of its
+/// leaves are found, then, by their masks, its values, then they are taken. Of many contacts the
+/// pages are more than the caches hold.
 void take_kept(const KeptNormals& kept, float voxel_m, bool told, ContactScratch& scratch) {
   static constexpr KeptNormals::Value kNothing{};
   Contacts& contacts = scratch.contacts;
   const ContactArrays arrays = arrays_of(contacts);
+  const std::uint32_t* const keys = contacts.keys();
+  const std::size_t blocks = (contacts.size() + kKeptBlock - 1) / kKeptBlock;
+  const auto count_of = [&](std::size_t block) {
+    return std::min(kKeptBlock, contacts.size() - block * kKeptBlock);
+  };
+  const KeptNormals::Page* pages[kKeptBlock];
+  const float* values[kKeptBlock];
+
   LeafWalk walk(&kept);
-  for (std::size_t first = 0; first < contacts.size(); first += kKeptBlock) {
-    const std::size_t count = std::min(kKeptBlock, contacts.size() - first);
-    const float* values[kKeptBlock];
-    std::ranges::fill(values, kNothing.normal);
+  const auto find_pages = [&](std::size_t block) {
+    const KeptNormals::Page* before = nullptr;
+    for (std::size_t k = 0; k < count_of(block); ++k) {
+      const KeptNormals::Page* const page = walk.page(keys[block * kKeptBlock + k]);
+      if (page && page != before) __builtin_prefetch(&page->kept);
+      pages[k] = before = page;
+    }
+  };
+  const auto find_values = [&](std::size_t block) {
+    const std::size_t count = count_of(block);
     for (std::size_t k = 0; k < count; ++k) {
-      const std::uint32_t key = contacts.keys()[first + k];
-      const KeptNormals::Page* const page = walk.page(key);
-      const int place = leaf_place(key);
+      const std::size_t i = block * kKeptBlock + k;
+      const KeptNormals::Page* const page = pages[k];
+      const int place = leaf_place(keys[i]);
       if (page && KeptNormals::is(page->kept, place)) {
         values[k] = page->values[static_cast<std::size_t>(place)].normal;
+        __builtin_prefetch(values[k]);
       } else {
-        ask(scratch, first + k);
+        values[k] = kNothing.normal;
+        ask(scratch, i);
       }
     }
-    std::uint64_t away = contact_kernels().take_kept(values, count, voxel_m, arrays, first);
+    std::fill(values + count, values + kKeptBlock, kNothing.normal);
+  };
+  const auto take = [&](std::size_t block) {
+    const std::size_t first = block * kKeptBlock;
+    std::uint64_t away =
+        contact_kernels().take_kept(values, count_of(block), voxel_m, arrays, first);
     for (; told && away != 0; away &= away - 1) {
       scratch.vetoed.push_back(static_cast<std::uint32_t>(first) +
                                static_cast<std::uint32_t>(std::countr_zero(away)));
     }
+  };
+  for (std::size_t b = 0; b < blocks + 2; ++b) {
+    if (b >= 2) take(b - 2);
+    if (b >= 1 && b - 1 < blocks) find_values(b - 1);
+    if (b < blocks) find_pages(b);
   }
 }
 
