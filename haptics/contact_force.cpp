@@ -60,11 +60,6 @@ void contact_force(const Workpiece& workpiece, std::span<const TissueSettings> t
   const MeasureSums measured = kernels.measure(frame, settings, contacts);
   const double weights = measured.weights;
   result.contacts = measured.counted;
-  if (over_edges) {
-    const Eigen::Matrix3f turn = edge_gain(measured.spread).cast<float>();
-    kernels.turn({turn(0, 0), turn(0, 1), turn(0, 2), turn(1, 1), turn(1, 2), turn(2, 2)},
-                 contacts);
-  }
   double divisor = 1.0;
   if (scaling == Scaling::kCount) divisor = std::max<double>(1.0, result.contacts);
   if (scaling == Scaling::kMcNeely) divisor = std::max(1.0, result.contacts / kFewContacts);
@@ -85,9 +80,16 @@ void contact_force(const Workpiece& workpiece, std::span<const TissueSettings> t
     terms.tangential_ratio = static_cast<float>(burr.tangential_ratio);
     terms.slow_edge_m_per_s = kSlowEdge;
   }
+  if (over_edges) {
+    const Eigen::Matrix3f gain = edge_gain(measured.spread).cast<float>();
+    terms.turns = true;
+    for (int a = 0, entry = 0; a < 3; ++a) {
+      for (int b = a; b < 3; ++b) terms.gain[entry++] = gain(a, b);
+    }
+  }
   terms.with_stiffness = asked != Asked::kForce;
   ForceSums sums;
-  kernels.forces(terms, contacts, sums);
+  kernels.forces(frame, terms, contacts, sums);
   result.wrench = wrench_of(sums.wrench);
   result.tangential = wrench_of(sums.tangential);
   int entry = 0;

@@ -47,6 +47,10 @@ struct ForceTerms {
   float linear[3]{};   // velocity of the tip, m/s
   float turning[3]{};  // rad/s, spindle and handpiece
   float tangential_ratio = 0.0f, slow_edge_m_per_s = 0.0f;
+  // Every normal N is turned towards the tool's outward direction g first: N + gain (g - N), unit.
+  // Symmetric: xx, xy, xz, yy, yz, zz. Arms stay where depth was measured.
+  bool turns = false;
+  float gain[6]{};
 };
 
 /// Sums over all contacts. What is not asked for stays zero: the stiffness, and without cutting the
@@ -89,17 +93,15 @@ struct ContactKernels {
                              float voxel_m, const ContactArrays& contacts,
                              std::size_t first) noexcept;
 
-  /// Arm, depth and weight of every contact, and a normal for those without. Where the spread is
-  /// wanted, the outward direction becomes that of the tool where depth is measured, unit.
+  /// Where depth is measured, depth and weight of every contact, and a normal for those without.
+  /// Where the spread is wanted, the outward direction becomes that of the tool there, unit.
   MeasureSums (*measure)(const ContactFrame& frame, const ForceSettings& settings,
                          const ContactArrays& contacts) noexcept;
 
-  /// Turns every normal N towards the tool's outward direction g: N + gain (g - N), unit. `gain`:
-  /// symmetric, xx, xy, xz, yy, yz, zz.
-  void (*turn)(const float (&gain)[6], const ContactArrays& contacts) noexcept;
-
-  /// Normal force and power of every contact, and the sums.
-  void (*forces)(const ForceTerms& terms, const ContactArrays& contacts, ForceSums& sums) noexcept;
+  /// Normal force of every contact, its power where the tool cuts, its normal where that turns;
+  /// and the sums. The frame is that of `measure`.
+  void (*forces)(const ContactFrame& frame, const ForceTerms& terms, const ContactArrays& contacts,
+                 ForceSums& sums) noexcept;
 };
 
 /// Compiled for a set; null where the processor or the build has none.

@@ -314,7 +314,7 @@ inline std::uint64_t take_kept(const float* const (&kept)[kKeptBlock], std::size
 
 inline MeasureSums measure_all(const ContactFrame& frame, const ForceSettings& settings,
                                const ContactArrays& contacts) noexcept {
-  const float voxel_m = frame.voxel_m, half_voxel_m = 0.5f * voxel_m, per_voxel = 1.0f / voxel_m;
+  const float half_voxel_m = 0.5f * frame.voxel_m, per_voxel = 1.0f / frame.voxel_m;
   const float full_cosine = 1.0f / settings.fade_below;
   const bool spreads = settings.at_surface && settings.spread_reach_m > 0.0f;
   DoubleLanes weights{}, near_sum{}, normal_sums[3] = {}, product_sums[6] = {};
@@ -375,8 +375,7 @@ inline MeasureSums measure_all(const ContactFrame& frame, const ForceSettings& s
     } else {
       weight = where(there & (depth > 0.0f), Lanes{} + 1.0f);
     }
-    store3(constant(frame.arm_m) + (d + normal * along) * (Lanes{} + voxel_m), contacts,
-           Contacts::kArm, k);
+    store(along, contacts.of[Contacts::kAlong] + k);
     store(depth, contacts.of[Contacts::kDepth] + k);
     store(weight, contacts.of[Contacts::kWeight] + k);
     add(weights, weight);
@@ -393,19 +392,16 @@ inline MeasureSums measure_all(const ContactFrame& frame, const ForceSettings& s
   return sums;
 }
 
-inline void turn_all(const float (&gain)[6], const ContactArrays& contacts) noexcept {
-  for (std::size_t k = 0; k < contacts.size; k += kLaneCount) {
-    const Lanes3 normal = load3(contacts, Contacts::kNormal, k);
-    const Lanes3 way = load3(contacts, Contacts::kOutward, k) + normal * (Lanes{} - 1.0f);
-    const Lanes3 turned = normal + Lanes3{way.x * gain[0] + way.y * gain[1] + way.z * gain[2],
-                                          way.x * gain[1] + way.y * gain[3] + way.z * gain[4],
-                                          way.x * gain[2] + way.y * gain[4] + way.z * gain[5]};
-    const Lanes length = square_root(dot(turned, turned));
-    const IntLanes has = length > 0.1f;  // else the two are opposed
-    store3({has ? turned.x / length : normal.x, has ? turned.y / length : normal.y,
-            has ? turned.z / length : normal.z},
-           contacts, Contacts::kNormal, k);
-  }
+/// N + gain (g - N), unit, of normals N and the tool's outward directions g.
+inline Lanes3 turned_to(const Lanes3& normal, const Lanes3& outward, const float (&gain)[6]) {
+  const Lanes3 way = outward + normal * (Lanes{} - 1.0f);
+  const Lanes3 turned = normal + Lanes3{way.x * gain[0] + way.y * gain[1] + way.z * gain[2],
+                                        way.x * gain[1] + way.y * gain[3] + way.z * gain[4],
+                                        way.x * gain[2] + way.y * gain[4] + way.z * gain[5]};
+  const Lanes length = square_root(dot(turned, turned));
+  const IntLanes has = length > 0.1f;  // else the two are opposed
+  return {has ? turned.x / length : normal.x, has ? turned.y / length : normal.y,
+          has ? turned.z / length : normal.z};
 }
 
 /// Looked up by label. Neighbours are mostly of one tissue, and then nothing has to wait for what
@@ -426,14 +422,22 @@ inline Lanes of_tissues(const float* by_label, const std::uint8_t* labels) {
 }
 
 template <bool kCutting, bool kStiffness>
-inline void add_forces(const ForceTerms& terms, const ContactArrays& contacts, ForceSums& sums) {
+inline void add_forces(const ContactFrame& frame, const ForceTerms& terms,
+                       const ContactArrays& contacts, ForceSums& sums) {
   DoubleLanes wrench_sums[6] = {}, stiffness_sums[21] = {}, tangential_sums[6] = {};
   DoubleLanes weight_sums[6] = {};
   const Lanes3 to_tip = constant(terms.axis_m), linear = constant(terms.linear),
                turning = constant(terms.turning);
   for (std::size_t k = 0; k < contacts.size; k += kLaneCount) {
-    const Lanes3 normal = load3(contacts, Contacts::kNormal, k);
-    const Lanes3 arm = load3(contacts, Contacts::kArm, k);
+    Lanes3 normal = load3(contacts, Contacts::kNormal, k);
+    // Found again: of many contacts what is stored costs more than what is computed.
+    const Lanes3 arm = constant(frame.arm_m) + (voxels(frame, contacts.keys + k) +
+                                                normal * load(contacts.of[Contacts::kAlong] + k)) *
+                                                   (Lanes{} + frame.voxel_m);
+    if (terms.turns) {
+      normal = turned_to(normal, load3(contacts, Contacts::kOutward, k), terms.gain);
+      store3(normal, contacts, Contacts::kNormal, k);
+    }
     const Lanes stiffness = of_tissues(terms.stiffness_N_per_m, contacts.tissues + k) *
                             load(contacts.of[Contacts::kWeight] + k);
     const Lanes normal_force = stiffness * load(contacts.of[Contacts::kDepth] + k);
@@ -478,20 +482,19 @@ inline void add_forces(const ForceTerms& terms, const ContactArrays& contacts, F
   for (int entry = 0; entry < 21; ++entry) sums.stiffness[entry] = sum_of(stiffness_sums[entry]);
 }
 
-inline void forces_of(const ForceTerms& terms, const ContactArrays& contacts,
-                      ForceSums& sums) noexcept {
+inline void forces_of(const ContactFrame& frame, const ForceTerms& terms,
+                      const ContactArrays& contacts, ForceSums& sums) noexcept {
   if (terms.with_stiffness) {
-    terms.cutting ? add_forces<true, true>(terms, contacts, sums)
-                  : add_forces<false, true>(terms, contacts, sums);
+    terms.cutting ? add_forces<true, true>(frame, terms, contacts, sums)
+                  : add_forces<false, true>(frame, terms, contacts, sums);
   } else {
-    terms.cutting ? add_forces<true, false>(terms, contacts, sums)
-                  : add_forces<false, false>(terms, contacts, sums);
+    terms.cutting ? add_forces<true, false>(frame, terms, contacts, sums)
+                  : add_forces<false, false>(frame, terms, contacts, sums);
   }
 }
 
 constexpr ContactKernels kernels_named(const char* name) {
-  return {name,      leaf_keys_of, find_near, leaf_distances_of,
-          take_kept, measure_all,  turn_all,  forces_of};
+  return {name, leaf_keys_of, find_near, leaf_distances_of, take_kept, measure_all, forces_of};
 }
 
 }  // namespace

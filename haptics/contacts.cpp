@@ -27,7 +27,7 @@ Contact Contacts::operator[](std::size_t i) const noexcept {
   c.outward = vector(kOutward, i);
   c.normal = vector(kNormal, i);
   c.offset_m = values_[kOffset][i];
-  c.arm_m = vector(kArm, i);
+  c.along = values_[kAlong][i];
   c.depth_m = values_[kDepth][i];
   c.weight = values_[kWeight][i];
   c.normal_force_N = values_[kForce][i];
@@ -42,7 +42,7 @@ void Contacts::set(std::size_t i, const Contact& c) noexcept {
   set_vector(kOutward, i, c.outward);
   set_vector(kNormal, i, c.normal);
   values_[kOffset][i] = c.offset_m;
-  set_vector(kArm, i, c.arm_m);
+  values_[kAlong][i] = c.along;
   values_[kDepth][i] = c.depth_m;
   values_[kWeight][i] = c.weight;
   values_[kForce][i] = c.normal_force_N;

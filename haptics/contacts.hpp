@@ -22,9 +22,9 @@ struct Contact {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // unit, out of the tooth; zero: none
   float offset_m = 0.0f;  // of the surface from the voxel's centre along the normal
   // [contact_force]
-  Eigen::Vector3f arm_m = Eigen::Vector3f::Zero();  // world, from the torque reference
-  float depth_m = 0.0f;         // where depth is measured, positive inside the burr
-  float weight = 0.0f;          // 0: dropped
+  float along = 0.0f;    // voxels from the centre along the normal to where depth is measured
+  float depth_m = 0.0f;  // there, positive inside the burr
+  float weight = 0.0f;   // 0: dropped
   float normal_force_N = 0.0f;  // |F_n|, after scaling
   float power_W = 0.0f;         // beta |F_n| |v_t|; 0 without cutting
 
@@ -41,8 +41,8 @@ class Contacts {
     kOutward,
     kNormal = kOutward + 3,
     kOffset = kNormal + 3,
-    kArm,
-    kDepth = kArm + 3,
+    kAlong,
+    kDepth,
     kWeight,
     kForce,
     kPower,
