@@ -45,25 +45,43 @@ double contact_reach_m(const Workpiece& workpiece, Scaling scaling, Asked asked)
   return (asked == Asked::kCoupled ? 2.0 : 1.0) * workpiece.grid().voxel_m;
 }
 
-void contact_force(const Workpiece& workpiece, std::span<const TissueSettings> tissues,
-                   const Burr& burr, const Pose& world_from_tool, const Twist* twist,
-                   Scaling scaling, ContactScratch& scratch, ContactResult& result,
-                   Asked asked) noexcept {
-  if (scratch.contacts.empty()) return;
-  const ContactKernels& kernels = contact_kernels();
-  const ContactArrays contacts = arrays_of(scratch.contacts);
-  const ContactFrame frame(workpiece.grid(), burr.field, world_from_tool, burr.reference_m);
-  const bool over_edges = asked == Asked::kCoupled && scaling == Scaling::kSmooth;
-  const ForceSettings settings{
-      scaling == Scaling::kSmooth, kFadeBelow,
-      over_edges ? static_cast<float>(contact_reach_m(workpiece, scaling, asked)) : 0.0f};
-  const MeasureSums measured = kernels.measure(frame, settings, contacts);
+ContactForce::ContactForce(const Workpiece& workpiece, const Burr& burr,
+                           const Pose& world_from_tool, Scaling scaling, Asked asked) noexcept
+    : burr_(burr),
+      world_from_tool_(world_from_tool),
+      frame_(workpiece.grid(), burr.field, world_from_tool, burr.reference_m),
+      scaling_(scaling),
+      asked_(asked) {
+  settings_.at_surface = scaling == Scaling::kSmooth;
+  settings_.fade_below = kFadeBelow;
+  if (settings_.at_surface && asked == Asked::kCoupled) {
+    settings_.spread_reach_m = static_cast<float>(contact_reach_m(workpiece, scaling, asked));
+  }
+}
+
+void ContactForce::measure_until(Contacts& contacts, std::size_t end) noexcept {
+  ContactArrays arrays = arrays_of(contacts, measured_);
+  arrays.size = end - measured_;
+  contact_kernels().measure(frame_, settings_, arrays, lanes_);
+  measured_ = end;
+}
+
+void ContactForce::measure(Contacts& contacts) noexcept {
+  measure_until(contacts, contacts.size() / Contacts::kGroup * Contacts::kGroup);
+  contacts.let_pass(measured_);
+}
+
+void ContactForce::sum(std::span<const TissueSettings> tissues, const Twist* twist,
+                       Contacts& contacts, ContactResult& result) noexcept {
+  if (contacts.empty()) return;
+  measure_until(contacts, contacts.size());
+  const MeasureSums measured = sums_of(lanes_);
   const double weights = measured.weights;
   result.contacts = measured.counted;
   double divisor = 1.0;
-  if (scaling == Scaling::kCount) divisor = std::max<double>(1.0, result.contacts);
-  if (scaling == Scaling::kMcNeely) divisor = std::max(1.0, result.contacts / kFewContacts);
-  if (scaling == Scaling::kSmooth) divisor = std::max(kFullWeights, weights);
+  if (scaling_ == Scaling::kCount) divisor = std::max<double>(1.0, result.contacts);
+  if (scaling_ == Scaling::kMcNeely) divisor = std::max(1.0, result.contacts / kFewContacts);
+  if (scaling_ == Scaling::kSmooth) divisor = std::max(kFullWeights, weights);
 
   ForceTerms terms;
   std::array<float, 256> stiffness;
@@ -72,24 +90,24 @@ void contact_force(const Workpiece& workpiece, std::span<const TissueSettings> t
   }
   terms.stiffness_N_per_m = stiffness.data();
   if (twist) {
-    const Eigen::Vector3d axis_world = world_from_tool.direction(Eigen::Vector3d::UnitY());
+    const Eigen::Vector3d axis_world = world_from_tool_.direction(Eigen::Vector3d::UnitY());
     terms.cutting = true;
-    put(burr.reference_m * axis_world, terms.axis_m);
+    put(burr_.reference_m * axis_world, terms.axis_m);
     put(twist->linear_m_per_s, terms.linear);
     put(twist->angular_rad_per_s + twist->spindle_rad_per_s * axis_world, terms.turning);
-    terms.tangential_ratio = static_cast<float>(burr.tangential_ratio);
+    terms.tangential_ratio = static_cast<float>(burr_.tangential_ratio);
     terms.slow_edge_m_per_s = kSlowEdge;
   }
-  if (over_edges) {
+  if (settings_.spread_reach_m > 0.0f) {
     const Eigen::Matrix3f gain = edge_gain(measured.spread).cast<float>();
     terms.turns = true;
     for (int a = 0, entry = 0; a < 3; ++a) {
       for (int b = a; b < 3; ++b) terms.gain[entry++] = gain(a, b);
     }
   }
-  terms.with_stiffness = asked != Asked::kForce;
+  terms.with_stiffness = asked_ != Asked::kForce;
   ForceSums sums;
-  kernels.forces(frame, terms, contacts, sums);
+  contact_kernels().forces(frame_, terms, arrays_of(contacts), sums);
   result.wrench = wrench_of(sums.wrench);
   result.tangential = wrench_of(sums.tangential);
   int entry = 0;
@@ -98,9 +116,17 @@ void contact_force(const Workpiece& workpiece, std::span<const TissueSettings> t
       result.stiffness(a, b) = result.stiffness(b, a) = sums.stiffness[entry++];
     }
   }
-  if (terms.with_stiffness && scaling == Scaling::kSmooth) {
+  if (terms.with_stiffness && scaling_ == Scaling::kSmooth) {
     grade_stiffness(sums, weights > kFullWeights ? 1.0 / weights : 0.0, result.stiffness);
   }
+}
+
+void contact_force(const Workpiece& workpiece, std::span<const TissueSettings> tissues,
+                   const Burr& burr, const Pose& world_from_tool, const Twist* twist,
+                   Scaling scaling, ContactScratch& scratch, ContactResult& result,
+                   Asked asked) noexcept {
+  ContactForce(workpiece, burr, world_from_tool, scaling, asked)
+      .sum(tissues, twist, scratch.contacts, result);
 }
 
 }  // namespace sulcus

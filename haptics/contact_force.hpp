@@ -5,6 +5,8 @@
 #include "engine/tool/burr.hpp"
 #include "engine/volume/workpiece.hpp"
 #include "haptics/contact.hpp"
+#include "haptics/contact_frame.hpp"
+#include "haptics/contact_kernels.hpp"
 
 namespace sulcus {
 
@@ -37,5 +39,33 @@ void contact_force(const Workpiece& workpiece, std::span<const TissueSettings> t
                    const Burr& burr, const Pose& world_from_tool, const Twist* twist,
                    Scaling scaling, ContactScratch& scratch, ContactResult& result,
                    Asked asked = Asked::kForce) noexcept;
+
+/// The same in two parts, the first of which takes contacts as they are found: depths and weights,
+/// whose sum divides the stiffness, and then forces.
+class ContactForce {
+ public:
+  /// All that is named outlives this.
+  ContactForce(const Workpiece& workpiece, const Burr& burr, const Pose& world_from_tool,
+               Scaling scaling, Asked asked) noexcept;
+
+  /// Measures the contacts that have been added since, in whole groups: what is left over waits for
+  /// the next, or for `sum`. What passes of those that are measured does (Contacts::let_pass).
+  void measure(Contacts& contacts) noexcept;
+  /// Measures the rest, and sums.
+  void sum(std::span<const TissueSettings> tissues, const Twist* twist, Contacts& contacts,
+           ContactResult& result) noexcept;
+
+ private:
+  void measure_until(Contacts& contacts, std::size_t end) noexcept;
+
+  const Burr& burr_;
+  const Pose& world_from_tool_;
+  ContactFrame frame_;
+  ForceSettings settings_;
+  Scaling scaling_;
+  Asked asked_;
+  std::size_t measured_ = 0;
+  MeasureLanes lanes_;
+};
 
 }  // namespace sulcus

@@ -19,7 +19,8 @@ struct ContactArrays {
   float* of[Contacts::kQuantities]{};
 };
 
-ContactArrays arrays_of(Contacts& contacts) noexcept;
+/// From `first` on.
+ContactArrays arrays_of(Contacts& contacts, std::size_t first = 0) noexcept;
 
 /// So many contacts are looked up at a time where their normals are kept.
 inline constexpr std::size_t kKeptBlock = 64;
@@ -31,6 +32,14 @@ struct ForceSettings {
   // Distance from the burr within which normals count for the spread; 0: it is not wanted. Only
   // with `at_surface`.
   float spread_reach_m = 0.0f;
+};
+
+/// What `measure` adds up, in eight lanes; of whole groups, so that what is added in several calls
+/// is what one gives.
+struct MeasureLanes {
+  using Lanes8 = double[8];
+  alignas(64) Lanes8 weights{}, near{}, normal[3]{}, products[6]{};
+  std::uint32_t counted = 0;
 };
 
 struct MeasureSums {
@@ -61,6 +70,8 @@ struct ForceSums {
   double weights[6]{};     // sum of w / d (N, arm x N): how the sum of weights grows against motion
   double tangential[6]{};  // the part of the wrench that drags along the surface
 };
+
+MeasureSums sums_of(const MeasureLanes& lanes) noexcept;
 
 /// The inner loops of a tick over voxels in contact, in one instruction set. All give the same
 /// bits: one order of operations, sums in eight lanes. Pure, no allocation. Counts are rounded up
@@ -94,9 +105,9 @@ struct ContactKernels {
                              std::size_t first) noexcept;
 
   /// Where depth is measured, depth and weight of every contact, and a normal for those without.
-  /// Where the spread is wanted, the outward direction becomes that of the tool there, unit.
-  MeasureSums (*measure)(const ContactFrame& frame, const ForceSettings& settings,
-                         const ContactArrays& contacts) noexcept;
+  /// Where the spread is wanted, what forces may turn to as well.
+  void (*measure)(const ContactFrame& frame, const ForceSettings& settings,
+                  const ContactArrays& contacts, MeasureLanes& lanes) noexcept;
 
   /// Normal force of every contact, its power where the tool cuts, its normal where that turns;
   /// and the sums. The frame is that of `measure`.

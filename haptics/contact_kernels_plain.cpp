@@ -8,15 +8,24 @@ constexpr ContactKernels kPlain = kernels_named("plain");
 
 }  // namespace
 
-ContactArrays arrays_of(Contacts& contacts) noexcept {
+ContactArrays arrays_of(Contacts& contacts, std::size_t first) noexcept {
   ContactArrays arrays;
-  arrays.size = contacts.size();
-  arrays.keys = contacts.keys();
-  arrays.tissues = contacts.tissues();
-  for (std::size_t q = 0; q < Contacts::kQuantities; ++q) {
-    arrays.of[q] = contacts(Contacts::Quantity(q));
-  }
+  arrays.size = contacts.size() - first;
+  arrays.keys = contacts.keys() + first;
+  arrays.tissues = contacts.tissues() + first;
+  for (std::size_t q = 0; q < Contacts::kQuantities; ++q) arrays.of[q] = contacts.from(q, first);
   return arrays;
+}
+
+MeasureSums sums_of(const MeasureLanes& lanes) noexcept {
+  const auto sum = [](const double(&of)[kSumLanes]) { return sum_of(load(of)); };
+  MeasureSums sums;
+  sums.weights = sum(lanes.weights);
+  sums.counted = lanes.counted;
+  sums.spread.weight = sum(lanes.near);
+  for (int a = 0; a < 3; ++a) sums.spread.normal[a] = sum(lanes.normal[a]);
+  for (int entry = 0; entry < 6; ++entry) sums.spread.products[entry] = sum(lanes.products[entry]);
+  return sums;
 }
 
 const ContactKernels* contact_kernels_of(InstructionSet set) noexcept {

@@ -312,12 +312,24 @@ inline std::uint64_t take_kept(const float* const (&kept)[kKeptBlock], std::size
   return away;
 }
 
-inline MeasureSums measure_all(const ContactFrame& frame, const ForceSettings& settings,
-                               const ContactArrays& contacts) noexcept {
+inline DoubleLanes load(const double (&sums)[kSumLanes]) {
+  DoubleLanes v;
+  __builtin_memcpy(&v, sums, sizeof v);
+  return v;
+}
+inline void store(const DoubleLanes& v, double (&sums)[kSumLanes]) {
+  __builtin_memcpy(sums, &v, sizeof v);
+}
+
+inline void measure_all(const ContactFrame& frame, const ForceSettings& settings,
+                        const ContactArrays& contacts, MeasureLanes& lanes) noexcept {
   const float half_voxel_m = 0.5f * frame.voxel_m, per_voxel = 1.0f / frame.voxel_m;
   const float full_cosine = 1.0f / settings.fade_below;
   const bool spreads = settings.at_surface && settings.spread_reach_m > 0.0f;
-  DoubleLanes weights{}, near_sum{}, normal_sums[3] = {}, product_sums[6] = {};
+  DoubleLanes weights = load(lanes.weights), near_sum = load(lanes.near), normal_sums[3],
+              product_sums[6];
+  for (int a = 0; a < 3; ++a) normal_sums[a] = load(lanes.normal[a]);
+  for (int entry = 0; entry < 6; ++entry) product_sums[entry] = load(lanes.products[entry]);
   IntLanes counts{};
   for (std::size_t k = 0; k < contacts.size; k += kLaneCount) {
     const Lanes3 d = voxels(frame, contacts.keys + k);
@@ -355,7 +367,7 @@ inline MeasureSums measure_all(const ContactFrame& frame, const ForceSettings& s
         const Lanes fade = smaller(Lanes{} + 1.0f, cosine * full_cosine);
         weight = where(there & (depth > 0.0f) & (cosine > 0.0f), depth * per_voxel * fade);
         if (spreads) {
-          store3(away * where(tells, -1.0f / length), contacts, Contacts::kOutward, k);
+          store3(away * where(tells, -1.0f / length), contacts, Contacts::kTurnTo, k);
           const Lanes reached =
               larger(Lanes{}, smaller(Lanes{} + 1.0f, 1.0f + depth / settings.spread_reach_m));
           const Lanes near = where(there & (known | tells) & (cosine > 0.0f), reached * fade);
@@ -381,15 +393,12 @@ inline MeasureSums measure_all(const ContactFrame& frame, const ForceSettings& s
     add(weights, weight);
     counts -= weight > 0.0f;
   }
-  MeasureSums sums;
   for (int lane = 0; lane < kLaneCount; ++lane) {
-    sums.counted += static_cast<std::uint32_t>(counts[lane]);
+    lanes.counted += static_cast<std::uint32_t>(counts[lane]);
   }
-  sums.weights = sum_of(weights);
-  sums.spread.weight = sum_of(near_sum);
-  for (int a = 0; a < 3; ++a) sums.spread.normal[a] = sum_of(normal_sums[a]);
-  for (int entry = 0; entry < 6; ++entry) sums.spread.products[entry] = sum_of(product_sums[entry]);
-  return sums;
+  store(weights, lanes.weights), store(near_sum, lanes.near);
+  for (int a = 0; a < 3; ++a) store(normal_sums[a], lanes.normal[a]);
+  for (int entry = 0; entry < 6; ++entry) store(product_sums[entry], lanes.products[entry]);
 }
 
 /// N + gain (g - N), unit, of normals N and the tool's outward directions g.
@@ -435,7 +444,7 @@ inline void add_forces(const ContactFrame& frame, const ForceTerms& terms,
                                                 normal * load(contacts.of[Contacts::kAlong] + k)) *
                                                    (Lanes{} + frame.voxel_m);
     if (terms.turns) {
-      normal = turned_to(normal, load3(contacts, Contacts::kOutward, k), terms.gain);
+      normal = turned_to(normal, load3(contacts, Contacts::kTurnTo, k), terms.gain);
       store3(normal, contacts, Contacts::kNormal, k);
     }
     const Lanes stiffness = of_tissues(terms.stiffness_N_per_m, contacts.tissues + k) *

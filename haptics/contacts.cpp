@@ -1,5 +1,7 @@
 #include "haptics/contacts.hpp"
 
+#include <algorithm>
+
 namespace sulcus {
 
 Contacts::Contacts(std::size_t capacity) : capacity_(capacity) {
@@ -11,7 +13,17 @@ Contacts::Contacts(std::size_t capacity) : capacity_(capacity) {
 
 void Contacts::resize(std::size_t size) noexcept {
   size_ = size;
+  if (size == 0) passed_ = 0;
   for (std::size_t i = size; i % kGroup != 0; ++i) set(i, Contact{});
+}
+
+void Contacts::let_pass(std::size_t end) noexcept {
+  if (end == passed_) return;
+  for (std::size_t q = 0; passes(q); ++q) {
+    // The group that is not full goes with the next ones.
+    std::copy(from(q, end), from(q, (size_ + kGroup - 1) / kGroup * kGroup), values_[q].get());
+  }
+  passed_ = end;
 }
 
 void Contacts::push_back(const Contact& contact) noexcept {
@@ -23,10 +35,12 @@ Contact Contacts::operator[](std::size_t i) const noexcept {
   Contact c;
   c.cell = cell_of_key(keys_[i]);
   c.tissue = tissues_[i];
-  c.distance_m = values_[kDistance][i];
-  c.outward = vector(kOutward, i);
+  if (i >= passed_) {
+    c.distance_m = *from(kDistance, i);
+    c.outward = vector(kOutward, i);
+    c.offset_m = *from(kOffset, i);
+  }
   c.normal = vector(kNormal, i);
-  c.offset_m = values_[kOffset][i];
   c.along = values_[kAlong][i];
   c.depth_m = values_[kDepth][i];
   c.weight = values_[kWeight][i];
@@ -38,10 +52,12 @@ Contact Contacts::operator[](std::size_t i) const noexcept {
 void Contacts::set(std::size_t i, const Contact& c) noexcept {
   keys_[i] = voxel_key(c.cell);
   tissues_[i] = c.tissue;
-  values_[kDistance][i] = c.distance_m;
-  set_vector(kOutward, i, c.outward);
+  if (i >= passed_) {
+    *from(kDistance, i) = c.distance_m;
+    set_vector(kOutward, i, c.outward);
+    *from(kOffset, i) = c.offset_m;
+  }
   set_vector(kNormal, i, c.normal);
-  values_[kOffset][i] = c.offset_m;
   values_[kAlong][i] = c.along;
   values_[kDepth][i] = c.depth_m;
   values_[kWeight][i] = c.weight;

@@ -13,7 +13,7 @@ namespace sulcus {
 
 /// A surface voxel that the burr may touch, and what the stages find out about it.
 struct Contact {
-  // [narrow_phase]
+  // [narrow_phase] Distance and outward direction pass, as the offset does: zero once they have.
   Cell cell = Cell::Zero();
   std::uint8_t tissue = 0;  // label
   float distance_m = 0.0f;  // of the voxel's centre to the burr, negative inside
@@ -34,20 +34,25 @@ struct Contact {
 /// The contacts of a tick, quantity by quantity, so that the kernels take many at a time. The
 /// arrays hold whole groups, and one more beyond the capacity: after `resize` what lies beyond the
 /// last contact is zero.
+///
+/// The first quantities pass: once `let_pass` has been told that they are done with, those of later
+/// contacts take their room, so that they stay in the caches however many contacts there are.
 class Contacts {
  public:
   enum Quantity : std::size_t {
     kDistance,
     kOutward,
-    kNormal = kOutward + 3,
-    kOffset = kNormal + 3,
-    kAlong,
+    kOffset = kOutward + 3,
+    kNormal,
+    kAlong = kNormal + 3,
     kDepth,
     kWeight,
-    kForce,
+    kTurnTo,  // the tool's outward direction where depth is measured, unit; only over edges
+    kForce = kTurnTo + 3,
     kPower,
     kQuantities
   };
+  static constexpr bool passes(std::size_t quantity) { return quantity <= kOffset; }
 
   static constexpr std::size_t kGroup = 16;  // what the widest kernels take at a time
   static constexpr std::size_t kBytesEach =
@@ -59,11 +64,13 @@ class Contacts {
   std::size_t size() const { return size_; }
   std::size_t capacity() const { return capacity_; }
   bool empty() const { return size_ == 0; }
-  void clear() { size_ = 0; }
+  void clear() { size_ = passed_ = 0; }
   /// Keeps the first `size` and clears the rest of their last group.
   void resize(std::size_t size) noexcept;
   /// Up to the capacity.
   void push_back(const Contact& contact) noexcept;
+  /// What passes is no longer wanted of contacts before `end`, a whole number of groups.
+  void let_pass(std::size_t end) noexcept;
 
   Contact operator[](std::size_t i) const noexcept;
   void set(std::size_t i, const Contact& contact) noexcept;
@@ -73,19 +80,20 @@ class Contacts {
   const std::uint32_t* keys() const { return keys_.get(); }
   std::uint8_t* tissues() { return tissues_.get(); }
   const std::uint8_t* tissues() const { return tissues_.get(); }
-  float* operator()(Quantity q) { return values_[q].get(); }
-  const float* operator()(Quantity q) const { return values_[q].get(); }
-  float* operator()(Quantity q, int axis) {
-    return values_[q + static_cast<std::size_t>(axis)].get();
+  /// From contact `i` on, of which it must not have passed.
+  float* from(std::size_t quantity, std::size_t i) {
+    return values_[quantity].get() + (passes(quantity) ? i - passed_ : i);
   }
-  const float* operator()(Quantity q, int axis) const {
-    return values_[q + static_cast<std::size_t>(axis)].get();
+  const float* from(std::size_t quantity, std::size_t i) const {
+    return values_[quantity].get() + (passes(quantity) ? i - passed_ : i);
   }
+  /// From the first contact on.
+  const float* operator()(Quantity q) const { return from(q, 0); }
   Eigen::Vector3f vector(Quantity q, std::size_t i) const {
-    return {values_[q][i], values_[q + 1][i], values_[q + 2][i]};
+    return {*from(q, i), *from(q + 1, i), *from(q + 2, i)};
   }
   void set_vector(Quantity q, std::size_t i, const Eigen::Vector3f& v) {
-    for (std::size_t a = 0; a < 3; ++a) values_[q + a][i] = v[static_cast<int>(a)];
+    for (std::size_t a = 0; a < 3; ++a) *from(q + a, i) = v[static_cast<int>(a)];
   }
 
   class Iterator {
@@ -106,6 +114,7 @@ class Contacts {
 
  private:
   std::size_t size_ = 0, capacity_ = 0;
+  std::size_t passed_ = 0;  // contacts
   // Untouched, and so no memory, until they are used.
   std::unique_ptr<std::uint32_t[]> keys_;
   std::unique_ptr<std::uint8_t[]> tissues_;

@@ -39,114 +39,103 @@ void keep_deepest(ContactScratch& scratch, std::size_t count) {
     if (order(i) > bound) continue;
     contacts.keys()[kept] = contacts.keys()[i];
     contacts.tissues()[kept] = contacts.tissues()[i];
-    contacts(Contacts::kDistance)[kept] = contacts(Contacts::kDistance)[i];
+    *contacts.from(Contacts::kDistance, kept) = *contacts.from(Contacts::kDistance, i);
     contacts.set_vector(Contacts::kOutward, kept, contacts.vector(Contacts::kOutward, i));
     ++kept;
   }
   contacts.resize(kept);
 }
 
-/// Voxels waiting to be tested, and those that were found.
-class Tester {
- public:
-  Tester(const Workpiece& workpiece, const ContactFrame& frame, float reach_m,
-         ContactScratch& scratch, ContactResult& result)
-      : workpiece_(workpiece),
-        frame_(frame),
-        reach_m_(reach_m),
-        scratch_(scratch),
-        result_(result) {}
-
-  void add_leaf(std::uint32_t first_key, const LeafBits& surface) {
-    if (waiting_ + kLeafVoxels > ContactScratch::kBlock) test();
-    waiting_ +=
-        contact_kernels().leaf_keys(surface, first_key, scratch_.block_keys.data() + waiting_);
-  }
-
-  void test() {
-    if (waiting_ == 0) return;
-    Contacts& contacts = scratch_.contacts;
-    if (contacts.size() + waiting_ > contacts.capacity()) {
-      keep_deepest(scratch_, scratch_.capacity);
-      result_.faults |= kFaultContactsFull;
-    }
-    std::uint32_t* const keys = scratch_.block_keys.data();
-    std::fill(keys + waiting_, keys + whole_groups(waiting_), keys[0]);
-    const std::size_t first = contacts.size();
-    float* const outward[3] = {contacts(Contacts::kOutward, 0) + first,
-                               contacts(Contacts::kOutward, 1) + first,
-                               contacts(Contacts::kOutward, 2) + first};
-    const std::size_t found =
-        contact_kernels().find_near(frame_, keys, waiting_, reach_m_, contacts.keys() + first,
-                                    contacts(Contacts::kDistance) + first, outward);
-    label(first, first + found);
-    contacts.resize(first + found);
-    result_.tested += static_cast<std::uint32_t>(waiting_);
-    waiting_ = 0;
-  }
-
- private:
-  /// Tissues of contacts, leaf by leaf.
-  void label(std::size_t first, std::size_t end) {
-    Contacts& contacts = scratch_.contacts;
-    const TissueMap* const tissues = workpiece_.model().tissues.get();
-    if (!tissues) {
-      std::fill(contacts.tissues() + first, contacts.tissues() + end, std::uint8_t{0});
-      return;
-    }
-    const std::uint32_t* const keys = contacts.keys();
-    for (std::size_t i = first; i < end;) {
-      const std::size_t begin = i;
-      while (++i < end && leaf_key(keys[i]) == leaf_key(keys[begin])) {
-      }
-      const std::uint32_t leaf = workpiece_.grid().leaf_of(cell_of_key(keys[begin]));
-      if (const LabelBlock* const block = tissues->block(leaf)) {
-        for (std::size_t k = begin; k < i; ++k) {
-          contacts.tissues()[k] = (*block)[static_cast<std::size_t>(leaf_place(keys[k]))];
-        }
-      } else {
-        std::fill(contacts.tissues() + begin, contacts.tissues() + i, tissues->uniform_label(leaf));
-      }
-    }
-  }
-
-  const Workpiece& workpiece_;
-  const ContactFrame& frame_;
-  float reach_m_;
-  ContactScratch& scratch_;
-  ContactResult& result_;
-  std::size_t waiting_ = 0;
-};
-
 }  // namespace
+
+NarrowPhase::NarrowPhase(const Workpiece& workpiece, const DistanceField& field,
+                         const Pose& world_from_tool, double reach_m, ContactScratch& scratch,
+                         ContactResult& result) noexcept
+    : workpiece_(workpiece),
+      frame_(workpiece.grid(), field, world_from_tool, 0.0),
+      reach_m_(static_cast<float>(reach_m)),
+      // Half the diagonal between the outermost voxel centres of a leaf; between samples the field
+      // may rise by a little more than the way.
+      leaf_reach_m_(static_cast<float>(reach_m +
+                                       3.5 * 1.7320508075688772 * workpiece.grid().voxel_m +
+                                       0.25 * field.spacing_m())),
+      scratch_(scratch),
+      result_(result) {
+  scratch.contacts.resize(0);
+  const std::size_t count = scratch.leaves.size();
+  if (count == 0) return;
+  scratch.leaf_keys.resize(whole_groups(count));
+  scratch.leaf_distances_m.resize(whole_groups(count));
+  for (std::size_t l = 0; l < scratch.leaf_keys.size(); ++l) {
+    scratch.leaf_keys[l] =
+        voxel_key(workpiece.grid().leaf_origin(scratch.leaves[std::min(l, count - 1)]));
+  }
+  contact_kernels().leaf_distances(frame_, scratch.leaf_keys.data(), scratch.leaf_keys.size(),
+                                   scratch.leaf_distances_m.data());
+}
+
+bool NarrowPhase::next() noexcept {
+  const std::size_t count = scratch_.leaves.size();
+  std::size_t waiting = 0;
+  for (; leaf_ < count; ++leaf_) {
+    if (scratch_.leaf_distances_m[leaf_] > leaf_reach_m_) continue;
+    if (waiting + kLeafVoxels > ContactScratch::kBlock) break;
+    waiting += contact_kernels().leaf_keys(workpiece_.surface(scratch_.leaves[leaf_]),
+                                           scratch_.leaf_keys[leaf_],
+                                           scratch_.block_keys.data() + waiting);
+  }
+  if (waiting > 0) test(waiting);
+  return leaf_ < count;
+}
+
+void NarrowPhase::test(std::size_t waiting) noexcept {
+  Contacts& contacts = scratch_.contacts;
+  std::uint32_t* const keys = scratch_.block_keys.data();
+  std::fill(keys + waiting, keys + whole_groups(waiting), keys[0]);
+  const std::size_t first = contacts.size();
+  float* const outward[3] = {contacts.from(Contacts::kOutward, first),
+                             contacts.from(Contacts::kOutward + 1, first),
+                             contacts.from(Contacts::kOutward + 2, first)};
+  const std::size_t found =
+      contact_kernels().find_near(frame_, keys, waiting, reach_m_, contacts.keys() + first,
+                                  contacts.from(Contacts::kDistance, first), outward);
+  contacts.resize(first + found);
+  label(first);
+  result_.tested += static_cast<std::uint32_t>(waiting);
+}
+
+/// Tissues of contacts from `first` on, leaf by leaf.
+void NarrowPhase::label(std::size_t first) noexcept {
+  Contacts& contacts = scratch_.contacts;
+  const std::size_t end = contacts.size();
+  const TissueMap* const tissues = workpiece_.model().tissues.get();
+  if (!tissues) {
+    std::fill(contacts.tissues() + first, contacts.tissues() + end, std::uint8_t{0});
+    return;
+  }
+  const std::uint32_t* const keys = contacts.keys();
+  for (std::size_t i = first; i < end;) {
+    const std::size_t begin = i;
+    while (++i < end && leaf_key(keys[i]) == leaf_key(keys[begin])) {
+    }
+    const std::uint32_t leaf = workpiece_.grid().leaf_of(cell_of_key(keys[begin]));
+    if (const LabelBlock* const block = tissues->block(leaf)) {
+      for (std::size_t k = begin; k < i; ++k) {
+        contacts.tissues()[k] = (*block)[static_cast<std::size_t>(leaf_place(keys[k]))];
+      }
+    } else {
+      std::fill(contacts.tissues() + begin, contacts.tissues() + i, tissues->uniform_label(leaf));
+    }
+  }
+}
 
 void narrow_phase(const Workpiece& workpiece, const DistanceField& field,
                   const Pose& world_from_tool, double reach_m, ContactScratch& scratch,
                   ContactResult& result) noexcept {
-  scratch.contacts.resize(0);
-  const std::size_t count = scratch.leaves.size();
-  if (count == 0) return;
-  const VoxelGrid& grid = workpiece.grid();
-  const ContactFrame frame(grid, field, world_from_tool, 0.0);
-  scratch.leaf_keys.resize(whole_groups(count));
-  scratch.leaf_distances_m.resize(whole_groups(count));
-  for (std::size_t l = 0; l < scratch.leaf_keys.size(); ++l) {
-    scratch.leaf_keys[l] = voxel_key(grid.leaf_origin(scratch.leaves[std::min(l, count - 1)]));
-  }
-  contact_kernels().leaf_distances(frame, scratch.leaf_keys.data(), scratch.leaf_keys.size(),
-                                   scratch.leaf_distances_m.data());
-
-  // Half the diagonal between the outermost voxel centres of a leaf; between samples the field may
-  // rise by a little more than the way.
-  const auto leaf_reach = static_cast<float>(reach_m + 3.5 * 1.7320508075688772 * grid.voxel_m +
-                                             0.25 * field.spacing_m());
-  Tester tester(workpiece, frame, static_cast<float>(reach_m), scratch, result);
-  for (std::size_t l = 0; l < count; ++l) {
-    if (scratch.leaf_distances_m[l] > leaf_reach) continue;
-    tester.add_leaf(scratch.leaf_keys[l], workpiece.surface(scratch.leaves[l]));
-  }
-  tester.test();
-  if (scratch.contacts.size() > scratch.capacity) {
+  NarrowPhase phase(workpiece, field, world_from_tool, reach_m, scratch, result);
+  for (bool more = true; more;) {
+    more = phase.next();
+    if (scratch.contacts.size() <= scratch.capacity) continue;
     keep_deepest(scratch, scratch.capacity);
     result.faults |= kFaultContactsFull;
   }

@@ -3,6 +3,7 @@
 #include "engine/tool/burr.hpp"
 #include "engine/volume/workpiece.hpp"
 #include "haptics/contact.hpp"
+#include "haptics/contact_frame.hpp"
 
 namespace sulcus {
 
@@ -14,5 +15,28 @@ namespace sulcus {
 void narrow_phase(const Workpiece& workpiece, const DistanceField& field,
                   const Pose& world_from_tool, double reach_m, ContactScratch& scratch,
                   ContactResult& result) noexcept;
+
+/// The same block by block, for who goes on with each while it is in the caches.
+class NarrowPhase {
+ public:
+  /// Takes the leaves' distances; the contacts are none yet. All that is named outlives this.
+  NarrowPhase(const Workpiece& workpiece, const DistanceField& field, const Pose& world_from_tool,
+              double reach_m, ContactScratch& scratch, ContactResult& result) noexcept;
+
+  /// Adds the contacts of as many leaves as fit a block (ContactScratch::kBlock); false where these
+  /// were the last. There must be no more contacts than `scratch.capacity`; after it there may be.
+  bool next() noexcept;
+
+ private:
+  void test(std::size_t waiting) noexcept;
+  void label(std::size_t first) noexcept;
+
+  const Workpiece& workpiece_;
+  ContactFrame frame_;
+  float reach_m_, leaf_reach_m_;
+  ContactScratch& scratch_;
+  ContactResult& result_;
+  std::size_t leaf_ = 0;
+};
 
 }  // namespace sulcus

@@ -41,7 +41,7 @@ class LeafWalk {
 
 void put(Contacts& contacts, std::size_t i, const SurfaceEstimate& e, float voxel_m) {
   contacts.set_vector(Contacts::kNormal, i, e.normal);
-  contacts(Contacts::kOffset)[i] = e.offset * voxel_m;
+  *contacts.from(Contacts::kOffset, i) = e.offset * voxel_m;
 }
 
 void ask(ContactScratch& scratch, std::size_t i) {
@@ -49,19 +49,20 @@ void ask(ContactScratch& scratch, std::size_t i) {
   scratch.queried.push_back(static_cast<std::uint32_t>(i));
 }
 
-/// Takes what is kept, and asks for what is not. Adds what the tool vetoes of it where `told`.
+/// Takes what is kept of contacts from `start` on, and asks for what is not. Adds what the tool
+/// vetoes of it where `told`.
 ///
 /// Block by block, so that memory is asked for a block before it is read: first the pages of its
 /// leaves are found, then, by their masks, its values, then they are taken. Of many contacts the
 /// pages are more than the caches hold.
-void take_kept(const KeptNormals& kept, float voxel_m, bool told, ContactScratch& scratch) {
+void take_kept(const KeptNormals& kept, float voxel_m, bool told, ContactScratch& scratch,
+               std::size_t start) {
   static constexpr KeptNormals::Value kNothing{};
-  Contacts& contacts = scratch.contacts;
-  const ContactArrays arrays = arrays_of(contacts);
-  const std::uint32_t* const keys = contacts.keys();
-  const std::size_t blocks = (contacts.size() + kKeptBlock - 1) / kKeptBlock;
+  const ContactArrays arrays = arrays_of(scratch.contacts, start);
+  const std::uint32_t* const keys = arrays.keys;
+  const std::size_t blocks = (arrays.size + kKeptBlock - 1) / kKeptBlock;
   const auto count_of = [&](std::size_t block) {
-    return std::min(kKeptBlock, contacts.size() - block * kKeptBlock);
+    return std::min(kKeptBlock, arrays.size - block * kKeptBlock);
   };
   const KeptNormals::Page* pages[kKeptBlock];
   const float* values[kKeptBlock];
@@ -86,7 +87,7 @@ void take_kept(const KeptNormals& kept, float voxel_m, bool told, ContactScratch
         __builtin_prefetch(values[k]);
       } else {
         values[k] = kNothing.normal;
-        ask(scratch, i);
+        ask(scratch, start + i);
       }
     }
     std::fill(values + count, values + kKeptBlock, kNothing.normal);
@@ -96,7 +97,7 @@ void take_kept(const KeptNormals& kept, float voxel_m, bool told, ContactScratch
     std::uint64_t away =
         contact_kernels().take_kept(values, count_of(block), voxel_m, arrays, first);
     for (; told && away != 0; away &= away - 1) {
-      scratch.vetoed.push_back(static_cast<std::uint32_t>(first) +
+      scratch.vetoed.push_back(static_cast<std::uint32_t>(start + first) +
                                static_cast<std::uint32_t>(std::countr_zero(away)));
     }
   };
@@ -114,29 +115,33 @@ bool is_refined(const KeptNormals::Page* page, std::uint32_t key) {
 }  // namespace
 
 void normals(const Workpiece& workpiece, const HapticsSettings& settings, const KeptNormals* kept,
-             ContactScratch& scratch) noexcept {
+             ContactScratch& scratch, std::size_t first) noexcept {
   Contacts& contacts = scratch.contacts;
   const auto voxel_m = static_cast<float>(workpiece.grid().voxel_m);
-  const HapticsSettings first = first_tier(settings, kept);
+  const HapticsSettings at_first = first_tier(settings, kept);
   scratch.vetoed.clear();
   const bool told = use_tool(settings.normals);
-  if (kept) {
+  if (first == 0) {
     scratch.queries.clear();
     scratch.queried.clear();
-    take_kept(*kept, voxel_m, told, scratch);
+  }
+  const std::size_t asked = scratch.queries.size();
+  if (kept) {
+    take_kept(*kept, voxel_m, told, scratch, first);
   } else {
     // Nothing has to be the same for another tool: each is asked for with what this one says.
     scratch.queries.resize(contacts.size());
     scratch.queried.resize(contacts.size());
-    for (std::size_t i = 0; i < contacts.size(); ++i) {
+    for (std::size_t i = first; i < contacts.size(); ++i) {
       scratch.queries[i] = {cell_of_key(contacts.keys()[i]),
                             contacts.vector(Contacts::kOutward, i)};
       scratch.queried[i] = static_cast<std::uint32_t>(i);
     }
   }
   scratch.estimates.resize(scratch.queries.size());
-  estimate_surfaces(workpiece, scratch.queries, first, scratch.estimates);
-  for (std::size_t q = 0; q < scratch.queries.size(); ++q) {
+  estimate_surfaces(workpiece, std::span(scratch.queries).subspan(asked), at_first,
+                    std::span(scratch.estimates).subspan(asked));
+  for (std::size_t q = asked; q < scratch.queries.size(); ++q) {
     const std::uint32_t i = scratch.queried[q];
     put(contacts, i, scratch.estimates[q], voxel_m);
     if (kept && told &&
@@ -161,7 +166,7 @@ void normals(const Workpiece& workpiece, const HapticsSettings& settings, const 
       scratch.tool_queried.push_back(i);
     }
     scratch.tool_estimates.resize(scratch.tool_queries.size());
-    estimate_surfaces(workpiece, scratch.tool_queries, refined ? settings : first,
+    estimate_surfaces(workpiece, scratch.tool_queries, refined ? settings : at_first,
                       scratch.tool_estimates);
     for (std::size_t q = 0; q < scratch.tool_queries.size(); ++q) {
       put(contacts, scratch.tool_queried[q], scratch.tool_estimates[q], voxel_m);

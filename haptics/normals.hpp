@@ -12,8 +12,10 @@ namespace sulcus {
 /// of the scene's method. What is undefined stays zero; contact_force takes the gradient itself
 /// there. What was found is left in the scratch for `keep_normals`, which goes with `kept`: without
 /// it the tool has had its say in it.
+///
+/// `first`: of contacts from there on alone, and adds to what was found for those before.
 void normals(const Workpiece& workpiece, const HapticsSettings& settings, const KeptNormals* kept,
-             ContactScratch& scratch) noexcept;
+             ContactScratch& scratch, std::size_t first = 0) noexcept;
 
 /// Keeps what an evaluation has found, so that the next in the same tick does not find it again.
 /// Changes no result: the workpiece stays as it is until the contact is done with.

@@ -5,7 +5,12 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/normals/normal_method.hpp"
 #include "engine/recording/tick_record.hpp"
+#include "haptics/broad_phase.hpp"
+#include "haptics/contact_force.hpp"
+#include "haptics/narrow_phase.hpp"
+#include "haptics/normals.hpp"
 #include "tests/support/allocation_count.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/tools.hpp"
@@ -137,6 +142,98 @@ TEST_F(EvaluateContact, KeepsTheDeepestAndSaysSoBeyondItsCapacity) {
   EXPECT_LE(few.contacts, 20u);
   EXPECT_GT(few.contacts, 10u);
   EXPECT_EQ(few.tested, all.tested);
+}
+
+/// A burr among so much surface that its contacts are found in several blocks.
+class EvaluateManyContacts : public ::testing::Test {
+ protected:
+  EvaluateManyContacts()
+      : workpiece_(test::make_model({96, 96, 96}, kVoxel,
+                                    [](const Cell& c) { return c.sum() % 5 < 3 && c.z() < 60; })),
+        burr_(make_burr(test::small_burr(BurrShape::kRound, 2.4e-3), kVoxel)) {
+    settings_.normals = NormalMethod::kLdmFast;
+  }
+  /// Stage by stage over all contacts, which is what blocks must give.
+  ContactResult stage_by_stage(const Twist* twist, Asked asked, const KeptNormals* kept,
+                               ContactScratch& scratch) const {
+    ContactResult result;
+    const double reach_m = contact_reach_m(workpiece_, settings_.scaling, asked);
+    broad_phase(workpiece_, burr_.capsule, pose_, reach_m, scratch);
+    narrow_phase(workpiece_, burr_.field, pose_, reach_m, scratch, result);
+    normals(workpiece_, settings_, kept, scratch);
+    contact_force(workpiece_, tissues_, burr_, pose_, twist, settings_.scaling, scratch, result,
+                  asked);
+    return result;
+  }
+  void expect_the_same(const Twist* twist, Asked asked, const KeptNormals* kept) const {
+    ContactScratch staged(settings_), scratch(settings_);
+    const ContactResult expected = stage_by_stage(twist, asked, kept, staged);
+    const ContactResult found = evaluate_contact(workpiece_, tissues_, burr_, pose_, twist,
+                                                 settings_, kept, scratch, asked);
+    EXPECT_EQ(found.wrench.force_N, expected.wrench.force_N);
+    EXPECT_EQ(found.wrench.torque_Nm, expected.wrench.torque_Nm);
+    EXPECT_EQ(found.tangential.force_N, expected.tangential.force_N);
+    EXPECT_EQ(found.stiffness, expected.stiffness);
+    EXPECT_EQ(found.contacts, expected.contacts);
+    EXPECT_EQ(found.tested, expected.tested);
+    EXPECT_GT(found.tested, 2 * ContactScratch::kBlock);
+    EXPECT_GT(found.wrench.force_N.norm(), 0.0);
+    EXPECT_EQ(scratch.queried, staged.queried);
+    ASSERT_EQ(scratch.contacts.size(), staged.contacts.size());
+    for (std::size_t i = 0; i < staged.contacts.size(); ++i) {
+      const Contact a = scratch.contacts[i], b = staged.contacts[i];
+      ASSERT_EQ(a.key(), b.key());
+      ASSERT_EQ(a.normal, b.normal);
+      ASSERT_EQ(a.depth_m, b.depth_m);
+      ASSERT_EQ(a.weight, b.weight);
+      ASSERT_EQ(a.normal_force_N, b.normal_force_N);
+      ASSERT_EQ(a.power_W, b.power_W);
+    }
+  }
+
+  Workpiece workpiece_;
+  Burr burr_;
+  std::vector<TissueSettings> tissues_ = test::one_tissue();
+  HapticsSettings settings_;
+  const Pose pose_ =
+      test::pose_along({0.1e-3, 0.2e-3, -0.9e-3}, Vector3d(0.3, 0.5, 1).normalized());
+  const Twist twist_{Vector3d(1e-3, 2e-3, 0), Vector3d(0, 0.1, 0), burr_.speed_rad_per_s};
+};
+
+TEST_F(EvaluateManyContacts, BlockByBlockIsStageByStageBitForBit) {
+  for (const Scaling scaling : {Scaling::kNone, Scaling::kSmooth}) {
+    settings_.scaling = scaling;
+    expect_the_same(nullptr, Asked::kForce, nullptr);
+    expect_the_same(&twist_, Asked::kCoupled, nullptr);
+  }
+}
+
+TEST_F(EvaluateManyContacts, BlockByBlockIsStageByStageWithHalfOfTheNormalsKept) {
+  KeptNormals kept(workpiece_.grid(), settings_);
+  ContactScratch scratch(settings_);
+  stage_by_stage(nullptr, Asked::kForce, nullptr, scratch);
+  for (std::size_t i = 0; i < scratch.contacts.size(); i += 2) {
+    const Cell cell = scratch.contacts[i].cell;
+    kept.keep(voxel_key(cell), estimate_surface(workpiece_, cell, settings_), false, 0);
+  }
+  expect_the_same(nullptr, Asked::kStiffness, &kept);
+}
+
+TEST_F(EvaluateManyContacts, MoreThanTheCapacityAreThoseOfTheStages) {
+  ContactScratch all(settings_);
+  stage_by_stage(nullptr, Asked::kForce, nullptr, all);
+  // Full in the first block, and after several.
+  for (const std::size_t capacity : {std::size_t{500}, all.contacts.size() - 1}) {
+    settings_.max_contacts = static_cast<int>(capacity);
+    expect_the_same(&twist_, Asked::kCoupled, nullptr);
+    ContactScratch scratch(settings_);
+    const std::uint64_t before = test::allocation_count();
+    const ContactResult full = evaluate_contact(workpiece_, tissues_, burr_, pose_, nullptr,
+                                                settings_, nullptr, scratch, Asked::kForce);
+    EXPECT_EQ(test::allocation_count(), before);
+    EXPECT_EQ(full.faults, kFaultContactsFull);
+    EXPECT_EQ(scratch.contacts.size(), capacity);
+  }
 }
 
 TEST_F(EvaluateContact, AForceThatIsNotFiniteComesOnlyFromAPoseThatIsNot) {

@@ -6,7 +6,10 @@
 #include <numeric>
 
 #include "engine/core/realtime.hpp"
+#include "haptics/broad_phase.hpp"
+#include "haptics/contact_force.hpp"
 #include "haptics/evaluate_contact.hpp"
+#include "haptics/narrow_phase.hpp"
 #include "haptics/normals.hpp"
 
 namespace sulcus::lab {
@@ -67,6 +70,10 @@ class Run {
       std::uint64_t begin = thread_cpu_ns();
       evaluate(pose);
       tick_ns += static_cast<double>(thread_cpu_ns() - begin);
+      ContactResult found;
+      const double reach_m = contact_reach_m(surface_.workpiece(), haptics_.scaling, Asked::kForce);
+      broad_phase(surface_.workpiece(), burr_.capsule, pose, reach_m, scratch_);
+      narrow_phase(surface_.workpiece(), burr_.field, pose, reach_m, scratch_, found);
       begin = thread_cpu_ns();
       normals(surface_.workpiece(), haptics_, nullptr, scratch_);
       normals_ns += static_cast<double>(thread_cpu_ns() - begin);

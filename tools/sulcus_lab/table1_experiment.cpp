@@ -19,8 +19,10 @@
 #include "engine/normals/neighbour_pattern.hpp"
 #include "engine/scene/trajectory.hpp"
 #include "engine/shapes/molar.hpp"
+#include "haptics/broad_phase.hpp"
 #include "haptics/contact_force.hpp"
 #include "haptics/evaluate_contact.hpp"
+#include "haptics/narrow_phase.hpp"
 #include "haptics/tool_motion.hpp"
 #include "tools/sulcus_lab/composed_shape.hpp"
 
@@ -196,16 +198,18 @@ class Comparison {
  private:
   /// The forces of the same contacts with the analytic surface.
   Wrench evaluate_truth(const Workpiece& workpiece, const Pose& pose, const Twist* cutting) {
-    truth_.contacts.clear();
-    for (const Contact contact : ours_.contacts) truth_.contacts.push_back(contact);
+    ContactResult result;
+    const Scaling scaling = loaded_.scene.haptics.scaling;
+    const double reach_m = contact_reach_m(workpiece, scaling, Asked::kForce);
+    broad_phase(workpiece, loaded_.burr.capsule, pose, reach_m, truth_);
+    narrow_phase(workpiece, loaded_.burr.field, pose, reach_m, truth_, result);
     molar_->apply(workpiece.grid(), truth_.contacts);
     for (std::size_t i = 0; i < truth_.contacts.size(); ++i) {
       run_.ours_to_truth.add(ours_.contacts[i].normal, truth_.contacts[i].normal);
       run_.exact_to_truth.add(exact_.contacts[i].normal, truth_.contacts[i].normal);
     }
-    ContactResult result;
-    contact_force(workpiece, loaded_.scene.tissues, loaded_.burr, pose, cutting,
-                  loaded_.scene.haptics.scaling, truth_, result);
+    contact_force(workpiece, loaded_.scene.tissues, loaded_.burr, pose, cutting, scaling, truth_,
+                  result);
     return result.wrench;
   }
 
