@@ -102,6 +102,7 @@ bool broad_phase(const Workpiece& workpiece, const Capsule& capsule_tool,
     const Octree::Place first{place.level + 1, 2 * place.at};
     const Eigen::Vector3i& n = octree.dims(first.level);
     const std::uint32_t first_index = octree.index(first);
+    const bool to_leaves = octree.is_leaf_level(first.level);
     const auto to_next_y = static_cast<std::uint32_t>(n.x());
     const auto to_next_z = to_next_y * static_cast<std::uint32_t>(n.y());
     for (std::uint32_t c = 8; c-- > 0;) {  // pushed in reverse, so that they are visited in order
@@ -110,7 +111,11 @@ bool broad_phase(const Workpiece& workpiece, const Capsule& capsule_tool,
                                 first.at + Eigen::Vector3i(static_cast<int>(x), static_cast<int>(y),
                                                            static_cast<int>(z))};
       if (child.at.x() >= n.x() || child.at.y() >= n.y() || child.at.z() >= n.z()) continue;
-      any_child |= push(child, first_index + x + y * to_next_y + z * to_next_z);
+      const std::uint32_t child_index = first_index + x + y * to_next_y + z * to_next_z;
+      if (!push(child, child_index)) continue;
+      any_child = true;
+      // Asked for here, it is there when its turn comes.
+      if (to_leaves) __builtin_prefetch(&workpiece.surface(octree.leaf_number(child_index)));
     }
     if (!any_child && scratch.hollow.size() < scratch.hollow.capacity()) {
       scratch.hollow.push_back(index);

@@ -13,6 +13,7 @@ ContactScratch::ContactScratch(const HapticsSettings& settings, StageClock stage
   leaf_keys.reserve(kMaxLeaves);
   leaf_distances_m.reserve(kMaxLeaves);
   block_keys.resize(kBlock + Contacts::kGroup);
+  kept_leaves.reserve(kMaxLeaves);
   queries.reserve(capacity);
   queried.reserve(capacity);
   estimates.reserve(capacity);
@@ -29,6 +30,7 @@ void ContactScratch::forget() noexcept {
   contacts.clear();
   hollow.clear();
   queried.clear();
+  kept_leaves.clear();
 }
 
 std::size_t ContactScratch::memory_bytes() const {
@@ -36,7 +38,7 @@ std::size_t ContactScratch::memory_bytes() const {
                             leaf_distances_m.capacity() + block_keys.capacity() +
                             queried.capacity() + tool_queried.capacity() + vetoed.capacity();
   return words * sizeof(std::uint32_t) + by_depth.capacity() * sizeof(std::uint64_t) +
-         contacts.memory_bytes() +
+         contacts.memory_bytes() + kept_leaves.capacity() * sizeof(KeptNormals::Place) +
          (queries.capacity() + tool_queries.capacity()) * sizeof(VoxelQuery) +
          (estimates.capacity() + tool_estimates.capacity()) * sizeof(SurfaceEstimate);
 }

@@ -9,6 +9,7 @@
 #include "engine/normals/normal_method.hpp"
 #include "engine/scene/scene.hpp"
 #include "haptics/contacts.hpp"
+#include "haptics/kept_normals.hpp"
 #include "haptics/stage_clock.hpp"
 
 namespace sulcus {
@@ -64,11 +65,12 @@ struct ContactScratch {
   std::vector<std::uint32_t> leaves;  // [broad_phase] leaf numbers
   std::vector<std::uint32_t> hollow;  // [broad_phase] internal nodes without children left
   // [narrow_phase]
-  std::vector<std::uint32_t> leaf_keys;   // of the leaves' first voxels
-  std::vector<float> leaf_distances_m;    // at their centres
-  std::vector<std::uint32_t> block_keys;  // of voxels to be tested
-  std::vector<std::uint64_t> by_depth;    // where there are too many
-  Contacts contacts;                      // and on
+  std::vector<std::uint32_t> leaf_keys;         // of the leaves' first voxels
+  std::vector<float> leaf_distances_m;          // at their centres
+  std::vector<std::uint32_t> block_keys;        // of voxels to be tested
+  std::vector<std::uint64_t> by_depth;          // where there are too many
+  Contacts contacts;                            // and on
+  std::vector<KeptNormals::Place> kept_leaves;  // [normals] of which something was kept before
   // [normals] What had to be found, contacts by number.
   std::vector<VoxelQuery> queries;
   std::vector<std::uint32_t> queried;

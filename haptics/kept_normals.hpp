@@ -55,11 +55,20 @@ class KeptNormals {
 
   /// Null where nothing of the leaf is kept. Leaves are named by their leaf_key.
   const Page* find(std::uint32_t leaf) const noexcept;
+  /// Asks for the memory that `find` starts from.
+  void prefetch(std::uint32_t leaf) const noexcept { __builtin_prefetch(&table_[home(leaf)]); }
+  /// A leaf and where its page is, or was before another leaf took that.
+  struct Place {
+    std::uint32_t leaf, page;
+  };
+  Place place_of(std::uint32_t leaf, const Page& page) const noexcept {
+    return {leaf, static_cast<std::uint32_t>(&page - pages_.get())};
+  }
 
   /// Keeps estimates that were made without the tool. Those that are not defined are passed over.
   void keep(std::uint32_t key, const SurfaceEstimate& estimate, bool refined,
             std::uint64_t tick) noexcept;
-  void touch(std::uint32_t leaf, std::uint64_t tick) noexcept;
+  void touch(std::span<const Place> places, std::uint64_t tick) noexcept;
   /// Drops what has been seen through windows that the edits lie in.
   void drop(std::span<const Edit> edits) noexcept;
 

@@ -52,9 +52,9 @@ void ask(ContactScratch& scratch, std::size_t i) {
 /// Takes what is kept of contacts from `start` on, and asks for what is not. Adds what the tool
 /// vetoes of it where `told`.
 ///
-/// Block by block, so that memory is asked for a block before it is read: first the pages of its
-/// leaves are found, then, by their masks, its values, then they are taken. Of many contacts the
-/// pages are more than the caches hold.
+/// Block by block, so that memory is asked for a block before it is read: first where the pages of
+/// its leaves are looked up, then the pages, then, by their masks, its values, and then they are
+/// taken. Of many contacts the pages are more than the caches hold.
 void take_kept(const KeptNormals& kept, float voxel_m, bool told, ContactScratch& scratch,
                std::size_t start) {
   static constexpr KeptNormals::Value kNothing{};
@@ -67,13 +67,23 @@ void take_kept(const KeptNormals& kept, float voxel_m, bool told, ContactScratch
   const KeptNormals::Page* pages[kKeptBlock];
   const float* values[kKeptBlock];
 
+  // A look at each eighth meets nearly every leaf, and costs less than to miss none.
+  const auto ask_pages = [&](std::size_t block) {
+    for (std::size_t k = 0; k < count_of(block); k += 8) {
+      kept.prefetch(leaf_key(keys[block * kKeptBlock + k]));
+    }
+  };
   LeafWalk walk(&kept);
+  const KeptNormals::Page* found = nullptr;
   const auto find_pages = [&](std::size_t block) {
-    const KeptNormals::Page* before = nullptr;
     for (std::size_t k = 0; k < count_of(block); ++k) {
-      const KeptNormals::Page* const page = walk.page(keys[block * kKeptBlock + k]);
-      if (page && page != before) __builtin_prefetch(&page->kept);
-      pages[k] = before = page;
+      const std::uint32_t key = keys[block * kKeptBlock + k];
+      const KeptNormals::Page* const page = walk.page(key);
+      if (page && page != found) {
+        __builtin_prefetch(&page->kept);
+        scratch.kept_leaves.push_back(kept.place_of(leaf_key(key), *page));
+      }
+      pages[k] = found = page;
     }
   };
   const auto find_values = [&](std::size_t block) {
@@ -101,10 +111,11 @@ void take_kept(const KeptNormals& kept, float voxel_m, bool told, ContactScratch
                                static_cast<std::uint32_t>(std::countr_zero(away)));
     }
   };
-  for (std::size_t b = 0; b < blocks + 2; ++b) {
-    if (b >= 2) take(b - 2);
-    if (b >= 1 && b - 1 < blocks) find_values(b - 1);
-    if (b < blocks) find_pages(b);
+  for (std::size_t b = 0; b < blocks + 3; ++b) {
+    if (b >= 3) take(b - 3);
+    if (b >= 2 && b - 2 < blocks) find_values(b - 2);
+    if (b >= 1 && b - 1 < blocks) find_pages(b - 1);
+    if (b < blocks) ask_pages(b);
   }
 }
 
@@ -124,6 +135,7 @@ void normals(const Workpiece& workpiece, const HapticsSettings& settings, const 
   if (first == 0) {
     scratch.queries.clear();
     scratch.queried.clear();
+    scratch.kept_leaves.clear();
   }
   const std::size_t asked = scratch.queries.size();
   if (kept) {
@@ -186,13 +198,7 @@ void keep_normals(const Workpiece& workpiece, const HapticsSettings& settings, s
                   ContactScratch& scratch, KeptNormals& kept) noexcept {
   if (!use_tool(settings.normals)) return;
   const Contacts& contacts = scratch.contacts;
-  std::uint32_t leaf = ~0u;
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    if (const std::uint32_t at = leaf_key(contacts.keys()[i]); at != leaf) {
-      leaf = at;
-      kept.touch(leaf, tick);
-    }
-  }
+  kept.touch(scratch.kept_leaves, tick);
   keep_found(settings, tick, scratch, kept);
   if (settings.normals != NormalMethod::kLdm || settings.refine_per_tick == 0) return;
 

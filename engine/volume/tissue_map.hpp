@@ -35,6 +35,11 @@ class TissueMap {
   /// Null where the leaf is uniform.
   const LabelBlock* block(std::uint32_t leaf) const { return mixed_[leaf].get(); }
   std::uint8_t uniform_label(std::uint32_t leaf) const { return uniform_[leaf]; }
+  /// Asks for what the two above read.
+  void prefetch(std::uint32_t leaf) const {
+    __builtin_prefetch(&uniform_[leaf]);
+    __builtin_prefetch(&mixed_[leaf]);
+  }
   /// One more than the largest label, of empty voxels too.
   int label_count() const;
   std::size_t memory_bytes() const;

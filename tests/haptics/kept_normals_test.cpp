@@ -118,7 +118,15 @@ TEST(KeptNormals, WhereRoomRunsOutTheLeavesTouchedLongestAgoGiveWay) {
   EXPECT_EQ(kept.pages().size(), 64u);
   kept.keep(voxel_key(leaf(64)), up, false, 1);
   EXPECT_FALSE(kept_at(kept, leaf(64)).defined) << "all leaves are of this tick";
-  for (int n = 0; n < 32; ++n) kept.touch(voxel_key(leaf(n)), 2);
+  std::vector<KeptNormals::Place> touched;
+  for (int n = 0; n < 32; ++n) {
+    const std::uint32_t key = leaf_key(voxel_key(leaf(n)));
+    touched.push_back(kept.place_of(key, *kept.find(key)));
+  }
+  // As if another leaf had taken its page since.
+  const std::uint32_t other = leaf_key(voxel_key(leaf(40)));
+  touched[3].page = kept.place_of(other, *kept.find(other)).page;
+  kept.touch(touched, 2);
   for (int n = 64; n < 96; ++n) kept.keep(voxel_key(leaf(n)), up, true, 3);
   for (int n = 0; n < 96; ++n) {
     EXPECT_EQ(kept_at(kept, leaf(n)).defined, n < 32 || n >= 64) << n;
