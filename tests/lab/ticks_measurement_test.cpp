@@ -25,7 +25,10 @@ TEST(TicksMeasurement, EveryMethodWithEveryCache) {
   Workpiece block = plate_block();
   const std::uint64_t before = block.hash();
   constexpr int kWanted = 150;
-  const auto group = measure_ticks(block, nullptr, kBlockGround, kWanted, small_plan(), kSilent);
+  std::vector<std::unique_ptr<TicksGroup>> groups;
+  groups.push_back(plan_group(block, nullptr, kBlockGround, kWanted, small_plan(), kSilent));
+  measure_groups(groups, kSilent);
+  const TicksGroup* const group = groups.front().get();
   EXPECT_EQ(block.hash(), before) << "cutting is on copies";
   EXPECT_FALSE(group->pca_ns);
   ASSERT_EQ(group->runs.size(), 6u);

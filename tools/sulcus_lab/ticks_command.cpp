@@ -90,7 +90,17 @@ Workpiece molar(int cells, double voxel_m) {
   return Workpiece(build_shape(scene));
 }
 
-/// All that was measured; tables grow as it is.
+/// What is cut, and PCL's normals of it where there are any.
+struct Tooth {
+  Tooth(int cells, double voxel_m) : workpiece(molar(cells, voxel_m)) {
+    if (is_available(Method::kPca)) pca.emplace(workpiece, true, std::nullopt);
+  }
+
+  Workpiece workpiece;
+  std::optional<NormalMethods> pca;
+};
+
+/// All that was measured.
 struct Tables {
   explicit Tables(Results& results)
       : ticks(results.table("ticks.csv"), kTicksHeader),
@@ -102,7 +112,8 @@ struct Tables {
   std::vector<TickRow> rows;
   std::vector<TickPlace> places;
 
-  void add(const Workpiece& workpiece, const TicksGroup& group) {
+  void add(const TicksGroup& group) {
+    const Workpiece& workpiece = group.runs.front().task.start;
     const std::vector<TickRow> added = rows_of(group);
     for (const TickRow& row : added) {
       ticks.write(ticks_line(row));
@@ -142,30 +153,32 @@ void ticks(const TicksOptions& options) {
 
   Tables tables(results);
   std::vector<SweepRow> cells, bodies;
-  const auto measure_on = [&](Workpiece& workpiece, std::span<const int> contacts) {
-    std::optional<NormalMethods> pca;
-    if (is_available(Method::kPca)) pca.emplace(workpiece, true, std::nullopt);
-    for (const int wanted : contacts) {
-      const auto group =
-          measure_ticks(workpiece, pca ? &*pca : nullptr, kSulcus, wanted, measured.plan, progress);
-      line.clear();
-      tables.add(workpiece, *group);
-    }
-  };
-  const std::vector<int>& all = measured.plan.contacts;
-  const auto many =
-      options.quick ? all.end() : std::upper_bound(all.begin(), all.end(), kMostAtCoarse);
   {
-    progress("the tooth");
-    Workpiece workpiece = molar(measured.cells, measured.voxel_m);
-    measure_on(workpiece, {all.begin(), many});
-    bodies = measure_bodies(workpiece, kSulcus, measured.bodies, measured.body_contacts,
-                            measured.plan, progress);
-  }
-  if (many != all.end()) {
-    progress("the tooth in finer voxels");
-    Workpiece workpiece = molar(2 * measured.cells, 0.5 * measured.voxel_m);
-    measure_on(workpiece, {many, all.end()});
+    // All teeth at once, so that few and many contacts have their turns one after the other.
+    std::vector<std::unique_ptr<Tooth>> teeth;
+    std::vector<std::unique_ptr<TicksGroup>> groups;
+    const auto plan_on = [&](const char* what, int cells_of, double voxel_m,
+                             std::span<const int> contacts) {
+      progress(what);
+      Tooth& tooth = *teeth.emplace_back(std::make_unique<Tooth>(cells_of, voxel_m));
+      for (const int wanted : contacts) {
+        groups.push_back(plan_group(tooth.workpiece, tooth.pca ? &*tooth.pca : nullptr, kSulcus,
+                                    wanted, measured.plan, progress));
+      }
+    };
+    const std::vector<int>& all = measured.plan.contacts;
+    const auto many =
+        options.quick ? all.end() : std::upper_bound(all.begin(), all.end(), kMostAtCoarse);
+    plan_on("the tooth", measured.cells, measured.voxel_m, {all.begin(), many});
+    if (many != all.end()) {
+      plan_on("the tooth in finer voxels", 2 * measured.cells, 0.5 * measured.voxel_m,
+              {many, all.end()});
+    }
+    measure_groups(groups, progress);
+    line.clear();
+    for (const auto& group : groups) tables.add(*group);
+    bodies = measure_bodies(teeth.front()->workpiece, kSulcus, measured.bodies,
+                            measured.body_contacts, measured.plan, progress);
   }
   cells = measure_cells(measured.grids, measured.grid_contacts, measured.plan, progress);
   line.clear();

@@ -6,7 +6,6 @@
 
 #include "engine/core/realtime.hpp"
 #include "haptics/evaluate_contact.hpp"
-#include "tools/sulcus_lab/normal_methods.hpp"
 #include "tools/sulcus_lab/samples.hpp"
 
 namespace sulcus::lab {
@@ -49,6 +48,40 @@ std::vector<Cell> contact_cells(const Workpiece& workpiece, const TickPath& path
   return cells;
 }
 
+/// One repetition of all runs.
+void take_turns(std::span<TickRun> runs, int repetition,
+                const std::function<void(const std::string&)>& progress) {
+  for (TickRun& run : runs) {
+    progress(std::to_string(run.task.wanted) + " contacts, " +
+             std::string(method_name(run.setting)) + ", " + std::string(cache_name(run.setting)) +
+             ", " + std::to_string(repetition + 1) + " of " + std::to_string(kRepetitions));
+    run.summary.keep_best(run_ticks(run.task, run.setting));
+  }
+}
+
+void time_pca(TicksGroup& group) {
+  if (!group.pca) return;
+  std::vector<SurfaceEstimate> estimates;
+  const std::uint64_t begin = thread_cpu_ns();
+  group.pca->estimate(Method::kPca, kNeighbourhood, group.pca_sample, estimates);
+  const double ns = static_cast<double>(thread_cpu_ns() - begin) /
+                    static_cast<double>(group.pca_sample.cells.size());
+  group.pca_ns = std::min(group.pca_ns.value_or(ns), ns);
+}
+
+void time_stages(TickRun& run) {
+  TickTask task = run.task;
+  task.ticks = std::min(task.ticks, kStageTicks);
+  double best_us = std::numeric_limits<double>::infinity();
+  for (int repetition = 0; repetition < kRepetitions; ++repetition) {
+    const TickSamples samples = run_ticks(task, run.setting, thread_cpu_ns);
+    const double mean_us = mean(samples.us);
+    if (mean_us >= best_us) continue;
+    best_us = mean_us;
+    run.stages = stage_times(samples);
+  }
+}
+
 }  // namespace
 
 void TickSummary::keep_best(const TickSamples& samples) {
@@ -82,16 +115,9 @@ std::array<StageTimes, kStageCount> stage_times(const TickSamples& samples) {
   return times;
 }
 
-void repeat_runs(std::span<TickRun> runs, const std::function<void()>& between,
-                 const std::function<void(const std::string&)>& progress) {
+void repeat_runs(std::span<TickRun> runs, const std::function<void(const std::string&)>& progress) {
   for (int repetition = 0; repetition < kRepetitions; ++repetition) {
-    between();
-    for (TickRun& run : runs) {
-      progress(std::to_string(run.task.wanted) + " contacts, " +
-               std::string(method_name(run.setting)) + ", " + std::string(cache_name(run.setting)) +
-               ", " + std::to_string(repetition + 1) + " of " + std::to_string(kRepetitions));
-      run.summary.keep_best(run_ticks(run.task, run.setting));
-    }
+    take_turns(runs, repetition, progress);
   }
 }
 
@@ -101,10 +127,9 @@ int ticks_of(const TicksPlan& plan, TickCache cache, int contacts) {
   return std::min(plan.ticks, std::max(cutting ? 100 : 80, static_cast<int>(enough)));
 }
 
-std::unique_ptr<TicksGroup> measure_ticks(Workpiece& workpiece, const NormalMethods* pca,
-                                          const TickGround& ground, int wanted,
-                                          const TicksPlan& plan,
-                                          const std::function<void(const std::string&)>& progress) {
+std::unique_ptr<TicksGroup> plan_group(Workpiece& workpiece, const NormalMethods* pca,
+                                       const TickGround& ground, int wanted, const TicksPlan& plan,
+                                       const std::function<void(const std::string&)>& progress) {
   auto group = std::make_unique<TicksGroup>();
   group->wanted = wanted;
   progress(std::to_string(wanted) + " contacts: poses");
@@ -130,34 +155,28 @@ std::unique_ptr<TicksGroup> measure_ticks(Workpiece& workpiece, const NormalMeth
       group->runs.push_back({task, setting, {}});
     }
   }
-  VoxelSample sample;
-  if (pca) sample = pca->sample(contact_cells(workpiece, group->path, wanted));
-  group->pca_voxels = sample.cells.size();
-  std::vector<SurfaceEstimate> estimates;
-  const auto time_pca = [&] {
-    if (!pca) return;
-    const std::uint64_t begin = thread_cpu_ns();
-    pca->estimate(Method::kPca, kNeighbourhood, sample, estimates);
-    const double ns =
-        static_cast<double>(thread_cpu_ns() - begin) / static_cast<double>(sample.cells.size());
-    group->pca_ns = std::min(group->pca_ns.value_or(ns), ns);
-  };
-  repeat_runs(group->runs, time_pca, progress);
-  for (TickRun& run : group->runs) {
-    progress(std::to_string(wanted) + " contacts: stages, " +
-             std::string(method_name(run.setting)) + ", " + std::string(cache_name(run.setting)));
-    TickTask task = run.task;
-    task.ticks = std::min(task.ticks, kStageTicks);
-    double best_us = std::numeric_limits<double>::infinity();
-    for (int repetition = 0; repetition < kRepetitions; ++repetition) {
-      const TickSamples samples = run_ticks(task, run.setting, thread_cpu_ns);
-      const double mean_us = mean(samples.us);
-      if (mean_us >= best_us) continue;
-      best_us = mean_us;
-      run.stages = stage_times(samples);
-    }
+  if (pca) {
+    group->pca = pca;
+    group->pca_sample = pca->sample(contact_cells(workpiece, group->path, wanted));
   }
   return group;
+}
+
+void measure_groups(std::span<const std::unique_ptr<TicksGroup>> groups,
+                    const std::function<void(const std::string&)>& progress) {
+  for (int repetition = 0; repetition < kRepetitions; ++repetition) {
+    for (const auto& group : groups) {
+      time_pca(*group);
+      take_turns(group->runs, repetition, progress);
+    }
+  }
+  for (const auto& group : groups) {
+    for (TickRun& run : group->runs) {
+      progress(std::to_string(group->wanted) + " contacts: stages, " +
+               std::string(method_name(run.setting)) + ", " + std::string(cache_name(run.setting)));
+      time_stages(run);
+    }
+  }
 }
 
 }  // namespace sulcus::lab

@@ -8,13 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "tools/sulcus_lab/normal_methods.hpp"
 #include "tools/sulcus_lab/ticks_cutting.hpp"
 #include "tools/sulcus_lab/ticks_path.hpp"
 #include "tools/sulcus_lab/ticks_run.hpp"
 
 namespace sulcus::lab {
-
-class NormalMethods;
 
 /// Times and counts of the best of the repetitions, that with the least mean.
 struct TickSummary {
@@ -44,9 +43,8 @@ struct TickRun {
 };
 
 /// Three repetitions of all runs; in each every run has its turn, so that a change in the machine's
-/// pace meets all alike. `between` is called before each repetition.
-void repeat_runs(std::span<TickRun> runs, const std::function<void()>& between,
-                 const std::function<void(const std::string&)>& progress);
+/// pace meets all alike.
+void repeat_runs(std::span<TickRun> runs, const std::function<void(const std::string&)>& progress);
 
 /// What the main table is measured with.
 struct TicksPlan {
@@ -66,16 +64,20 @@ struct TicksGroup {
   TickPath path;
   std::vector<CuttingPlan> cutting;  // one for each method
   std::vector<TickRun> runs;         // method by method: fresh, kept, cutting; tasks refer in here
-  std::optional<double> pca_ns;      // per normal on contact voxels; none without PCL
-  std::size_t pca_voxels = 0;
+  const NormalMethods* pca = nullptr;
+  VoxelSample pca_sample;        // up to 2,000 of the voxels in contact
+  std::optional<double> pca_ns;  // per normal on them; none without PCL
 };
 
-/// Every method with every cache at one number of contacts, on voxels `workpiece`. PCL's PCA at
-/// NS 6 has its turn in every repetition, on up to 2,000 of the voxels in contact. Stages are timed
-/// in runs of their own, up to 300 ticks, best of three.
-std::unique_ptr<TicksGroup> measure_ticks(Workpiece& workpiece, const NormalMethods* pca,
-                                          const TickGround& ground, int wanted,
-                                          const TicksPlan& plan,
-                                          const std::function<void(const std::string&)>& progress);
+/// What every method with every cache runs at one number of contacts, on voxels `workpiece`.
+/// `pca`: null without PCL. The workpiece and `pca` outlive the group.
+std::unique_ptr<TicksGroup> plan_group(Workpiece& workpiece, const NormalMethods* pca,
+                                       const TickGround& ground, int wanted, const TicksPlan& plan,
+                                       const std::function<void(const std::string&)>& progress);
+/// Times all groups: in each of three repetitions every run of every group has its turn, and in
+/// every group PCL's PCA at NS 6. Stages are timed in runs of their own, up to 300 ticks, best of
+/// three.
+void measure_groups(std::span<const std::unique_ptr<TicksGroup>> groups,
+                    const std::function<void(const std::string&)>& progress);
 
 }  // namespace sulcus::lab

@@ -53,8 +53,7 @@ std::vector<SweepRow> measure_cells(std::span<const int> cells, std::span<const 
     paths.push_back(find_tick_path(plates.front(), kPlateGround, wanted));
     for (Workpiece& plate : plates) add_runs(plate, paths.back(), wanted, 1, plan, runs);
   }
-  repeat_runs(
-      runs, [] {}, progress);
+  repeat_runs(runs, progress);
   std::vector<SweepRow> rows;
   rows.reserve(runs.size());
   for (const TickRun& run : runs) {
@@ -71,8 +70,7 @@ std::vector<SweepRow> measure_bodies(Workpiece& workpiece, const TickGround& gro
   const TickPath path = find_tick_path(workpiece, ground, contacts);
   std::vector<TickRun> runs;
   for (const int n : bodies) add_runs(workpiece, path, contacts, n, plan, runs);
-  repeat_runs(
-      runs, [] {}, progress);
+  repeat_runs(runs, progress);
   std::vector<SweepRow> rows;
   rows.reserve(runs.size());
   for (const TickRun& run : runs) {
