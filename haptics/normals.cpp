@@ -65,7 +65,7 @@ void take_kept(const KeptNormals& kept, float voxel_m, bool told, ContactScratch
     return std::min(kKeptBlock, arrays.size - block * kKeptBlock);
   };
   const KeptNormals::Page* pages[kKeptBlock];
-  const float* values[kKeptBlock];
+  const float* both[2][kKeptBlock];  // of two blocks, so that a whole round passes between
 
   // A look at each eighth meets nearly every leaf, and costs less than to miss none.
   const auto ask_pages = [&](std::size_t block) {
@@ -88,6 +88,7 @@ void take_kept(const KeptNormals& kept, float voxel_m, bool told, ContactScratch
   };
   const auto find_values = [&](std::size_t block) {
     const std::size_t count = count_of(block);
+    auto& values = both[block % 2];
     for (std::size_t k = 0; k < count; ++k) {
       const std::size_t i = block * kKeptBlock + k;
       const KeptNormals::Page* const page = pages[k];
@@ -105,14 +106,14 @@ void take_kept(const KeptNormals& kept, float voxel_m, bool told, ContactScratch
   const auto take = [&](std::size_t block) {
     const std::size_t first = block * kKeptBlock;
     std::uint64_t away =
-        contact_kernels().take_kept(values, count_of(block), voxel_m, arrays, first);
+        contact_kernels().take_kept(both[block % 2], count_of(block), voxel_m, arrays, first);
     for (; told && away != 0; away &= away - 1) {
       scratch.vetoed.push_back(static_cast<std::uint32_t>(start + first) +
                                static_cast<std::uint32_t>(std::countr_zero(away)));
     }
   };
-  for (std::size_t b = 0; b < blocks + 3; ++b) {
-    if (b >= 3) take(b - 3);
+  for (std::size_t b = 0; b < blocks + 4; ++b) {
+    if (b >= 4) take(b - 4);
     if (b >= 2 && b - 2 < blocks) find_values(b - 2);
     if (b >= 1 && b - 1 < blocks) find_pages(b - 1);
     if (b < blocks) ask_pages(b);
