@@ -19,7 +19,7 @@ struct ContactArrays {
   float* of[Contacts::kQuantities]{};
 };
 
-/// From `first` on.
+/// From `first` on; null what has passed of it.
 ContactArrays arrays_of(Contacts& contacts, std::size_t first = 0) noexcept;
 
 /// So many contacts are looked up at a time where their normals are kept.

@@ -13,7 +13,10 @@ ContactArrays arrays_of(Contacts& contacts, std::size_t first) noexcept {
   arrays.size = contacts.size() - first;
   arrays.keys = contacts.keys() + first;
   arrays.tissues = contacts.tissues() + first;
-  for (std::size_t q = 0; q < Contacts::kQuantities; ++q) arrays.of[q] = contacts.from(q, first);
+  for (std::size_t q = 0; q < Contacts::kQuantities; ++q) {
+    const bool is_there = !Contacts::passes(q) || first >= contacts.passed();
+    arrays.of[q] = is_there ? contacts.from(q, first) : nullptr;
+  }
   return arrays;
 }
 

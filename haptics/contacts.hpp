@@ -71,6 +71,7 @@ class Contacts {
   void push_back(const Contact& contact) noexcept;
   /// What passes is no longer wanted of contacts before `end`, a whole number of groups.
   void let_pass(std::size_t end) noexcept;
+  std::size_t passed() const { return passed_; }
 
   Contact operator[](std::size_t i) const noexcept;
   void set(std::size_t i, const Contact& contact) noexcept;
