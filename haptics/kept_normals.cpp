@@ -19,7 +19,7 @@ constexpr std::uint32_t kContactsPerLeaf = 16;  // that there may be, for each l
 // they are hangs on the tick alone: there is nothing to save.
 constexpr std::uint64_t kForgotten = 4'000;
 constexpr std::uint32_t kLooks = 16;
-constexpr std::size_t kAhead = 8;  // so many pages ahead their memory is asked for
+constexpr std::size_t kPagesAhead = 8;  // so many pages ahead their memory is asked for
 
 /// Voxels of a leaf's slice with x and y in the ranges, 0 to 7, ends included.
 std::uint64_t slice(int x0, int x1, int y0, int y1) {
@@ -140,7 +140,8 @@ void KeptNormals::keep(std::uint32_t key, const SurfaceEstimate& estimate, bool 
 
 void KeptNormals::touch(std::span<const Place> places, std::uint64_t tick) noexcept {
   for (std::size_t i = 0; i < places.size(); ++i) {
-    __builtin_prefetch(&pages_[places[std::min(i + kAhead, places.size() - 1)].page].touched, 1);
+    __builtin_prefetch(&pages_[places[std::min(i + kPagesAhead, places.size() - 1)].page].touched,
+                       1);
     Page& there = pages_[places[i].page];
     if (there.first_key == places[i].leaf) {
       there.touched = tick;

@@ -10,7 +10,7 @@ namespace sulcus {
 
 namespace {
 
-constexpr std::size_t kAhead = 8;  // so many leaves ahead their memory is asked for
+constexpr std::size_t kLeavesAhead = 8;  // so many leaves ahead their memory is asked for
 constexpr std::size_t kGroup = Contacts::kGroup;
 constexpr std::size_t kLeafVoxels = kLeafEdge * kLeafEdge * kLeafEdge;
 
@@ -80,7 +80,7 @@ bool NarrowPhase::next() noexcept {
   const TissueMap* const tissues = workpiece_.model().tissues.get();
   std::size_t waiting = 0;
   for (; leaf_ < count; ++leaf_) {
-    const std::uint32_t ahead = scratch_.leaves[std::min(leaf_ + kAhead, count - 1)];
+    const std::uint32_t ahead = scratch_.leaves[std::min(leaf_ + kLeavesAhead, count - 1)];
     __builtin_prefetch(&workpiece_.surface(ahead));
     if (tissues) tissues->prefetch(ahead);
     if (scratch_.leaf_distances_m[leaf_] > leaf_reach_m_) continue;
