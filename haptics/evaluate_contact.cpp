@@ -69,8 +69,8 @@ ContactResult evaluate_contact(const Workpiece& workpiece, std::span<const Tissu
     }
     result.leaves = static_cast<std::uint32_t>(scratch.leaves.size());
   }
-  std::optional<ContactForce> force;
-  force.emplace(workpiece, burr, world_from_tool, settings.scaling, asked);
+  std::optional<ContactForce> force(std::in_place, workpiece, burr, world_from_tool,
+                                    settings.scaling, asked);
   if (!find_in_blocks(workpiece, burr, world_from_tool, reach_m, settings, kept, scratch, result,
                       *force)) {
     find_deepest(workpiece, burr, world_from_tool, reach_m, settings, kept, scratch, result);

@@ -15,6 +15,9 @@ namespace sulcus::lab {
 namespace {
 
 constexpr int kFloorNeighbourhood = 6, kTrace = 12;
+/// Of a contact, less what passes, which stays in the caches, and what only a coupling turns to.
+constexpr std::size_t kRecordBytes =
+    Contacts::kBytesEach - (Contacts::kOffset + 1 + 3) * sizeof(float);
 
 /// Place in three axes of less than 2^20 each, and one more number.
 std::uint64_t key(std::int64_t a, std::int64_t b, std::int64_t c, std::uint64_t tag = 0) {
@@ -83,7 +86,7 @@ TickFloor tick_floor(const Workpiece& workpiece, const TickPath& path, int wante
   floor.field = static_cast<double>(samples.size() * sizeof(float));
   floor.columns = static_cast<double>(words.size() * sizeof(std::uint32_t));
   floor.kept = fresh ? 0.0 : static_cast<double>(contacts * 4 * sizeof(float));
-  floor.records = static_cast<double>(contacts * Contacts::kBytesEach);
+  floor.records = static_cast<double>(contacts * kRecordBytes);
   floor.gb_per_s = read_gb_per_s(static_cast<std::size_t>(floor.bytes()));
   floor.us = 1e-3 * floor.bytes() / floor.gb_per_s;
   return floor;

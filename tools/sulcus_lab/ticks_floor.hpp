@@ -13,7 +13,7 @@ struct TickFloor {
   double field = 0.0;    // the field's samples at the corners around each contact's centre, 4 each
   double columns = 0.0;  // fresh: the column words that hold a contact's map, 4 each
   double kept = 0.0;     // kept: normal and offset of each contact, 16 bytes
-  double records = 0.0;  // what the stages hand on, one Contact each
+  double records = 0.0;  // what the stages hand on of each contact
   double gb_per_s = 0.0;
   double us = 0.0;
 
