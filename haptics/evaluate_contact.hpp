@@ -14,8 +14,8 @@ namespace sulcus {
 /// normals, forces. Changes no state and no result by being called, so a coupling may call it any
 /// number of times in a tick; cutting happens once, after it. `twist` is the tool's own motion, for
 /// the tangential forces of cutting; null: no cutting, none. `kept` is read only, and may be null.
-/// `tissues` are the scene's, by label. Does not allocate. Of contacts beyond a block what passes is
-/// gone (Contacts): who wants it calls the stages one by one.
+/// `tissues` are the scene's, by label. Does not allocate. Of contacts beyond a block what passes
+/// is gone (Contacts): who wants it calls the stages one by one.
 ContactResult evaluate_contact(const Workpiece& workpiece, std::span<const TissueSettings> tissues,
                                const Burr& burr, const Pose& world_from_tool, const Twist* twist,
                                const HapticsSettings& settings, const KeptNormals* kept,
