@@ -5,6 +5,7 @@
 
 #include "app/common_options.hpp"
 #include "app/recorded_run.hpp"
+#include "app/terminal.hpp"
 #include "app/tissue_meshes.hpp"
 #include "engine/core/error.hpp"
 #include "engine/graphics/surface_mesh.hpp"
@@ -98,17 +99,17 @@ void export_recording(const ExportOptions& options) {
     TriangleMesh mesh = closed_surface(model);
     transform(space_from_world, mesh);
     write_mesh(options.mesh, mesh);
-    std::printf("%s: %zu triangles\n", options.mesh.c_str(), mesh.triangles.size());
+    say("%s: %zu triangles\n", options.mesh.c_str(), mesh.triangles.size());
   }
   if (!options.volume.empty()) {
     export_volume(options, model, space);
-    std::printf("%s: %llu solid voxels%s\n", options.volume.c_str(),
-                static_cast<unsigned long long>(model.solid_count()),
-                options.geometry == "input" ? " of the run's grid, resampled" : "");
+    say("%s: %llu solid voxels%s\n", options.volume.c_str(),
+        static_cast<unsigned long long>(model.solid_count()),
+        options.geometry == "input" ? " of the run's grid, resampled" : "");
   }
   if (!options.csv.empty()) {
     write_csv(options.csv, std::span(shape.rows()).first(row + 1));
-    std::printf("%s: %zu rows\n", options.csv.c_str(), row + 1);
+    say("%s: %zu rows\n", options.csv.c_str(), row + 1);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "app/gnuplot.hpp"
+#include "engine/core/user_text.hpp"
 
 namespace sulcus {
 
@@ -28,7 +29,7 @@ bool draw_force_chart(const RunStatistics& statistics, const std::string& title,
         "set ylabel 'tick, us'\nset xlabel 'tick'\n"
         "plot $data using 1:5 with lines lw 1 lc rgb '#b5651d'\n"
         "unset multiplot\n",
-        quoted_for_gnuplot(title).c_str());
+        for_gnuplot(title).c_str());
   });
 }
 

@@ -1,39 +1,69 @@
 #include "app/gnuplot.hpp"
 
-#include <cstdlib>
+#include <array>
+#include <csignal>
 #include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "app/child_process.hpp"
+#include "engine/core/whole_file.hpp"
 
 namespace sulcus {
+namespace {
 
-std::string quoted_for_gnuplot(const std::string& text) {
-  std::string safe = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') safe += '\\';
-    safe += c;
-  }
-  return safe + "\"";
+using Stream = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+
+/// Whether a picture is there to its end: gnuplot does not say where the disk is full.
+bool is_whole_png(const std::string& file) {
+  constexpr std::string_view kEnd("\0\0\0\0IEND\xae\x42\x60\x82", 12);
+  const Stream in(std::fopen(file.c_str(), "rb"), std::fclose);
+  std::array<char, kEnd.size()> last{};
+  return in && std::fseek(in.get(), -static_cast<long>(last.size()), SEEK_END) == 0 &&
+         std::fread(last.data(), 1, last.size(), in.get()) == last.size() &&
+         std::string_view(last.data(), last.size()) == kEnd;
 }
+
+}  // namespace
 
 bool draw_with_gnuplot(const std::string& file_png, int width, int height,
                        const std::function<void(std::FILE* gnuplot)>& write) {
   std::error_code ignored;
   std::filesystem::remove(file_png, ignored);
+  WholeFile picture(file_png);
   // By a file: gnuplot reads a pipe byte by byte.
-  std::FILE* script = std::tmpfile();
-  if (!script) return false;
-  std::fprintf(script,
+  const Stream script(std::tmpfile(), std::fclose);
+  const Stream output(std::fopen(picture.beside().c_str(), "wb"), std::fclose);
+  if (!script || !output) return false;
+  // The picture comes out of its standard output, so that no path stands in the script.
+  std::fprintf(script.get(),
                "set terminal pngcairo size %d,%d rounded noenhanced font 'sans,11' background "
-               "'#ffffff'\nset output %s\n",
-               width, height, quoted_for_gnuplot(file_png).c_str());
-  write(script);
-  bool drawn = std::fflush(script) == 0 && std::ferror(script) == 0;
-  if (drawn) {
-    const std::string command =
-        "gnuplot /dev/fd/" + std::to_string(fileno(script)) + " >/dev/null 2>&1";
-    drawn = std::system(command.c_str()) == 0;
+               "'#ffffff'\nset output\n",
+               width, height);
+  write(script.get());
+  std::fputs("\nunset output\n", script.get());
+  if (std::fflush(script.get()) != 0 || std::ferror(script.get())) return false;
+  // Not the descriptor's place, which the child shares.
+  if (::lseek(fileno(script.get()), 0, SEEK_SET) != 0) return false;
+  int status = 0;
+  try {
+    // -d: without the user's own settings. What it says of a script goes nowhere.
+    ChildProcess gnuplot({"gnuplot", "-d", "-"}, {fileno(script.get()), fileno(output.get()), -1});
+    status = gnuplot.wait();
+  } catch (const std::runtime_error&) {  // it is not there
+    return false;
   }
-  std::fclose(script);
-  return drawn && std::filesystem::exists(file_png, ignored);
+  if (status == 128 + SIGXFSZ || (status == 0 && !is_whole_png(picture.beside()))) {
+    throw std::runtime_error(file_png + ": cannot be written: no room");
+  }
+  if (status != 0) return false;
+  picture.finish();
+  return true;
 }
 
 }  // namespace sulcus

@@ -1,24 +1,19 @@
 #include <csignal>
-#include <cstdio>
 #include <exception>
 #include <new>
 
 #include "app/build_info.hpp"
 #include "app/commands.hpp"
 #include "app/manual.hpp"
-#include "app/session.hpp"
+#include "app/terminal.hpp"
 #include "engine/core/error.hpp"
-
-namespace {
-
-void request_stop(int) { sulcus::stop_requested = true; }
-
-}  // namespace
+#include "engine/core/stop.hpp"
 
 int main(int argc, char** argv) {
-  std::signal(SIGINT, request_stop);
-  std::signal(SIGTERM, request_stop);
-  std::signal(SIGPIPE, SIG_IGN);  // a chart or video program that goes away is an error, not an end
+  sulcus::watch_for_stop();
+  // A chart or video program that goes away, and a file that may not grow, are errors, not ends.
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
 
   CLI::App program("Sulcus: a real-time dental cutting simulator");
   program.name("sulcus");
@@ -38,17 +33,17 @@ int main(int argc, char** argv) {
   } catch (const CLI::Success& success) {  // --help, --version
     return program.exit(success);
   } catch (const CLI::ParseError& error) {
-    std::fprintf(stderr, "sulcus: %s (see sulcus --help)\n", error.what());
+    sulcus::say_error("sulcus: %s (see sulcus --help)\n", error.what());
     return 2;
   } catch (const sulcus::InputError& error) {
-    std::fprintf(stderr, "sulcus: %s\n", error.what());
+    sulcus::say_error("sulcus: %s\n", error.what());
     return 2;
   } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "sulcus: out of memory\n");
+    sulcus::say_error("sulcus: out of memory\n");
     return 1;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "sulcus: %s\n", error.what());
+    sulcus::say_error("sulcus: %s\n", error.what());
     return 1;
   }
-  return 0;
+  return sulcus::stop_requested() ? sulcus::stop_status() : 0;
 }

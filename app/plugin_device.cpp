@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "app/plugin_library.hpp"
+#include "app/terminal.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/realtime.hpp"
 #include "engine/core/units.hpp"
@@ -165,10 +166,10 @@ void PluginDevice::watch(const std::stop_token& stop) const {
     seen = calls;
   }
   const char* const call = call_;
-  std::fprintf(stderr,
-               "sulcus: %s has not returned from %s for %d s; the program ends, with what was "
-               "recorded up to then on disk\n",
-               title_.c_str(), call ? call : "a call", kHanging_s);
+  say_error(
+      "sulcus: %s has not returned from %s for %d s; the program ends, with what was "
+      "recorded up to then on disk\n",
+      title_.c_str(), call ? call : "a call", kHanging_s);
   // Its thread cannot be ended, and what it holds cannot be closed.
   std::_Exit(1);
 }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "app/terminal.hpp"
 #include "engine/core/error.hpp"
 #include "engine/scene/scene_file.hpp"
 
@@ -105,7 +106,7 @@ RecordedRun open_recorded_run(const std::string& path) {
 }
 
 void say_what_is_missing(const RecordingReader& reader) {
-  if (!reader.missing().empty()) std::fprintf(stderr, "sulcus: %s\n", reader.missing().c_str());
+  if (!reader.missing().empty()) say_error("sulcus: %s\n", reader.missing().c_str());
 }
 
 std::size_t row_at(std::span<const TickRecord> rows, double time_s) {

@@ -15,6 +15,7 @@
 #include "app/film_colours.hpp"
 #include "app/recorded_film.hpp"
 #include "app/review_page.hpp"
+#include "app/terminal.hpp"
 #include "app/video_writer.hpp"
 #include "engine/core/error.hpp"
 #include "engine/graphics/renderer.hpp"
@@ -154,7 +155,7 @@ void render(RenderOptions options) {
   if (!options.review.empty()) {
     write_review_page(reader, options.recording, summary_beside(options.recording), options.review);
     say_what_is_missing(reader);
-    std::printf("%s\n", options.review.c_str());
+    say("%s\n", options.review.c_str());
     return;
   }
   RecordedFilm film(reader, options.recording);
@@ -175,7 +176,7 @@ void render(RenderOptions options) {
     draw_rows(film, colours, renderer, rows, cameras,
               [&](const Image& image, const NamedViewpoint&) { video.add(image); });
     video.close();
-    std::printf("%s\n", options.video.c_str());
+    say("%s\n", options.video.c_str());
     return;
   }
   if (!options.sheet.empty()) {
@@ -195,7 +196,7 @@ void render(RenderOptions options) {
     const auto columns =
         cameras.size() > 1 ? cameras.size() : std::min<std::size_t>(rows.size(), 4);
     write_png(sheet_of(images, static_cast<int>(columns)), options.sheet);
-    std::printf("%s\n", options.sheet.c_str());
+    say("%s\n", options.sheet.c_str());
     return;
   }
   if (options.folder.empty()) {
@@ -210,9 +211,9 @@ void render(RenderOptions options) {
               const std::string file =
                   options.folder + '/' + (cameras.size() > 1 ? camera.name + '_' : "") + number;
               write_png(image, file);
-              if (options.fps <= 0.0) std::printf("%s\n", file.c_str());
+              if (options.fps <= 0.0) say("%s\n", file.c_str());
             });
-  if (options.fps > 0.0) std::printf("%s: %zu pictures\n", options.folder.c_str(), drawn);
+  if (options.fps > 0.0) say("%s: %zu pictures\n", options.folder.c_str(), drawn);
 }
 
 }  // namespace

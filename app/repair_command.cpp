@@ -5,6 +5,7 @@
 #include <string>
 
 #include "app/common_options.hpp"
+#include "app/terminal.hpp"
 #include "engine/core/error.hpp"
 #include "engine/recording/recording_reader.hpp"
 #include "engine/recording/recording_writer.hpp"
@@ -74,12 +75,12 @@ void repair(const std::string& recording, const std::string& file) {
   const std::string missing = what_is_missing(reader);
   copy_recording(reader, missing, file);
   if (missing.empty()) {
-    std::printf("%s: nothing was missing\n", recording.c_str());
+    say("%s: nothing was missing\n", recording.c_str());
   } else {
-    std::printf("%s: %s\n", recording.c_str(), missing.c_str());
+    say("%s: %s\n", recording.c_str(), missing.c_str());
   }
-  std::printf("%s: %zu ticks, %zu removed voxels\n", file.c_str(), reader.tick_count(),
-              reader.edit_count());
+  say("%s: %zu ticks, %zu removed voxels\n", file.c_str(), reader.tick_count(),
+      reader.edit_count());
 }
 
 }  // namespace

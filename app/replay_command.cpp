@@ -11,10 +11,12 @@
 #include "app/continued_run.hpp"
 #include "app/recorded_state.hpp"
 #include "app/results.hpp"
+#include "app/terminal.hpp"
 #include "app/thread_limit.hpp"
 #include "app/verify_recording.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/hash.hpp"
+#include "engine/core/stop.hpp"
 
 namespace sulcus {
 
@@ -30,14 +32,13 @@ struct ReplayOptions {
 
 void verify(RecordedRun& run, std::size_t first_row) {
   const Verified verified = verify_recording(run, first_row);
-  std::printf(
-      "%s: %zu ticks, %zu removed voxels and %zu state hashes agree bit for bit; "
+  say("%s: %zu ticks, %zu removed voxels and %zu state hashes agree bit for bit; "
       "volume %s\n",
       run.path.c_str(), verified.rows, verified.edits, verified.state_hashes,
       hex(run.simulation->workpiece().hash()).c_str());
   if (verified.passed_over > 0) {
-    std::printf("%s: %zu ticks after rows that were not recorded could not be compared\n",
-                run.path.c_str(), verified.passed_over);
+    say("%s: %zu ticks after rows that were not recorded could not be compared\n", run.path.c_str(),
+        verified.passed_over);
   }
 }
 
@@ -97,11 +98,12 @@ void replay(const ReplayOptions& options) {
   session.ticks = rows_in_line(run, first);
   open_log(session.folder);
   PlaybackDevice device(std::span(run.poses).subspan(first), run.rows[first].tick);
+  const EndsItself stopped_by_itself;
   const SessionResult result = run_session(*run.simulation, device, session);
   write_results(*run.simulation, result, session, {});
   if (first + session.ticks < run.rows.size()) {
-    std::fprintf(stderr, "sulcus: ended at tick %llu, after which rows were not recorded\n",
-                 static_cast<unsigned long long>(run.rows[first + session.ticks - 1].tick));
+    say_error("sulcus: ended at tick %llu, after which rows were not recorded\n",
+              static_cast<unsigned long long>(run.rows[first + session.ticks - 1].tick));
   }
 }
 

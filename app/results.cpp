@@ -14,6 +14,7 @@
 #include "app/build_info.hpp"
 #include "app/force_chart.hpp"
 #include "app/summary.hpp"
+#include "app/terminal.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
 
@@ -28,9 +29,10 @@ void open_log(const std::string& folder) {
     std::filesystem::create_directories(folder);
     const std::string path = folder + "/log.txt";
     auto file = std::make_shared<spdlog::sinks::basic_file_sink_mt>(path, true);
+    file->set_formatter(one_line_formatter("[%Y-%m-%d %H:%M:%S.%e] [%l] %*"));
     auto terminal = std::make_shared<spdlog::sinks::stderr_sink_mt>();
     terminal->set_level(spdlog::level::warn);
-    terminal->set_pattern("sulcus: %v");
+    terminal->set_formatter(one_line_formatter("sulcus: %*"));
     spdlog::set_default_logger(
         std::make_shared<spdlog::logger>("sulcus", spdlog::sinks_init_list{file, terminal}));
   } catch (const std::exception&) {
@@ -63,23 +65,21 @@ void write_results(const Simulation& simulation, const SessionResult& result,
 
   const auto& contacts = summary["voxels_in_contact"];
   const double voxel_mm = scene.workpiece.voxel_m / kMillimetre;
-  std::printf("%s: %llu ticks in %.1f s\n", scene.title.c_str(),
-              static_cast<unsigned long long>(s.ticks), result.wall_seconds);
-  std::printf("  voxels in contact  mean %.1f, max %u\n", contacts["mean"].get<double>(),
-              contacts["max"].get<unsigned>());
-  std::printf("  force              mean %.3f, max %.3f N\n", s.force_N.mean(),
-              static_cast<double>(summary["force_N"]["max"]));
-  std::printf("  tick               mean %.1f, p99 %.1f us\n", s.tick_us.mean(),
-              s.tick_us.quantile(0.99));
+  say("%s: %llu ticks in %.1f s\n", scene.title.c_str(), static_cast<unsigned long long>(s.ticks),
+      result.wall_seconds);
+  say("  voxels in contact  mean %.1f, max %u\n", contacts["mean"].get<double>(),
+      contacts["max"].get<unsigned>());
+  say("  force              mean %.3f, max %.3f N\n", s.force_N.mean(),
+      static_cast<double>(summary["force_N"]["max"]));
+  say("  tick               mean %.1f, p99 %.1f us\n", s.tick_us.mean(), s.tick_us.quantile(0.99));
   if (scene.cutting) {
-    std::printf("  removed            %llu voxels, %.4f mm3\n",
-                static_cast<unsigned long long>(s.removed),
-                static_cast<double>(s.removed) * std::pow(voxel_mm, 3));
+    say("  removed            %llu voxels, %.4f mm3\n", static_cast<unsigned long long>(s.removed),
+        static_cast<double>(s.removed) * std::pow(voxel_mm, 3));
   }
   if (result.frames > 0) {
-    std::printf("  pictures           %llu\n", static_cast<unsigned long long>(result.frames));
+    say("  pictures           %llu\n", static_cast<unsigned long long>(result.frames));
   }
-  for (const std::string& file : files) std::printf("%s\n", file.c_str());
+  for (const std::string& file : files) say("%s\n", file.c_str());
 }
 
 }  // namespace sulcus

@@ -15,8 +15,8 @@
 
 #include "app/recorded_film.hpp"
 #include "engine/core/base64.hpp"
-#include "engine/core/html.hpp"
 #include "engine/core/units.hpp"
+#include "engine/core/user_text.hpp"
 #include "engine/graphics/renderer.hpp"
 #include "engine/scene/section.hpp"
 
@@ -30,8 +30,8 @@ constexpr std::size_t kStrip = 8;
 constexpr double kChartWide = 900.0, kChartTall = 150.0;
 
 std::string picture(const Image& image, const std::string& words) {
-  return "<figure><img alt=\"" + html_escaped(words) + "\" src=\"data:image/png;base64," +
-         base64(png_bytes(image)) + "\"><figcaption>" + html_escaped(words) +
+  return "<figure><img alt=\"" + for_html(words) + "\" src=\"data:image/png;base64," +
+         base64(png_bytes(image)) + "\"><figcaption>" + for_html(words) +
          "</figcaption></figure>\n";
 }
 
@@ -56,7 +56,7 @@ std::string curve(const std::string& name, const std::string& unit, const char* 
   std::ostringstream svg;
   svg.precision(6);
   svg << "<figure><svg viewBox=\"0 0 " << kChartWide << ' ' << kChartTall << "\" role=\"img\">"
-      << "<title>" << html_escaped(name) << "</title>";
+      << "<title>" << for_html(name) << "</title>";
   for (const double part : {0.0, 0.5, 1.0}) {
     const double y = kChartTall - kBottom - part * (kChartTall - kBottom - 8.0);
     char label[32];
@@ -81,7 +81,7 @@ std::string curve(const std::string& name, const std::string& unit, const char* 
     svg << kLeft + static_cast<double>(c) << ','
         << kChartTall - kBottom - largest[c] / top * (kChartTall - kBottom - 8.0) << ' ';
   }
-  svg << "\"/></svg><figcaption>" << html_escaped(name) << ", " << html_escaped(unit)
+  svg << "\"/></svg><figcaption>" << for_html(name) << ", " << for_html(unit)
       << "</figcaption></figure>\n";
   return svg.str();
 }
@@ -95,9 +95,8 @@ void add_rows(const nlohmann::json& value, const std::string& name, std::ostream
     }
     return;
   }
-  table << "<tr><th>" << html_escaped(name) << "</th><td>"
-        << html_escaped(value.is_string() ? value.get<std::string>() : value.dump())
-        << "</td></tr>\n";
+  table << "<tr><th>" << for_html(name) << "</th><td>"
+        << for_html(value.is_string() ? value.get<std::string>() : value.dump()) << "</td></tr>\n";
 }
 
 std::string outcome_table(const FrameState& end, std::span<const TickRecord> rows,
@@ -111,7 +110,7 @@ std::string outcome_table(const FrameState& end, std::span<const TickRecord> row
   std::snprintf(text, sizeof text, "%.3f mm\xC2\xB3", end.removed_mm3);
   table << "<tr><th>Removed</th><td>" << text << "</td></tr>\n";
   for (const OutcomeLine& line : end.outcome) {
-    table << "<tr><th>" << html_escaped(line.name) << "</th><td>" << html_escaped(line.value)
+    table << "<tr><th>" << for_html(line.name) << "</th><td>" << for_html(line.value)
           << "</td></tr>\n";
   }
   table << "</table>\n";
@@ -164,9 +163,9 @@ void write_review_page(const RecordingReader& reader, const std::string& recordi
   settings.height = kTall;
   settings.section.reset();
   std::ostringstream page;
-  const std::string title = html_escaped(film.scene().title);
+  const std::string title = for_html(film.scene().title);
   page << kHead << "<title>" << title << "</title></head><body>\n<h1>" << title << "</h1>\n<p>"
-       << html_escaped(recording) << "</p>\n";
+       << for_html(recording) << "</p>\n";
   FrameState end;
   std::optional<Section> section;
   std::array<std::string, kSides.size()> before, after;

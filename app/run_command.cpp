@@ -14,6 +14,7 @@
 #include "app/thread_limit.hpp"
 #include "engine/cache/load_cache.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/stop.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "haptics/device/simulated_device.hpp"
 
@@ -91,6 +92,7 @@ void run(const RunOptions& options) {
     device = &simulated.emplace(*scene.device, trajectory, scene.haptics.rate_hz,
                                 scene.burr.reference_m);
   }
+  const EndsItself stopped_by_itself;
   const SessionResult result = run_session(*loaded.simulation, *device, session);
   write_results(*loaded.simulation, result, session, loaded.loading);
   if (plugin) end_plugin(*plugin);

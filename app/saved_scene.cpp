@@ -18,10 +18,10 @@ std::string saved_scene(const Scene& scene, const std::string& recording,
                        "a built-in shape, to be saved elsewhere");
     }
   }
-  std::vector<std::string> overrides{
-      "trajectory.recording=" + std::filesystem::absolute(recording).lexically_normal().string()};
+  std::vector<std::string> overrides{string_override(
+      "trajectory.recording", std::filesystem::absolute(recording).lexically_normal().string())};
   const auto keep_path = [&](const std::string& key, const std::string& file) {
-    if (!file.empty()) overrides.push_back(key + "=" + file);
+    if (!file.empty()) overrides.push_back(string_override(key, file));
   };
   keep_path("workpiece.file", scene.workpiece.file);
   for (const TissueSettings& tissue : scene.tissues) {

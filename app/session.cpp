@@ -20,13 +20,12 @@
 #include "app/report_thread.hpp"
 #include "engine/core/hash.hpp"
 #include "engine/core/realtime.hpp"
+#include "engine/core/stop.hpp"
 #include "engine/core/units.hpp"
 #include "engine/outcome/goal.hpp"
 #include "haptics/saved_state.hpp"
 
 namespace sulcus {
-
-std::atomic<bool> stop_requested{false};
 
 namespace {
 
@@ -138,7 +137,7 @@ class HapticLoop {
   const std::vector<std::string>& refused() const { return refused_; }
 
  private:
-  bool stopped() const { return stop_requested || stop_; }
+  bool stopped() const { return stop_requested() || stop_; }
 
   void wait_out_pause() {
     if (!options_.paused || !*options_.paused) return;
@@ -413,7 +412,7 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
   }
   haptic.join();
   result.wall_seconds = 1e-9 * static_cast<double>(steady_ns() - begin);
-  result.interrupted = stop_requested;
+  result.interrupted = stop_requested();
   result.missed_ticks = loop.missed();
   result.dropped_rows = loop.dropped_rows();
   result.refused.insert(result.refused.end(), loop.refused().begin(), loop.refused().end());

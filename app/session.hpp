@@ -69,13 +69,11 @@ struct SessionResult {
   double load_seconds = 0.0;  // from the start of the process to the first tick
 };
 
-/// Set by SIGINT and SIGTERM: the run ends after the tick in hand, with all on disk.
-extern std::atomic<bool> stop_requested;
-
-/// Runs a simulation against a device until its ticks are over, a stop is requested or a fault ends
-/// it: the haptic thread, and beside it that of the reports and, where the scene asks, recorder,
-/// renderer and the thread of loose pieces, each with a feed of its own. Returns after everything
-/// is on disk. Throws std::runtime_error when one of these failed; the rest has been written then.
+/// Runs a simulation against a device until its ticks are over, a stop is requested
+/// (engine/core/stop.hpp) or a fault ends it: the haptic thread, and beside it that of the reports
+/// and, where the scene asks, recorder, renderer and the thread of loose pieces, each with a feed
+/// of its own. Returns after everything is on disk. Throws std::runtime_error when one of these
+/// failed; the rest has been written then.
 SessionResult run_session(Simulation& simulation, Device& device, const SessionOptions& options);
 
 }  // namespace sulcus

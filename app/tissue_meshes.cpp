@@ -7,6 +7,7 @@
 #include <set>
 #include <vector>
 
+#include "app/terminal.hpp"
 #include "engine/graphics/surface_mesh.hpp"
 #include "engine/import/mesh_file.hpp"
 
@@ -35,14 +36,14 @@ void write_tissue_meshes(const std::string& file, const VoxelModel& model,
     if (!taken.insert(name).second) name += "_" + std::to_string(t + 1);
     taken.insert(name);
     if (meshes[t].triangles.empty()) {
-      std::printf("%s: no voxel left\n", name.c_str());
+      say("%s: no voxel left\n", name.c_str());
       continue;
     }
     std::filesystem::path one = path;
     one.replace_filename(path.stem().string() + "_" + name + path.extension().string());
     transform(space_from_world, meshes[t]);
     write_mesh(one.string(), meshes[t]);
-    std::printf("%s: %zu triangles\n", one.string().c_str(), meshes[t].triangles.size());
+    say("%s: %zu triangles\n", one.string().c_str(), meshes[t].triangles.size());
   }
 }
 

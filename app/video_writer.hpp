@@ -1,28 +1,39 @@
 #pragma once
 
 #include <cstdio>
+#include <memory>
+#include <optional>
 #include <string>
 
+#include "app/child_process.hpp"
+#include "engine/core/whole_file.hpp"
 #include "engine/graphics/image.hpp"
 
 namespace sulcus {
 
+/// Names of videos that ffmpeg is asked for.
+inline constexpr const char* kVideoNames = ".mp4, .mov, .mkv or .avi";
+
 /// Pipes pictures to ffmpeg, which writes them as a video.
 class VideoWriter {
  public:
-  /// Throws std::runtime_error where ffmpeg cannot be started.
+  /// @throws InputError for a name that is none of kVideoNames, or as WholeFile does, before
+  /// anything is drawn; std::runtime_error where ffmpeg cannot be started.
   VideoWriter(const std::string& file, int width, int height, double fps);
-  ~VideoWriter();
-  VideoWriter(const VideoWriter&) = delete;
-  VideoWriter& operator=(const VideoWriter&) = delete;
 
-  // Both throw std::runtime_error, naming the file, where ffmpeg has stopped or failed.
+  // Both throw std::runtime_error, naming the file and what ffmpeg said, where it has stopped or
+  // failed.
   void add(const Image& image);
   void close();
 
  private:
-  std::string file_;
-  std::FILE* pipe_ = nullptr;
+  using Stream = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+
+  [[noreturn]] void fail() const;
+
+  WholeFile video_;
+  Stream said_, pictures_;  // its error stream, a file; its input, a pipe
+  std::optional<ChildProcess> ffmpeg_;
 };
 
 }  // namespace sulcus

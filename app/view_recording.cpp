@@ -9,6 +9,7 @@
 #include "app/recorded_film.hpp"
 #include "app/results.hpp"
 #include "app/session.hpp"
+#include "app/terminal.hpp"
 #include "app/view_camera.hpp"
 #include "app/view_windows.hpp"
 #include "engine/core/realtime.hpp"
@@ -61,7 +62,7 @@ void view_recording(const ViewOptions& options) {
   player.first_s = player.time_s = static_cast<float>(film.rows().front().time_s);
   player.end_s = static_cast<float>(film.rows().back().time_s);
   std::uint64_t last_ns = steady_ns();
-  while (window.is_open() && !stop_requested) {
+  while (window.is_open()) {
     const WindowInput input = window.begin();
     draw_panels(player);
     const std::uint64_t now_ns = steady_ns();
@@ -92,7 +93,7 @@ void view_recording(const ViewOptions& options) {
       player.export_asked = false;
       try {
         player.said = export_tooth(film, folder, static_cast<double>(player.time_s));
-        std::printf("%s\n", player.said.c_str());
+        say("%s\n", player.said.c_str());
         std::fflush(stdout);
       } catch (const std::exception& error) {  // the window stays
         player.said = error.what();

@@ -2,7 +2,6 @@
 #include <atomic>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -23,7 +22,9 @@
 #include "app/view_windows.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/realtime.hpp"
+#include "engine/core/stop.hpp"
 #include "engine/core/units.hpp"
+#include "engine/core/whole_file.hpp"
 #include "engine/graphics/gl_scene.hpp"
 #include "engine/graphics/panels.hpp"
 #include "engine/graphics/window.hpp"
@@ -104,10 +105,9 @@ std::vector<std::string> overrides_of(const LiveControls& live) {
 /// Beside the recording of a part.
 std::string save_scene(const Part& part, const PictureControls& picture) {
   const std::string file = part.session.folder + "/scene.toml";
-  std::ofstream out(file);
-  out << saved_scene(part.simulation->scene(), part.session.folder + "/recording.h5",
-                     picture.section());
-  return out.flush() ? file : "cannot write " + file;
+  write_whole_file(file, saved_scene(part.simulation->scene(),
+                                     part.session.folder + "/recording.h5", picture.section()));
+  return file;
 }
 
 /// Runs a part in the window until that is closed or another part is asked for.
@@ -130,7 +130,7 @@ std::optional<GoOn> run_part(Part& part, Window& window, ViewCamera& camera, Liv
     GlScene drawing(settings, rendered_bodies(scene, start, std::move(bodies)),
                     part.simulation->burr().mesh_tool, part.simulation->burr().head_length_m);
     drawing.set_hurried(true);
-    while (window.is_open() && !go_on && !feed.ended && !stop_requested) {
+    while (window.is_open() && !go_on && !feed.ended && !stop_requested()) {
       const WindowInput input = window.begin();
       for (const char key : input.keys) {
         if (key == ' ') live.paused = !live.paused;
@@ -224,6 +224,7 @@ void view_scene(const ViewOptions& options) {
   part.session.folder = folder;
   open_log(folder);
   log_loading(scene, loaded, cache);
+  const EndsItself stopped_by_itself;
   for (int number = 2;; ++number) {
     part.session.pace = Pace::kReal;
     part.session.render = false;

@@ -8,6 +8,7 @@
 #include "app/inspect/burr_facts.hpp"
 #include "app/inspect/section_plot.hpp"
 #include "engine/core/units.hpp"
+#include "engine/core/user_text.hpp"
 
 namespace sulcus {
 
@@ -123,7 +124,7 @@ bool draw_burr(const Burr& burr, const BurrFacts& facts, const BurrSettings& set
                  "set border 15 lc rgb '#bbbbbb'\n"
                  "set palette defined (-1 '#08306b', -0.5 '#6baed6', 0 '#f7f4ee', 0.5 '#fdae6b', "
                  "1 '#a63603')\nset cbrange [%.6g:%.6g]\n",
-                 quoted_for_gnuplot(burr_title(settings, facts)).c_str(), -radius, radius);
+                 for_gnuplot(burr_title(settings, facts)).c_str(), -radius, radius);
     put_outline(gnuplot, burr.mesh_tool);
     put_scale_bar(gnuplot, 1, all_frame, all.width * 2.0, all_scale, kBurrWidth, kBurrHeight);
     put_window(gnuplot, burr, all, all_frame, all.height / 700.0, false);

@@ -6,6 +6,7 @@
 
 #include "app/inspect/burr_facts.hpp"
 #include "app/inspect/inspect.hpp"
+#include "app/terminal.hpp"
 #include "engine/cache/load_cache.hpp"
 #include "engine/core/units.hpp"
 #include "engine/import/load_burr.hpp"
@@ -77,15 +78,13 @@ std::string burr_title(const BurrSettings& settings, const BurrFacts& facts) {
 void print_burr(const Burr& burr, const BurrFacts& facts, const BurrSettings& settings) {
   const DistanceField& field = burr.field;
   const Eigen::Vector3i& n = field.samples();
-  std::printf("burr             %s\n", burr_title(settings, facts).c_str());
-  std::printf("head             %.3f mm wide, %.3f mm long, of %.3f mm\n",
-              facts.diameter_m / kMillimetre, burr.head_length_m / kMillimetre,
-              facts.length_m / kMillimetre);
-  std::printf("field            %d x %d x %d points, %.3g um apart, %.1f MiB\n", n.x(), n.y(),
-              n.z(), field.spacing_m() * 1e6,
-              static_cast<double>(field.memory_bytes()) / kMebibyte);
-  std::printf("field's error    %.3g um at most, %s\n", facts.field_error_m * 1e6,
-              settings.shape == BurrShape::kFile ? "at the mesh's vertices" : "near the surface");
+  say("burr             %s\n", burr_title(settings, facts).c_str());
+  say("head             %.3f mm wide, %.3f mm long, of %.3f mm\n", facts.diameter_m / kMillimetre,
+      burr.head_length_m / kMillimetre, facts.length_m / kMillimetre);
+  say("field            %d x %d x %d points, %.3g um apart, %.1f MiB\n", n.x(), n.y(), n.z(),
+      field.spacing_m() * 1e6, static_cast<double>(field.memory_bytes()) / kMebibyte);
+  say("field's error    %.3g um at most, %s\n", facts.field_error_m * 1e6,
+      settings.shape == BurrShape::kFile ? "at the mesh's vertices" : "near the surface");
 }
 
 void show_burr(const Scene& scene, const std::string& picture_png) {

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "app/inspect/inspect.hpp"
+#include "app/terminal.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
 #include "engine/import/mesh_file.hpp"
@@ -72,11 +73,11 @@ void inspect_mesh(const std::string& file) {
     return !std::binary_search(edges.begin(), edges.end(), std::pair(e.second, e.first));
   });
   const Eigen::Vector3d size_mm = box.sizes().cast<double>() / kMillimetre;
-  std::printf("mesh             %zu triangles, %zu vertices\n", mesh.triangles.size(),
-              mesh.positions.size());
-  std::printf("size             %.3f x %.3f x %.3f mm\n", size_mm.x(), size_mm.y(), size_mm.z());
-  std::printf("volume           %.3f mm3\n", volume_m3 * 1e9);
-  std::printf("open edges       %td%s\n", open, open == 0 ? " (closed)" : "");
+  say("mesh             %zu triangles, %zu vertices\n", mesh.triangles.size(),
+      mesh.positions.size());
+  say("size             %.3f x %.3f x %.3f mm\n", size_mm.x(), size_mm.y(), size_mm.z());
+  say("volume           %.3f mm3\n", volume_m3 * 1e9);
+  say("open edges       %td%s\n", open, open == 0 ? " (closed)" : "");
   std::vector<std::pair<std::uint32_t, std::uint32_t>> sides;
   sides.reserve(edges.size());
   for (const auto& [a, b] : edges) sides.emplace_back(std::min(a, b), std::max(a, b));
@@ -86,15 +87,15 @@ void inspect_mesh(const std::string& file) {
     while (end < sides.size() && sides[end] == sides[i]) ++end;
     shared += end - i > 2 ? 1 : 0;
   }
-  std::printf("crowded edges    %zu of more than two triangles\n", shared);
-  std::printf("shells           %zu\n", count_shells(mesh));
+  say("crowded edges    %zu of more than two triangles\n", shared);
+  say("shells           %zu\n", count_shells(mesh));
   double voxel_m = 0.0;
   const double solid_m3 = solid_volume_m3(mesh, box.sizes().cast<double>(), voxel_m);
   if (std::isnan(solid_m3)) {
-    std::printf("solid            none by winding number: too open, or too thin\n");
+    say("solid            none by winding number: too open, or too thin\n");
   } else {
-    std::printf("solid            %.3f mm3 by winding number, in voxels of %.3g mm\n",
-                solid_m3 * 1e9, voxel_m / kMillimetre);
+    say("solid            %.3f mm3 by winding number, in voxels of %.3g mm\n", solid_m3 * 1e9,
+        voxel_m / kMillimetre);
   }
 }
 

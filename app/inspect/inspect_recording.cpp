@@ -4,6 +4,7 @@
 
 #include "app/inspect/inspect.hpp"
 #include "app/recorded_run.hpp"
+#include "app/terminal.hpp"
 #include "engine/core/units.hpp"
 
 namespace sulcus {
@@ -12,34 +13,32 @@ void inspect_recording(const std::string& file) {
   const RecordingReader reader(file);
   const RecordingHeader& header = reader.header();
   const Scene scene = recorded_scene(reader, file);
-  std::printf("recording        %s\n", scene.title.c_str());
-  std::printf("scene_sha256     %s\n", header.scene_sha256.c_str());
-  std::printf("build            %s\n", header.build.c_str());
-  std::printf("rate             %g Hz\n", header.rate_hz);
+  say("recording        %s\n", scene.title.c_str());
+  say("scene_sha256     %s\n", header.scene_sha256.c_str());
+  say("build            %s\n", header.build.c_str());
+  say("rate             %g Hz\n", header.rate_hz);
   const std::vector<TickRecord> rows = reader.ticks();
-  std::printf("ticks            %zu (%.3f s)\n", rows.size(),
-              static_cast<double>(rows.size()) / header.rate_hz);
+  say("ticks            %zu (%.3f s)\n", rows.size(),
+      static_cast<double>(rows.size()) / header.rate_hz);
   const std::vector<Edit> edits = reader.edits();
   const auto loose = std::ranges::count(edits, EditCause::kLoose, &Edit::cause);
   const auto others = std::ranges::count_if(edits, [](const Edit& e) { return e.body != 0; });
-  std::printf("removed voxels   %zd cut",
-              static_cast<std::ptrdiff_t>(edits.size()) - loose - others);
-  if (scene.loose_pieces) std::printf(", %zd in pieces cut loose", loose);
-  if (!scene.bodies.empty()) std::printf(", %zd of other bodies", others);
-  std::printf("\n");
+  say("removed voxels   %zd cut", static_cast<std::ptrdiff_t>(edits.size()) - loose - others);
+  if (scene.loose_pieces) say(", %zd in pieces cut loose", loose);
+  if (!scene.bodies.empty()) say(", %zd of other bodies", others);
+  say("\n");
   const VoxelGrid& grid = reader.grid();
-  std::printf("cells            %d x %d x %d of %g mm\n", grid.cells.x(), grid.cells.y(),
-              grid.cells.z(), grid.voxel_m / kMillimetre);
-  std::printf("solid voxels     %llu at the start\n",
-              static_cast<unsigned long long>(reader.workpiece().solid_count()));
-  if (!header.parent.empty()) std::printf("goes on from     %s\n", header.parent.c_str());
+  say("cells            %d x %d x %d of %g mm\n", grid.cells.x(), grid.cells.y(), grid.cells.z(),
+      grid.voxel_m / kMillimetre);
+  say("solid voxels     %llu at the start\n",
+      static_cast<unsigned long long>(reader.workpiece().solid_count()));
+  if (!header.parent.empty()) say("goes on from     %s\n", header.parent.c_str());
   for (const RecordingGap& gap : reader.gaps()) {
-    std::printf("not recorded     ticks %llu to %llu\n", static_cast<unsigned long long>(gap.first),
-                static_cast<unsigned long long>(gap.end - 1));
+    say("not recorded     ticks %llu to %llu\n", static_cast<unsigned long long>(gap.first),
+        static_cast<unsigned long long>(gap.end - 1));
   }
-  if (!header.repaired.empty()) std::printf("repaired         %s\n", header.repaired.c_str());
-  std::printf("state            %s\n",
-              reader.missing().empty() ? "whole" : reader.missing().c_str());
+  if (!header.repaired.empty()) say("repaired         %s\n", header.repaired.c_str());
+  say("state            %s\n", reader.missing().empty() ? "whole" : reader.missing().c_str());
 }
 
 }  // namespace sulcus

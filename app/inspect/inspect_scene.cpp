@@ -3,6 +3,7 @@
 #include "app/inspect/burr_facts.hpp"
 #include "app/inspect/inspect.hpp"
 #include "app/scene_trajectory.hpp"
+#include "app/terminal.hpp"
 #include "engine/core/units.hpp"
 #include "engine/scene/scene_file.hpp"
 
@@ -13,24 +14,23 @@ void inspect_scene(const std::string& file, const std::vector<std::string>& over
   const Scene scene = load_scene(file, overrides);
   const WorkpieceSettings& w = scene.workpiece;
   const Trajectory trajectory = scene_trajectory(scene);
-  std::printf("scene            %s\n", scene.title.c_str());
-  std::printf("workpiece        %s\n", w.shape ? "built-in shape" : w.file.c_str());
-  std::printf("cells            %d x %d x %d of %g mm\n", w.cells.x(), w.cells.y(), w.cells.z(),
-              w.voxel_m / kMillimetre);
+  say("scene            %s\n", scene.title.c_str());
+  say("workpiece        %s\n", w.shape ? "built-in shape" : w.file.c_str());
+  say("cells            %d x %d x %d of %g mm\n", w.cells.x(), w.cells.y(), w.cells.z(),
+      w.voxel_m / kMillimetre);
   for (const TissueSettings& t : scene.tissues) {
-    std::printf("tissue           %s: %g N/mm, %g J/mm3%s%s\n", t.name.c_str(),
-                t.stiffness_N_per_m / kNewtonPerMillimetre,
-                t.specific_energy_J_per_m3 / kJoulePerMm3, t.file.empty() ? "" : ", ",
-                t.file.c_str());
+    say("tissue           %s: %g N/mm, %g J/mm3%s%s\n", t.name.c_str(),
+        t.stiffness_N_per_m / kNewtonPerMillimetre, t.specific_energy_J_per_m3 / kJoulePerMm3,
+        t.file.empty() ? "" : ", ", t.file.c_str());
   }
   for (const BodySettings& body : scene.bodies) {
-    std::printf("body             %s%s\n", body.name.c_str(), body.cuttable ? ", cuttable" : "");
+    say("body             %s%s\n", body.name.c_str(), body.cuttable ? ", cuttable" : "");
   }
-  std::printf("trajectory       %.3f s, %.0f ticks\n", trajectory.duration_s(),
-              trajectory.duration_s() * scene.haptics.rate_hz);
-  std::printf("parts            %s%s%s%s%s\n", scene.device ? "device " : "",
-              scene.coupling ? "coupling " : "", scene.cutting ? "cutting " : "",
-              scene.render ? "render " : "", scene.record ? "record" : "");
+  say("trajectory       %.3f s, %.0f ticks\n", trajectory.duration_s(),
+      trajectory.duration_s() * scene.haptics.rate_hz);
+  say("parts            %s%s%s%s%s\n", scene.device ? "device " : "",
+      scene.coupling ? "coupling " : "", scene.cutting ? "cutting " : "",
+      scene.render ? "render " : "", scene.record ? "record" : "");
   if (!picture_png.empty()) show_burr(scene, picture_png);
 }
 

@@ -6,6 +6,7 @@
 #include "app/inspect/inspect.hpp"
 #include "app/inspect/volume_facts.hpp"
 #include "app/inspect/volume_picture.hpp"
+#include "app/terminal.hpp"
 #include "engine/core/units.hpp"
 #include "engine/import/medical_volume.hpp"
 
@@ -18,27 +19,27 @@ void print_place(const MedicalVolume& volume) {
   const Eigen::Vector3d extent = volume.sizes.cast<double>().cwiseProduct(mm);
   const Eigen::Vector3d origin = volume.origin_m / kMillimetre;
   const Eigen::Matrix3d& d = volume.direction;
-  std::printf("volume           %d x %d x %d voxels\n", volume.sizes.x(), volume.sizes.y(),
-              volume.sizes.z());
-  std::printf("spacing          %g x %g x %g mm%s\n", mm.x(), mm.y(), mm.z(),
-              volume.spacing_known ? "" : " (not said by the file)");
-  std::printf("extent           %g x %g x %g mm\n", extent.x(), extent.y(), extent.z());
-  std::printf("origin           %g, %g, %g mm\n", origin.x(), origin.y(), origin.z());
-  std::printf("directions       (%g %g %g), (%g %g %g), (%g %g %g)\n", d(0, 0), d(1, 0), d(2, 0),
-              d(0, 1), d(1, 1), d(2, 1), d(0, 2), d(1, 2), d(2, 2));
-  std::printf("memory           %.1f MiB when read\n",
-              static_cast<double>(volume.values.size() * InputLimits::kVoxelBytes) / kMebibyte);
+  say("volume           %d x %d x %d voxels\n", volume.sizes.x(), volume.sizes.y(),
+      volume.sizes.z());
+  say("spacing          %g x %g x %g mm%s\n", mm.x(), mm.y(), mm.z(),
+      volume.spacing_known ? "" : " (not said by the file)");
+  say("extent           %g x %g x %g mm\n", extent.x(), extent.y(), extent.z());
+  say("origin           %g, %g, %g mm\n", origin.x(), origin.y(), origin.z());
+  say("directions       (%g %g %g), (%g %g %g), (%g %g %g)\n", d(0, 0), d(1, 0), d(2, 0), d(0, 1),
+      d(1, 1), d(2, 1), d(0, 2), d(1, 2), d(2, 2));
+  say("memory           %.1f MiB when read\n",
+      static_cast<double>(volume.values.size() * InputLimits::kVoxelBytes) / kMebibyte);
 }
 
 /// A dozen rows, each a bar by the root of its count, so that little tissue is seen beside much
 /// air.
 void print_histogram(const GreyHistogram& histogram) {
-  std::printf("percentiles      1 %%: %s, 25 %%: %s, 50 %%: %s, 75 %%: %s, 99 %%: %s\n",
-              short_number(histogram.quantile(0.01)).c_str(),
-              short_number(histogram.quantile(0.25)).c_str(),
-              short_number(histogram.quantile(0.50)).c_str(),
-              short_number(histogram.quantile(0.75)).c_str(),
-              short_number(histogram.quantile(0.99)).c_str());
+  say("percentiles      1 %%: %s, 25 %%: %s, 50 %%: %s, 75 %%: %s, 99 %%: %s\n",
+      short_number(histogram.quantile(0.01)).c_str(),
+      short_number(histogram.quantile(0.25)).c_str(),
+      short_number(histogram.quantile(0.50)).c_str(),
+      short_number(histogram.quantile(0.75)).c_str(),
+      short_number(histogram.quantile(0.99)).c_str());
   constexpr std::size_t kRows = 12, kBar = 40;
   const std::size_t bins = histogram.counts.size();
   const std::size_t each = (bins + kRows - 1) / kRows;
@@ -53,9 +54,9 @@ void print_histogram(const GreyHistogram& histogram) {
   const double most = *std::ranges::max_element(rows);
   for (std::size_t row = 0; row < rows.size(); ++row) {
     const auto bar = static_cast<std::size_t>(std::lround(kBar * std::sqrt(rows[row] / most)));
-    std::printf("%-16s %10s %5.1f %% %s\n", row == 0 ? "histogram from" : "",
-                short_number(histogram.edge(row * each)).c_str(), 100.0 * rows[row],
-                std::string(bar, '#').c_str());
+    say("%-16s %10s %5.1f %% %s\n", row == 0 ? "histogram from" : "",
+        short_number(histogram.edge(row * each)).c_str(), 100.0 * rows[row],
+        std::string(bar, '#').c_str());
   }
 }
 
@@ -66,8 +67,7 @@ void print_labels(const MedicalVolume& volume, const std::vector<LabelCount>& la
     const Eigen::Vector3d size = (high - low).cast<double>() + Eigen::Vector3d::Ones();
     const Eigen::Vector3d from = low.cast<double>().cwiseProduct(mm);
     const Eigen::Vector3d to = (low.cast<double>() + size).cwiseProduct(mm);
-    std::printf(
-        "value %-10d %llu voxels (%.3f mm3), %.4g to %.4g, %.4g to %.4g, %.4g to %.4g mm "
+    say("value %-10d %llu voxels (%.3f mm3), %.4g to %.4g, %.4g to %.4g, %.4g to %.4g mm "
         "from the corner\n",
         label.value, static_cast<unsigned long long>(label.voxels),
         static_cast<double>(label.voxels) * mm.prod(), from.x(), to.x(), from.y(), to.y(), from.z(),
@@ -77,13 +77,12 @@ void print_labels(const MedicalVolume& volume, const std::vector<LabelCount>& la
 
 void print_thresholds(const VolumeFacts& facts) {
   if (!facts.two_classes) return;
-  std::printf("two classes      solid from %s (Otsu)%s\n", short_number(*facts.two_classes).c_str(),
-              facts.enamel_above ? "" : ": suggested");
+  say("two classes      solid from %s (Otsu)%s\n", short_number(*facts.two_classes).c_str(),
+      facts.enamel_above ? "" : ": suggested");
   if (facts.three_classes.size() != 2) return;
-  std::printf("three classes    dentine from %s, enamel from %s (Otsu)%s\n",
-              short_number(facts.three_classes[0]).c_str(),
-              short_number(facts.three_classes[1]).c_str(),
-              facts.enamel_above ? ": suggested" : ": not three");
+  say("three classes    dentine from %s, enamel from %s (Otsu)%s\n",
+      short_number(facts.three_classes[0]).c_str(), short_number(facts.three_classes[1]).c_str(),
+      facts.enamel_above ? ": suggested" : ": not three");
 }
 
 }  // namespace
@@ -96,9 +95,8 @@ void inspect_volume(const std::string& file, const std::string& picture_png) {
       std::count_if(volume.values.begin(), volume.values.end(), [](float v) { return v > 0.0f; });
   const double voxel_mm3 = (volume.spacing_m / kMillimetre).prod();
   print_place(volume);
-  std::printf("values           %g to %g\n", static_cast<double>(*least),
-              static_cast<double>(*most));
-  std::printf("voxels above 0   %td (%.3f mm3)\n", above, static_cast<double>(above) * voxel_mm3);
+  say("values           %g to %g\n", static_cast<double>(*least), static_cast<double>(*most));
+  say("voxels above 0   %td (%.3f mm3)\n", above, static_cast<double>(above) * voxel_mm3);
   if (facts.labels.empty()) {
     print_histogram(facts.histogram);
     print_thresholds(facts);
@@ -107,15 +105,15 @@ void inspect_volume(const std::string& file, const std::string& picture_png) {
   }
   if (facts.solid) {
     const Eigen::Vector3d size = facts.solid->box_file_m.sizes() / kMillimetre;
-    std::printf("solid            %llu voxels (%.3f mm3)%s, %.4g x %.4g x %.4g mm\n",
-                static_cast<unsigned long long>(facts.solid->voxels),
-                static_cast<double>(facts.solid->voxels) * voxel_mm3,
-                facts.solid->parts == 1 ? ", in one part"
-                : facts.labels.empty()
-                    ? (", the largest of " + std::to_string(facts.solid->parts) + " parts").c_str()
-                    : (", in " + std::to_string(facts.solid->parts) + " parts").c_str(),
-                size.x(), size.y(), size.z());
-    std::printf("to cut it        %s\n", cutting_command(volume, facts).c_str());
+    say("solid            %llu voxels (%.3f mm3)%s, %.4g x %.4g x %.4g mm\n",
+        static_cast<unsigned long long>(facts.solid->voxels),
+        static_cast<double>(facts.solid->voxels) * voxel_mm3,
+        facts.solid->parts == 1 ? ", in one part"
+        : facts.labels.empty()
+            ? (", the largest of " + std::to_string(facts.solid->parts) + " parts").c_str()
+            : (", in " + std::to_string(facts.solid->parts) + " parts").c_str(),
+        size.x(), size.y(), size.z());
+    say("to cut it        %s\n", cutting_command(volume, facts).c_str());
   }
   if (picture_png.empty()) return;
   if (!draw_volume(volume, facts, picture_png)) {

@@ -5,7 +5,9 @@
 #include <cstdio>
 
 #include "engine/core/units.hpp"
+#include "engine/core/user_text.hpp"
 #include "engine/import/solid_components.hpp"
+#include "engine/scene/scene_file.hpp"
 #include "engine/volume/grid.hpp"
 
 namespace sulcus {
@@ -37,24 +39,6 @@ SolidFacts solid_facts(const MedicalVolume& volume, const SolidComponents& compo
   const Eigen::Vector3d around = file_from_index.cwiseAbs().rowwise().sum() * 0.5;
   facts.box_file_m = {facts.box_file_m.min() - around, facts.box_file_m.max() + around};
   return facts;
-}
-
-/// Quoted for a shell where it needs it.
-std::string for_shell(const std::string& text) {
-  const auto plain = [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
-           std::string_view("_./=:+-,").find(c) != std::string_view::npos;
-  };
-  if (std::ranges::all_of(text, plain)) return text;
-  std::string quoted = "'";
-  for (const char c : text) {
-    if (c == '\'') {
-      quoted += "'\\''";
-    } else {
-      quoted += c;
-    }
-  }
-  return quoted + "'";
 }
 
 /// Up to two digits: 0.0434 becomes 0.044.
@@ -114,7 +98,7 @@ std::string cutting_command(const MedicalVolume& volume, const VolumeFacts& fact
   const Eigen::Vector3d tip_mm = (facts.solid->top_file_m - box.center()) / kMillimetre;
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
 
-  std::vector<std::string> settings{"workpiece.file=" + volume.file};
+  std::vector<std::string> settings{string_override("workpiece.file", volume.file)};
   if (!volume.spacing_known) {
     settings.push_back("workpiece.spacing_mm=" + triple(volume.spacing_m / kMillimetre));
   }

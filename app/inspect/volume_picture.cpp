@@ -9,6 +9,7 @@
 #include "app/gnuplot.hpp"
 #include "app/inspect/section_plot.hpp"
 #include "engine/core/units.hpp"
+#include "engine/core/user_text.hpp"
 
 namespace sulcus {
 
@@ -115,9 +116,8 @@ bool draw_volume(const MedicalVolume& volume, const VolumeFacts& facts,
   }
   if (!(high > low)) high = low + 1.0;
   return draw_with_gnuplot(file_png, kVolumeWidth, kVolumeHeight, [&](std::FILE* gnuplot) {
-    std::fprintf(
-        gnuplot, "set multiplot title %s\nset key off\nunset colorbox\n",
-        quoted_for_gnuplot(std::filesystem::path(volume.file).filename().string()).c_str());
+    std::fprintf(gnuplot, "set multiplot title %s\nset key off\nunset colorbox\n",
+                 for_gnuplot(std::filesystem::path(volume.file).filename().string()).c_str());
     std::fprintf(gnuplot, "set palette gray\nset cbrange [%.8g:%.8g]\n", low, high);
     double left = 0.5 * (kVolumeWidth - (2.0 * size_mm.x() + size_mm.y()) * pixels_per_mm) - kGap;
     for (const ShownPlane& section : sections) {

@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "engine/core/user_text.hpp"
+
 namespace sulcus {
 
 /// Bad usage or bad input: the command ends with status 2 and `what()` as its one line,
@@ -28,10 +30,7 @@ class InputError : public std::runtime_error {
     text.append("found ").append(shortened(found, kLongestPart));
     text.append(", expected ").append(shortened(expected, kLongestExpected));
     // Keys and words of a file may hold anything, and the error is one line of text.
-    for (char& c : text) {
-      if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = ' ';
-    }
-    return text;
+    return for_terminal(text);
   }
   static std::string shortened(std::string_view part, std::size_t longest) {
     if (part.size() <= longest) return std::string(part);

@@ -19,4 +19,8 @@ Scene load_scene(const std::string& file, std::span<const std::string> overrides
 Scene parse_scene(const std::string& text, const std::string& file,
                   std::span<const std::string> overrides = {}, const InputLimits& limits = {});
 
+/// An override that makes a key this text, also where the text alone would be read as TOML (a file
+/// by the name "true", or "1"); as it stands where it is plain.
+std::string string_override(const std::string& key, const std::string& text);
+
 }  // namespace sulcus

@@ -1,6 +1,8 @@
 #include "engine/scene/scene_overrides.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <optional>
 #include <sstream>
 #include <string_view>
@@ -9,7 +11,9 @@
 #include "engine/core/error.hpp"
 #include "engine/core/input_limits.hpp"
 #include "engine/core/units.hpp"
+#include "engine/core/user_text.hpp"
 #include "engine/scene/burr_number.hpp"
+#include "engine/scene/scene_file.hpp"
 #include "engine/scene/scene_keys.hpp"
 #include "engine/scene/toml_depth.hpp"
 #include "engine/scene/toml_table.hpp"
@@ -136,6 +140,18 @@ void apply_override(toml::table& root, const std::string& text) {
   }
   // Insert the node itself, not a copy of its value: it carries where it came from.
   table->insert_or_assign(path.back(), std::move(*parsed.get("value")));
+}
+
+std::string string_override(const std::string& key, const std::string& text) {
+  constexpr std::array<std::string_view, 4> kWords{"true", "false", "inf", "nan"};
+  const auto is_plain = [](unsigned char c) {
+    return std::isalnum(c) != 0 ||
+           std::string_view("_./-").find(static_cast<char>(c)) != std::string_view::npos;
+  };
+  const bool plain = !text.empty() && std::isdigit(static_cast<unsigned char>(text[0])) == 0 &&
+                     text[0] != '-' && text[0] != '.' && std::ranges::all_of(text, is_plain) &&
+                     std::ranges::find(kWords, text) == kWords.end();
+  return key + "=" + (plain ? text : for_toml(text));
 }
 
 }  // namespace sulcus

@@ -5,6 +5,7 @@
 #include <oneapi/tbb/global_control.h>
 
 #include "app/simulation.hpp"
+#include "engine/core/stop.hpp"
 #include "engine/recording/recording_reader.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/scene/trajectory.hpp"
@@ -69,9 +70,9 @@ TEST(SessionThreads, PiecesComeLooseBesideThem) {
 
 TEST(SessionThreads, StopRequestEndsTheRunWithAllOnDisk) {
   const ScratchFolder scratch;
-  stop_requested = true;
+  pretend_stop(true);
   const RecordedSession run(test::kCutScene, scratch.path("out"), Pace::kFast);
-  stop_requested = false;
+  pretend_stop(false);
   EXPECT_TRUE(run.result.interrupted);
   EXPECT_EQ(run.result.statistics.ticks, 0u);
 }

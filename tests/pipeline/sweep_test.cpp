@@ -64,6 +64,16 @@ const std::string kBuilt = std::string(" --program ") + SULCUS_PROGRAM;
 const std::string kFour =
     "s.toml --set burr.diameter_mm=0.7,0.8 --set haptics.normals=ldm,ldm_fast ";
 
+TEST_F(Sweep, AFolderIsNoCommand) {
+  // In braces GNU parallel has replacements, and Perl.
+  const std::string folder = "{= system(q(touch found)) =} {} {.}";
+  const auto swept = sweep("s.toml --set burr.diameter_mm=0.7,0.8 --duration 0.01 -o \"" + folder +
+                           "\"" + kBuilt);
+  EXPECT_EQ(swept.status, 0) << swept.err;
+  EXPECT_TRUE(std::filesystem::exists(scratch_.path(folder + "/runs/000001/summary.json")));
+  EXPECT_FALSE(std::filesystem::exists(scratch_.path("found")));
+}
+
 TEST_F(Sweep, EveryCombinationIsARowOfOneTable) {
   const auto swept = sweep(kFour + "-o d --chart burr.diameter_mm force_N.mean" + kBuilt);
   ASSERT_EQ(swept.status, 0) << swept.err;

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "engine/core/user_text.hpp"
 #include "tools/sulcus_lab/chart.hpp"
 #include "tools/sulcus_lab/log_slope.hpp"
 
@@ -51,8 +52,8 @@ bool draw_cost(const std::vector<CostRow>& costs, const std::string& shape,
       std::snprintf(powers, sizeof powers, ":  n^%.1f,  n^%.0f", growth.time, growth.readouts);
     }
     time_plot += name + " using 1:2" + line + "notitle, ";
-    reads_plot += name + " using 1:3" + line + "title " +
-                  quoted_for_gnuplot(std::string(info.name) + powers) + ", ";
+    reads_plot +=
+        name + " using 1:3" + line + "title " + for_gnuplot(std::string(info.name) + powers) + ", ";
   }
   text +=
       "set logscale xy\nset border 3 lc rgb '#666666'\nset tics nomirror tc rgb '#222222'\n"
@@ -62,7 +63,7 @@ bool draw_cost(const std::vector<CostRow>& costs, const std::string& shape,
       "set multiplot layout 1,2\nset key off\n"
       "set lmargin at screen 0.06\nset rmargin at screen 0.38\n"
       "set title " +
-      quoted_for_gnuplot("Time of one normal on the " + spaced_name(shape) + ", one thread") +
+      for_gnuplot("Time of one normal on the " + spaced_name(shape) + ", one thread") +
       " tc rgb '#111111'\n"
       "set ytics ('10 ns' 10, '100 ns' 100, '1 us' 1e3, '10 us' 1e4, '100 us' 1e5,"
       " '1 ms' 1e6)\n" +

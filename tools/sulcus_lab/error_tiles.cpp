@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include "engine/core/user_text.hpp"
 #include "tools/sulcus_lab/chart.hpp"
 #include "tools/sulcus_lab/error_stats.hpp"
 
@@ -150,7 +151,7 @@ bool draw_error_tiles(const TruthShape& shape, std::span<const MethodRun> runs,
   const int full_width = width + left + right, full_height = height + top + bottom;
   const std::string commands =
       data + "set title " +
-      quoted_for_gnuplot("Error of the normals on the " + spaced_name(shape.name) + ", degrees") +
+      for_gnuplot("Error of the normals on the " + spaced_name(shape.name) + ", degrees") +
       " offset 0,1.6 font 'sans,15' tc rgb '#111111'\n" + labels +
       "unset border\nunset tics\nset key off\n"
       "set lmargin at screen " +

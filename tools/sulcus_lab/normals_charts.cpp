@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "engine/core/user_text.hpp"
 #include "tools/sulcus_lab/chart.hpp"
 
 namespace sulcus::lab {
@@ -177,7 +178,7 @@ bool draw_speed_accuracy(const std::vector<ShapeResult>& results, const std::str
   text += "set xrange " + time_range(panels).text(1.4) + "\n";
   std::vector<NormalsRow> all;
   for (std::size_t p = 0; p < panels.size(); ++p) {
-    text += "set title " + quoted_for_gnuplot(panels[p].title) +
+    text += "set title " + for_gnuplot(panels[p].title) +
             " font 'sans,11' tc rgb '#111111' offset 0,-0.4\n";
     text += "set yrange " + error_range(panels[p]).text(1.3) + "\n" + plot_of(panels[p], p, 0.9);
     all.insert(all.end(), panels[p].rows.begin(), panels[p].rows.end());
@@ -196,9 +197,9 @@ bool draw_speed_accuracy_of(const ShapeResult& result, const std::string& file_p
   std::string text = data_of(panel, 0);
   text += kAxes;
   text += "set title " +
-          quoted_for_gnuplot("Contact normals on the " + panel.title +
-                             ": accuracy against speed, large marks NS = " +
-                             std::to_string(kMarkedNeighbourhood)) +
+          for_gnuplot("Contact normals on the " + panel.title +
+                      ": accuracy against speed, large marks NS = " +
+                      std::to_string(kMarkedNeighbourhood)) +
           " font 'sans,14' tc rgb '#111111'\n";
   text +=
       "set xlabel 'time of one normal, one thread' tc rgb '#222222'\n"

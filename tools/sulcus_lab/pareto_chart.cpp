@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine/core/user_text.hpp"
 #include "tools/sulcus_lab/chart.hpp"
 
 namespace sulcus::lab {
@@ -81,10 +82,10 @@ bool draw_pareto(const std::vector<ParetoRow>& rows, std::span<const std::string
              other.whole_pct < row.whole_pct;
     });
     if (again) continue;
-    text += point(row) + " " +
-            quoted_for_gnuplot(name_of(row.setting.method) + " " +
-                               std::to_string(row.setting.neighbourhood)) +
-            "\n";
+    text +=
+        point(row) + " " +
+        for_gnuplot(name_of(row.setting.method) + " " + std::to_string(row.setting.neighbourhood)) +
+        "\n";
   }
   text +=
       "EOD\nset logscale xy\nset border 3 lc rgb '#666666'\nset tics nomirror tc rgb '#222222'\n"
@@ -96,11 +97,11 @@ bool draw_pareto(const std::vector<ParetoRow>& rows, std::span<const std::string
       "set xlabel 'time of a tick, one thread' tc rgb '#222222'\n"
       "set ylabel 'error of the net force, RMS' tc rgb '#222222'\n"
       "set title " +
-      quoted_for_gnuplot(
+      for_gnuplot(
           "Force and time of a tick on the molar, a burr of 20 voxels' radius pressed in by 4") +
       " font 'sans,13' tc rgb '#111111'\nset label 1 " +
-      quoted_for_gnuplot("Lines: NS rising, a distance field of " + fields.front() +
-                         " samples across. Small marks: " + others + ".") +
+      for_gnuplot("Lines: NS rising, a distance field of " + fields.front() +
+                  " samples across. Small marks: " + others + ".") +
       " at graph 0.5,1.02 center font 'sans,10' tc rgb '#444444'\nset title offset 0,0.8\n"
       "set key outside right top Left reverse samplen 2 spacing 1.4 font 'sans,12' tc rgb "
       "'#111111'\n";

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "engine/core/user_text.hpp"
 #include "tools/sulcus_lab/chart.hpp"
 #include "tools/sulcus_lab/table1_rows.hpp"
 
@@ -30,7 +31,7 @@ std::string three_digits(double value) {
 /// One panel between two heights of the picture, in parts of it from below.
 std::string panel(double bottom, double top, const std::string& label, const std::string& plot) {
   return "set bmargin at screen " + number_for_gnuplot(bottom) + "\nset tmargin at screen " +
-         number_for_gnuplot(top) + "\nset ylabel " + quoted_for_gnuplot(label) +
+         number_for_gnuplot(top) + "\nset ylabel " + for_gnuplot(label) +
          " offset 1,0 tc rgb '#222222'\n" + plot + "\n";
 }
 
@@ -45,7 +46,7 @@ std::string difference_panel(double bottom, double top, double largest, const st
          ")\n" +
          panel(bottom, top, "ldm - exact",
                "plot $data using 1:" + columns + " with lines lw 1 lc rgb '#333333' title " +
-                   quoted_for_gnuplot("RMSE " + rmse + " " + unit)) +
+                   for_gnuplot("RMSE " + rmse + " " + unit)) +
          "set key off\nset yrange [0:*]\nset ytics autofreq\n";
 }
 
@@ -77,7 +78,7 @@ bool draw_table1_chart(const Table1Run& run, const std::string& title,
   }
   const WrenchErrors errors =
       wrench_errors(run.compared, &ComparedTick::ours, &ComparedTick::exact);
-  text.append("EOD\nset multiplot title ").append(quoted_for_gnuplot(title));
+  text.append("EOD\nset multiplot title ").append(for_gnuplot(title));
   text.append(
       " tc rgb '#111111'\n"
       "set border 3 lc rgb '#666666'\nset tics nomirror tc rgb '#222222'\n"

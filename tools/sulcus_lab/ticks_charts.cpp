@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "engine/core/user_text.hpp"
 #include "tools/sulcus_lab/chart.hpp"
 #include "tools/sulcus_lab/log_slope.hpp"
 
@@ -104,7 +105,7 @@ bool draw_ticks(std::span<const TickRow> rows, std::span<const TickPlace> places
   for (const Curve& curve : curves) {
     times += "$" + curve.name + " using 1:2" + curve.style + " notitle, ";
     costs += "$" + curve.name + " using 1:(1e3*$2/$1)" + curve.style + " title " +
-             quoted_for_gnuplot(curve.title) + ", ";
+             for_gnuplot(curve.title) + ", ";
   }
   double fewest = 1e9, greatest = 0.0;
   for (const TickRow& row : rows) {
@@ -159,9 +160,8 @@ bool draw_tick_stages(std::span<const TickRow> rows, const std::string& file_png
     int bar = 0, group = -1, label = 0, last = 0, begin = 0;
     const auto close_group = [&](int next) {
       if (group >= 0) {
-        labels += "set label " + std::to_string(++label) + " " +
-                  quoted_for_gnuplot(std::to_string(last)) + " at first " +
-                  number_for_gnuplot(0.5 * (begin + bar - 1)) +
+        labels += "set label " + std::to_string(++label) + " " + for_gnuplot(std::to_string(last)) +
+                  " at first " + number_for_gnuplot(0.5 * (begin + bar - 1)) +
                   ", graph -0.24 center font 'sans,11' tc rgb '#111111'\n";
         ++bar;  // a gap
       }
@@ -186,12 +186,12 @@ bool draw_tick_stages(std::span<const TickRow> rows, const std::string& file_png
     close_group(-1);
     text += block_for_gnuplot(name, points) + labels + "set xtics (" + tics +
             ")\nset xrange [-1:" + std::to_string(bar - 1) + "]\nset title " +
-            quoted_for_gnuplot("Where the time of a tick goes, " + spaced_name(name) +
-                               ": stages, by voxels in contact") +
+            for_gnuplot("Where the time of a tick goes, " + spaced_name(name) +
+                        ": stages, by voxels in contact") +
             " font 'sans,13' tc rgb '#111111'\nplot ";
     for (int s = kStageCount; s-- > 0;) {  // the tallest first, the others before it
       text += "$" + name + " using 1:" + std::to_string(s + 2) + " with boxes lc rgb '" +
-              kColours[s] + "' title " + quoted_for_gnuplot(spaced_name(kStageNames[s])) +
+              kColours[s] + "' title " + for_gnuplot(spaced_name(kStageNames[s])) +
               (s > 0 ? ", " : "\n");
     }
     text += "unset label\n";
@@ -237,10 +237,10 @@ bool draw_tick_sweeps(std::span<const SweepRow> cells, std::span<const SweepRow>
                     std::string(cache_name(first.setting)).c_str(), first.wanted,
                     first.summary.us_mean);
       plot += ", $" + id + " with linespoints " + style_of(first.setting) + " title " +
-              quoted_for_gnuplot(label);
+              for_gnuplot(label);
     }
-    text += "set title " + quoted_for_gnuplot(title) + " font 'sans,13' tc rgb '#111111'\n" +
-            "set xlabel " + quoted_for_gnuplot(axis) + " tc rgb '#222222'\nset xrange [" +
+    text += "set title " + for_gnuplot(title) + " font 'sans,13' tc rgb '#111111'\n" +
+            "set xlabel " + for_gnuplot(axis) + " tc rgb '#222222'\nset xrange [" +
             number_for_gnuplot(rows.front().size / 1.2) + ":" +
             number_for_gnuplot(rows.back().size * 1.2) + "]\nset xtics (" + tics + ")\n" + plot +
             "\n";

@@ -5,10 +5,10 @@ import re
 import subprocess
 
 from errors import InputError, SweepError
+from sweep_folder import write_whole
 from table import columns_of
 
 _SCRIPT = """set terminal pngcairo size 960,640 font "DejaVu Sans,12"
-set output {file}
 set xlabel {x} noenhanced
 set ylabel {y} noenhanced
 set grid
@@ -42,14 +42,15 @@ def draw_chart(folder, rows, x, y):
         tics = f"set xtics noenhanced ({words})\nset xrange [-0.5:{len(places) - 0.5}]\n"
         pairs = [(places[str(a)], b) for a, b in pairs]
     file = folder.path / (re.sub(r"[^\w.-]", "_", f"{x}-{y}") + ".png")
-    script = _SCRIPT.format(file=_quoted(file), x=_quoted(x), y=_quoted(y), tics=tics,
+    script = _SCRIPT.format(x=_quoted(x), y=_quoted(y), tics=tics,
                             points="\n".join(f"{float(a)!r} {float(b)!r}" for a, b in pairs))
-    drawn = subprocess.run(["gnuplot"], input=script.encode(), capture_output=True, check=False)
+    drawn = subprocess.run(["gnuplot", "-d", "-"], input=script.encode(), capture_output=True, check=False)
     if drawn.returncode != 0:
         raise SweepError(f"gnuplot: {' '.join(drawn.stderr.decode(errors='replace').split())}")
+    write_whole(file, drawn.stdout)
     return file
 
 
 def _quoted(text):
-    """In single quotes gnuplot takes all but these as they are."""
-    return "'" + str(text).replace("'", "''") + "'"
+    """In single quotes gnuplot takes all but these as they are; a line feed would end them."""
+    return "'" + re.sub(r"[\x00-\x1f\x7f]", " ", str(text)).replace("'", "''") + "'"

@@ -25,6 +25,12 @@ def _one_run(folder):
     return f"{shlex.quote(sys.executable)} -B {shlex.quote(str(_ONE_RUN))} {shlex.quote(str(folder.path))}"
 
 
+def _for_parallel(command):
+    """GNU parallel replaces what stands in braces, and runs some of it as Perl, in quotes too: the shell
+    makes the braces of a command that shlex has quoted."""
+    return command.replace("{", "'\"$(printf '\\173')\"'")
+
+
 def through_parallel(folder, numbers, jobs, machines):
     """Runs the numbers by GNU parallel, as many at once as there are cores, or `jobs`, on this machine or
     those of the file `machines`. joblog.tsv has a line of each."""
@@ -37,7 +43,7 @@ def through_parallel(folder, numbers, jobs, machines):
     if sys.stderr.isatty():
         command += ["--bar"]
     given = "".join(f"{number}\n" for number in numbers)
-    parallel = subprocess.Popen([*command, _one_run(folder) + " {}"], stdin=subprocess.PIPE)
+    parallel = subprocess.Popen([*command, _for_parallel(_one_run(folder)) + " {}"], stdin=subprocess.PIPE)
     try:
         parallel.communicate(given.encode())
     except KeyboardInterrupt:

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/user_text.hpp"
 #include "tools/sulcus_lab/stability/chart_text.hpp"
 #include "tools/sulcus_lab/stability/stability_charts.hpp"
 
@@ -186,7 +187,7 @@ std::string force_blocks(const ForcePicture& p) {
 /// The picture's title, and under it the key that small frames share.
 std::string picture_head(const ForcePicture& p) {
   std::string text = "set multiplot\nset key off\nset label 1 " +
-                     quoted_for_gnuplot("Force over time: " + spaced_name(p.traces[0].case_name)) +
+                     for_gnuplot("Force over time: " + spaced_name(p.traces[0].case_name)) +
                      " at screen " + number_for_gnuplot(p.across(70)) + "," +
                      number_for_gnuplot(p.up(26)) + " left font 'sans,14' tc rgb '#111111'\n";
   if (!p.with_key()) return text;
@@ -194,7 +195,7 @@ std::string picture_head(const ForcePicture& p) {
   for (const ContactMethod method : p.methods) {
     entries += std::string(entries.empty() ? "" : ", ") + "NaN with lines lw " +
                number_for_gnuplot(look_of(method).width) + " lc rgb '" + look_of(method).colour +
-               "' title " + quoted_for_gnuplot(title_of(method));
+               "' title " + for_gnuplot(title_of(method));
   }
   return text + key_across(p.across(70), p.across(ForcePicture::kWidth - 30), p.up(42), entries) +
          "unset label 1\n";
@@ -229,7 +230,7 @@ FramePlots plots_of(const ForcePicture& p, const Frame& frame) {
     }
     if (!trace.force_N.empty()) {
       plots.forces += (plots.forces.empty() ? "plot $force" : ", $force") + std::to_string(t) +
-                      " using 1:2" + style_of(p, trace) + " title " + quoted_for_gnuplot(title);
+                      " using 1:2" + style_of(p, trace) + " title " + for_gnuplot(title);
     }
     if (!trace.depth_mm.empty()) {
       plots.depths += (plots.depths.empty() ? "plot $depth" : ", $depth") + std::to_string(t) +
@@ -242,12 +243,11 @@ FramePlots plots_of(const ForcePicture& p, const Frame& frame) {
 /// The title of a small frame, and on the right what leaves it.
 std::string frame_head(const ForcePicture& p, const std::string& title, const std::string& gone,
                        double left, double right, double top) {
-  return "set label 2 " + quoted_for_gnuplot(title) + " at screen " +
-         number_for_gnuplot(p.across(left)) + "," + number_for_gnuplot(p.up(top - 12)) +
-         " left font 'sans,12' tc rgb '#111111'\n" +
+  return "set label 2 " + for_gnuplot(title) + " at screen " + number_for_gnuplot(p.across(left)) +
+         "," + number_for_gnuplot(p.up(top - 12)) + " left font 'sans,12' tc rgb '#111111'\n" +
          (gone.empty()
               ? "unset label 3\n"
-              : "set label 3 " + quoted_for_gnuplot(gone) + " at screen " +
+              : "set label 3 " + for_gnuplot(gone) + " at screen " +
                     number_for_gnuplot(p.across(right)) + "," + number_for_gnuplot(p.up(top - 11)) +
                     " right font 'sans,9' tc rgb '#444444' front\n");
 }

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/user_text.hpp"
 #include "tools/sulcus_lab/chart.hpp"
 #include "tools/sulcus_lab/stability/chart_text.hpp"
 
@@ -151,7 +152,7 @@ bool draw_frontier(std::span<const FrontierPoint> points, const std::string& fil
     const std::string id = std::to_string(m);
     const std::string line = " lw 2.5 lc rgb '" + std::string(look.colour) + "' ";
     text += margins(across(left), across(left + 370), up(top + 280), up(top)) + "set label 2 " +
-            quoted_for_gnuplot(titles[m]) + " at screen " + number_for_gnuplot(across(left)) + "," +
+            for_gnuplot(titles[m]) + " at screen " + number_for_gnuplot(across(left)) + "," +
             number_for_gnuplot(up(top - 13)) + " left font 'sans,12' tc rgb '#111111'\n" +
             "set xlabel 'voxels in contact' offset 0,0.4 tc rgb '#222222'\n" +
             (column == 0 ? "set ylabel 'felt stiffness, N/mm' offset 1,0 tc rgb '#222222'\n"
@@ -202,7 +203,7 @@ bool draw_damping(std::span<const DampingPoint> points, const std::string& file_
         (plot.empty() ? "plot $line" : ", $line") + id + " using 1:2 with linespoints lw " +
         number_for_gnuplot(look.width) + " pt " + std::to_string(look.mark) + " ps 1.2 dt " +
         (l < std::size(kLabelColours) || method != kContactMethodNames.end() ? "solid" : "'-'") +
-        colour + " title " + quoted_for_gnuplot(spaced_name(labels[l]));
+        colour + " title " + for_gnuplot(spaced_name(labels[l]));
     // Open marks on the frame's edge: the value lies beyond it.
     if (!edge.empty()) {
       plot += ", $edge" + id + " using 1:2 with points pt 6 ps 2.2 lw 2" + colour + " notitle";
@@ -249,8 +250,7 @@ bool draw_speed_error(std::span<const SpeedErrorPoint> points, const std::string
     text += block_for_gnuplot("line" + id, marks);
     plot += (plot.empty() ? "plot $line" : ", $line") + id +
             " using 1:2 with linespoints lw 1.4 pt " + std::to_string(look.mark) +
-            " ps 1.8 lc rgb '" + look.colour + "' title " +
-            quoted_for_gnuplot(title_of(methods[m]));
+            " ps 1.8 lc rgb '" + look.colour + "' title " + for_gnuplot(title_of(methods[m]));
   }
   text += "set logscale xy\n" + range("x", time.low(), time.high()) +
           range("y", error.low(), error.high()) + plain_log_tics("x", time.low(), time.high()) +

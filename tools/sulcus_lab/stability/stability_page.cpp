@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "engine/core/html.hpp"
+#include "engine/core/user_text.hpp"
 #include "tools/sulcus_lab/chart.hpp"
 #include "tools/sulcus_lab/stability/case_texts.hpp"
 
@@ -64,7 +64,7 @@ std::string tag(std::string_view name, std::string_view content, std::string_vie
          std::string(content) + "</" + std::string(name) + ">";
 }
 
-std::string paragraph(std::string_view text) { return tag("p", html_escaped(text)) + "\n"; }
+std::string paragraph(std::string_view text) { return tag("p", for_html(text)) + "\n"; }
 
 std::string method_title(std::size_t method) {
   return spaced_name(std::string(kContactMethodNames[method]));
@@ -177,7 +177,7 @@ const CaseText* text_of(const std::string& name) {
 std::string number_and_title(std::size_t number_of_case, const CaseRows& c) {
   const CaseText* text = text_of(c.name);
   return std::to_string(number_of_case) + ". " +
-         html_escaped(text ? text->title : std::string_view(spaced_name(c.name)));
+         for_html(text ? text->title : std::string_view(spaced_name(c.name)));
 }
 
 std::string matrix_cell(const Rows& rows) {
@@ -186,8 +186,8 @@ std::string matrix_cell(const Rows& rows) {
   std::string content = tag("span", look.words, css_class("verdict"));
   if (const StabilityRow* worst = worst_of(rows)) {
     const QuantityWords words = quantity_words(worst->quantity);
-    content += tag("small", html_escaped(words.words + " " + with_unit(worst->value, words.unit) +
-                                         ", " + limit_words(*worst, words.unit)));
+    content += tag("small", for_html(words.words + " " + with_unit(worst->value, words.unit) +
+                                     ", " + limit_words(*worst, words.unit)));
   }
   return tag("td", content, css_class(look.css));
 }
@@ -196,14 +196,14 @@ std::string matrix(const std::vector<CaseRows>& cases) {
   std::string head = "<th scope=\"col\">case</th>";
   std::array<std::array<int, 4>, kMethods> counts{};
   for (std::size_t m = 0; m < kMethods; ++m) {
-    head += tag("th", html_escaped(method_title(m)), "scope=\"col\"");
+    head += tag("th", for_html(method_title(m)), "scope=\"col\"");
   }
   std::string body;
   for (std::size_t c = 0; c < cases.size(); ++c) {
-    std::string line = tag("th",
-                           tag("a", number_and_title(c + 1, cases[c]),
-                               "href=\"#" + html_escaped(cases[c].name) + "\""),
-                           "scope=\"row\"");
+    std::string line = tag(
+        "th",
+        tag("a", number_and_title(c + 1, cases[c]), "href=\"#" + for_html(cases[c].name) + "\""),
+        "scope=\"row\"");
     if (cases[c].empty()) {
       line += tag("td", "not run", "class=\"none\" colspan=\"" + std::to_string(kMethods) + "\"");
     } else {
@@ -258,15 +258,14 @@ std::string quantity_line(const std::string& method, const Rows& rows) {
       rows.begin(), rows.end(), [](const StabilityRow* row) { return row->limit && row->pass(); });
   const VerdictLook look = look_of(verdict_of(rows));
   return tag("tr",
-             tag("th", html_escaped(method), "scope=\"row\"") +
-                 tag("td", html_escaped(words.words)) +
-                 tag("td", html_escaped(span + (words.unit.empty() ? "" : " " + words.unit)),
+             tag("th", for_html(method), "scope=\"row\"") + tag("td", for_html(words.words)) +
+                 tag("td", for_html(span + (words.unit.empty() ? "" : " " + words.unit)),
                      css_class("number")) +
-                 tag("td", worst ? html_escaped(with_unit(worst->value, words.unit) + ", " +
-                                                limit_words(*worst, words.unit))
+                 tag("td", worst ? for_html(with_unit(worst->value, words.unit) + ", " +
+                                            limit_words(*worst, words.unit))
                                  : std::string()) +
-                 tag("td", worst              ? html_escaped(run_words(*worst))
-                           : rows.size() == 1 ? html_escaped(run_words(*rows.front()))
+                 tag("td", worst              ? for_html(run_words(*worst))
+                           : rows.size() == 1 ? for_html(run_words(*rows.front()))
                                               : std::string()) +
                  tag("td",
                      worst ? std::to_string(passed) + " of " + std::to_string(with_limit)
@@ -299,19 +298,19 @@ std::string case_table(const CaseRows& c) {
 
 std::string figure(const std::string& file, std::string_view words) {
   if (file.empty()) return "";
-  return tag("figure", "<img src=\"" + html_escaped(file) + "\" alt=\"" + html_escaped(words) +
-                           "\">" + tag("figcaption", html_escaped(words))) +
+  return tag("figure", "<img src=\"" + for_html(file) + "\" alt=\"" + for_html(words) + "\">" +
+                           tag("figcaption", for_html(words))) +
          "\n";
 }
 
 std::string case_section(std::size_t number_of_case, const CaseRows& c,
                          const StabilityPictures& pictures) {
   std::string section =
-      tag("h3", number_and_title(number_of_case, c), "id=\"" + html_escaped(c.name) + "\"") + "\n";
+      tag("h3", number_and_title(number_of_case, c), "id=\"" + for_html(c.name) + "\"") + "\n";
   if (const CaseText* text = text_of(c.name)) {
     section += paragraph(text->failure) +
-               tag("p", "<strong>Script.</strong> " + html_escaped(text->script)) + "\n" +
-               tag("p", "<strong>Limit.</strong> " + html_escaped(text->limit)) + "\n";
+               tag("p", "<strong>Script.</strong> " + for_html(text->script)) + "\n" +
+               tag("p", "<strong>Limit.</strong> " + for_html(text->limit)) + "\n";
   }
   if (c.empty()) return section + paragraph("Not run this time.");
   section += case_table(c);
@@ -330,8 +329,7 @@ std::string chart_section(const char* title, const std::string& file, std::strin
 std::string what_was_tried() {
   std::string methods;
   for (std::size_t m = 0; m < kMethods; ++m) {
-    methods +=
-        tag("dt", html_escaped(method_title(m))) + tag("dd", html_escaped(kMethodTexts[m])) + "\n";
+    methods += tag("dt", for_html(method_title(m))) + tag("dd", for_html(kMethodTexts[m])) + "\n";
   }
   return tag("h2", "What was tried") + "\n" +
          paragraph(

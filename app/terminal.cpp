@@ -1,0 +1,62 @@
+#include "app/terminal.hpp"
+
+#include <cstdarg>
+#include <cstdio>
+#include <string>
+#include <string_view>
+
+#include <spdlog/pattern_formatter.h>
+
+#include "engine/core/user_text.hpp"
+
+namespace sulcus {
+namespace {
+
+void say_to(std::FILE* stream, const char* format, std::va_list arguments) {
+  std::va_list again;
+  va_copy(again, arguments);
+  const int bytes = std::vsnprintf(nullptr, 0, format, arguments);
+  std::string text(bytes > 0 ? static_cast<std::size_t>(bytes) : 0, '\0');
+  std::vsnprintf(text.data(), text.size() + 1, format, again);
+  va_end(again);
+  const bool ends = text.ends_with('\n');
+  std::string line = for_terminal(std::string_view(text).substr(0, text.size() - (ends ? 1 : 0)));
+  if (ends) line += '\n';
+  std::fwrite(line.data(), 1, line.size(), stream);
+}
+
+class OneLine : public spdlog::custom_flag_formatter {
+ public:
+  void format(const spdlog::details::log_msg& message, const std::tm&,
+              spdlog::memory_buf_t& line) override {
+    const std::string text = for_terminal({message.payload.data(), message.payload.size()});
+    line.append(text.data(), text.data() + text.size());
+  }
+  std::unique_ptr<custom_flag_formatter> clone() const override {
+    return std::make_unique<OneLine>();
+  }
+};
+
+}  // namespace
+
+void say(const char* format, ...) {
+  std::va_list arguments;
+  va_start(arguments, format);
+  say_to(stdout, format, arguments);
+  va_end(arguments);
+}
+
+void say_error(const char* format, ...) {
+  std::va_list arguments;
+  va_start(arguments, format);
+  say_to(stderr, format, arguments);
+  va_end(arguments);
+}
+
+std::unique_ptr<spdlog::formatter> one_line_formatter(const char* pattern) {
+  auto formatter = std::make_unique<spdlog::pattern_formatter>();
+  formatter->add_flag<OneLine>('*').set_pattern(pattern);
+  return formatter;
+}
+
+}  // namespace sulcus

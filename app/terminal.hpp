@@ -1,0 +1,19 @@
+#pragma once
+
+#include <memory>
+
+#include <spdlog/formatter.h>
+
+namespace sulcus {
+
+/// printf of one line to standard output, a line feed at its end or not. What texts of a user's in
+/// it would do to the terminal they do not (for_terminal).
+[[gnu::format(printf, 1, 2)]] void say(const char* format, ...);
+/// The same to standard error.
+[[gnu::format(printf, 1, 2)]] void say_error(const char* format, ...);
+
+/// How the log and its lines on the terminal look: spdlog's pattern, in which %* is the message as
+/// one line.
+std::unique_ptr<spdlog::formatter> one_line_formatter(const char* pattern);
+
+}  // namespace sulcus
