@@ -9,6 +9,12 @@ namespace {
 
 bool is_control(char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }
 
+std::string octal(char c) {
+  char escaped[8];
+  std::snprintf(escaped, sizeof escaped, "\\%03o", static_cast<unsigned char>(c));
+  return escaped;
+}
+
 /// Bytes at the front of a text that are one character which acts on a terminal; else 0.
 std::size_t acting_bytes(std::string_view text) {
   if (is_control(text[0])) return 1;
@@ -107,11 +113,7 @@ std::string for_shell(std::string_view text) {
       continue;
     }
     quoted += "'$'";
-    for (std::size_t n = 0; n < acting; ++n) {
-      char octal[8];
-      std::snprintf(octal, sizeof octal, "\\%03o", static_cast<unsigned char>(rest[n]));
-      quoted += octal;
-    }
+    for (std::size_t n = 0; n < acting; ++n) quoted += octal(rest[n]);
     quoted += "''";
     rest.remove_prefix(acting);
   }
@@ -119,12 +121,23 @@ std::string for_shell(std::string_view text) {
 }
 
 std::string for_gnuplot(std::string_view text) {
-  std::string quoted = "'";
+  // What is listed is written as it is; all else by its number.
+  const auto plain = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+           static_cast<unsigned char>(c) >= 0x80 ||
+           std::string_view(" _.,:;/()=+-").find(c) != std::string_view::npos;
+  };
+  std::string quoted = "\"";
   for (const char c : text) {
-    if (c == '\'') quoted += '\'';
-    quoted += is_control(c) ? ' ' : c;
+    if (is_control(c)) {
+      quoted += ' ';
+    } else if (plain(c)) {
+      quoted += c;
+    } else {
+      quoted += octal(c);
+    }
   }
-  return quoted + "'";
+  return quoted + "\"";
 }
 
 std::string for_toml(std::string_view text) {

@@ -107,12 +107,14 @@ TEST_P(HostileNames, NoCommandRunsThem) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, HostileNames,
-                         testing::Values("`touch found`", "\"`touch found`", "$(touch found)",
-                                         "a\nset print 'found'\nprint 1\n",
-                                         "' . system(\"touch found\") . '", "\x1b]0;x\x07<b>x<\\b>",
-                                         "-x", "10:03", "%d %s %n", "a;touch found;|touch found"),
-                         [](const auto& tested) { return "name_" + std::to_string(tested.index); });
+INSTANTIATE_TEST_SUITE_P(
+    Each, HostileNames,
+    // Of each one, what it would have begun with; a name has 255 bytes and no '/'.
+    testing::Values(
+        "`touch found`$(touch found);touch found|touch found\nset print 'found'\nprint 1\n",
+        "' . system(\"touch found\") . '\x1b]0;x\x07<b>\\",
+        "\"`touch found`\" 10:03 %d %s {= system(q(touch found)) =}"),
+    [](const auto& tested) { return "name_" + std::to_string(tested.index); });
 
 }  // namespace
 }  // namespace sulcus

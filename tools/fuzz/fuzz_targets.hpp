@@ -21,6 +21,8 @@ void fuzz_mesh(Bytes bytes);
 void fuzz_volume(Bytes bytes);
 /// A table of poses.
 void fuzz_trajectory(Bytes bytes);
+/// A title or a name, for every language that it gets into.
+void fuzz_text(Bytes bytes);
 /// A recording: see fuzz_recording.cpp for how the bytes change one.
 void fuzz_recording(Bytes bytes);
 
@@ -29,10 +31,11 @@ struct FuzzTarget {
   void (*run)(Bytes);
 };
 
-inline constexpr std::array<FuzzTarget, 5> kFuzzTargets{{{"scene", fuzz_scene},
+inline constexpr std::array<FuzzTarget, 6> kFuzzTargets{{{"scene", fuzz_scene},
                                                          {"mesh", fuzz_mesh},
                                                          {"volume", fuzz_volume},
                                                          {"trajectory", fuzz_trajectory},
+                                                         {"text", fuzz_text},
                                                          {"recording", fuzz_recording}}};
 
 }  // namespace sulcus::fuzz

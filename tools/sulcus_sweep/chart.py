@@ -52,5 +52,6 @@ def draw_chart(folder, rows, x, y):
 
 
 def _quoted(text):
-    """In single quotes gnuplot takes all but these as they are; a line feed would end them."""
-    return "'" + re.sub(r"[\x00-\x1f\x7f]", " ", str(text)).replace("'", "''") + "'"
+    """What gnuplot might run, replace or end the string at stands by its octal number."""
+    text = re.sub(r"[\x00-\x1f\x7f]", " ", str(text))
+    return '"' + re.sub(r"[^\w .,:;/()=+-]", lambda c: "".join(f"\\{b:03o}" for b in c[0].encode()), text) + '"'
