@@ -1,13 +1,15 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 
 #include "app/common_options.hpp"
+#include "app/output_file.hpp"
+#include "app/progress.hpp"
 #include "app/recorded_run.hpp"
 #include "app/terminal.hpp"
 #include "app/tissue_meshes.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/whole_file.hpp"
 #include "engine/graphics/surface_mesh.hpp"
 #include "engine/import/mesh_file.hpp"
 #include "engine/import/write_volume.hpp"
@@ -18,15 +20,16 @@ namespace {
 
 struct ExportOptions {
   std::string recording, mesh, volume, csv;
-  std::string geometry;  // empty: file where the workpiece came from one, else scene
-  double at_s = -1.0;    // below 0: the end
+  std::string geometry;        // empty: file where the workpiece came from one, else scene
+  std::optional<double> at_s;  // none: the end
   bool per_tissue = false;
 };
 
 void write_csv(const std::string& file, std::span<const TickRecord> rows) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(std::fopen(file.c_str(), "w"),
-                                                            std::fclose);
-  if (!out) throw InputError(file, "", "no file that can be written", "a path for the table");
+  WholeFile table(file);
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(std::fopen(table.beside().c_str(), "w"),
+                                                      std::fclose);
+  if (!out) table.fail_incomplete();
   std::fputs(
       "tick,time_s,tool_x_mm,tool_y_mm,tool_z_mm,tool_qw,tool_qx,tool_qy,tool_qz,"
       "force_x_N,force_y_N,force_z_N,torque_x_mNm,torque_y_mNm,torque_z_mNm,"
@@ -43,7 +46,9 @@ void write_csv(const std::string& file, std::span<const TickRecord> rows) {
                  t[2] * 1e3, r.contacts, r.removed, static_cast<double>(r.step_us),
                  static_cast<double>(r.late_us), static_cast<unsigned long long>(r.faults));
   }
-  if (std::ferror(out.get())) throw std::runtime_error(file + ": cannot be written");
+  const bool failed = std::ferror(out.get()) != 0;
+  if (std::fclose(out.release()) != 0 || failed) table.fail_incomplete();
+  table.finish();
 }
 
 /// In which space the result is written; none: the scene's.
@@ -78,7 +83,12 @@ void export_recording(const ExportOptions& options) {
   if (options.mesh.empty() && options.volume.empty() && options.csv.empty()) {
     throw InputError("", "export", "nothing to write", "--mesh, --volume or --csv");
   }
-  if (!options.volume.empty()) check_volume_name(options.volume);
+  if (!options.mesh.empty()) check_output("--mesh", options.mesh, {".stl", ".obj", ".ply"});
+  if (!options.volume.empty()) {
+    check_output("--volume", options.volume, {".nrrd", ".mha", ".nii.gz"});
+  }
+  if (!options.csv.empty()) check_output("--csv", options.csv, {".csv"});
+  Progress progress("exporting");
   const RecordingReader reader(options.recording);
   if (reader.tick_count() == 0) {
     throw InputError(options.recording, "/ticks", "no rows", "at least one tick");
@@ -87,7 +97,9 @@ void export_recording(const ExportOptions& options) {
   std::optional<Scene> scene;  // knows the tissues by name
   if (options.per_tissue) scene = recorded_scene(reader, options.recording);
   RecordedShape shape(reader, scene ? recorded_workpiece(reader, *scene) : reader.workpiece());
-  const std::size_t row = options.at_s < 0.0 ? shape.rows().size() - 1 : shape.row_at(options.at_s);
+  const std::size_t row = options.at_s
+                              ? asked_row(shape.rows(), *options.at_s, "--at", options.recording)
+                              : shape.rows().size() - 1;
   shape.seek_row(row);
   const VoxelModel& model = shape.model();
   const std::optional<InputGeometry> space = wanted_space(options, reader);
@@ -119,9 +131,7 @@ void add_export_command(CLI::App& program) {
   auto options = std::make_shared<ExportOptions>();
   CLI::App* command = program.add_subcommand("export", "Write the cut tooth or the curves");
   add_recording_argument(*command, options->recording);
-  command->add_option("--at", options->at_s, "Time, s (the end)")
-      ->type_name("S")
-      ->check(CLI::NonNegativeNumber);
+  command->add_option("--at", options->at_s, "Time, s (the end)")->type_name("S");
   CLI::Option* mesh =
       command->add_option("--mesh", options->mesh, "Closed surface, .stl, .obj or .ply, mm")
           ->type_name("FILE");

@@ -1,8 +1,8 @@
 #include "app/gnuplot.hpp"
 
 #include <array>
-#include <csignal>
-#include <filesystem>
+#include <cerrno>
+#include <cstring>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -33,13 +33,14 @@ bool is_whole_png(const std::string& file) {
 
 bool draw_with_gnuplot(const std::string& file_png, int width, int height,
                        const std::function<void(std::FILE* gnuplot)>& write) {
-  std::error_code ignored;
-  std::filesystem::remove(file_png, ignored);
   WholeFile picture(file_png);
   // By a file: gnuplot reads a pipe byte by byte.
   const Stream script(std::tmpfile(), std::fclose);
   const Stream output(std::fopen(picture.beside().c_str(), "wb"), std::fclose);
-  if (!script || !output) return false;
+  if (!output) picture.fail_incomplete();
+  if (!script)
+    throw std::runtime_error(file_png + ": cannot be written: what gnuplot is told has no room (" +
+                             std::strerror(errno) + ")");
   // The picture comes out of its standard output, so that no path stands in the script.
   std::fprintf(script.get(),
                "set terminal pngcairo size %d,%d rounded noenhanced font 'sans,11' background "
@@ -47,9 +48,12 @@ bool draw_with_gnuplot(const std::string& file_png, int width, int height,
                width, height);
   write(script.get());
   std::fputs("\nunset output\n", script.get());
-  if (std::fflush(script.get()) != 0 || std::ferror(script.get())) return false;
-  // Not the descriptor's place, which the child shares.
-  if (::lseek(fileno(script.get()), 0, SEEK_SET) != 0) return false;
+  // Not the stream's place, but the descriptor's, which the child shares.
+  if (std::fflush(script.get()) != 0 || std::ferror(script.get()) ||
+      ::lseek(fileno(script.get()), 0, SEEK_SET) != 0) {
+    throw std::runtime_error(file_png + ": cannot be written: what gnuplot is told has no room (" +
+                             std::strerror(errno) + ")");
+  }
   int status = 0;
   try {
     // -d: without the user's own settings. What it says of a script goes nowhere.
@@ -58,8 +62,9 @@ bool draw_with_gnuplot(const std::string& file_png, int width, int height,
   } catch (const std::runtime_error&) {  // it is not there
     return false;
   }
-  if (status == 128 + SIGXFSZ || (status == 0 && !is_whole_png(picture.beside()))) {
-    throw std::runtime_error(file_png + ": cannot be written: no room");
+  constexpr int kSignalled = 128;  // by SIGXFSZ, where a file may not grow
+  if (status > kSignalled || (status == 0 && !is_whole_png(picture.beside()))) {
+    picture.fail_incomplete("gnuplot left it in part");
   }
   if (status != 0) return false;
   picture.finish();

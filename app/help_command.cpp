@@ -1,13 +1,13 @@
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 
 #include "app/commands.hpp"
 #include "app/manual.hpp"
+#include "app/output_file.hpp"
 #include "app/recording_help.hpp"
 #include "app/scene_help.hpp"
-#include "engine/core/error.hpp"
+#include "engine/core/whole_file.hpp"
 
 namespace sulcus {
 
@@ -18,12 +18,8 @@ struct HelpOptions {
 };
 
 void write_page(const std::filesystem::path& file, const std::string& text) {
-  std::error_code error;
-  std::filesystem::create_directories(file.parent_path(), error);
-  std::ofstream out(file, std::ios::binary);
-  if (!(out << text) || !out.flush()) {
-    throw InputError(file.string(), "", "no file that can be written", "a folder, --write DIR");
-  }
+  make_output_folder("--write", file.parent_path().string());
+  write_whole_file(file.string(), text);
 }
 
 void write_manual(const CLI::App& program, const std::filesystem::path& folder) {

@@ -5,9 +5,12 @@
 
 #include "app/common_options.hpp"
 #include "app/inspect/inspect.hpp"
+#include "app/output_file.hpp"
+#include "app/progress.hpp"
 #include "app/shipped_scene.hpp"
 #include "engine/core/error.hpp"
 #include "engine/import/mesh_file.hpp"
+#include "engine/recording/recording_extension.hpp"
 
 namespace sulcus {
 
@@ -24,23 +27,25 @@ void inspect(const InspectOptions& options) {
   if (!std::filesystem::exists(file)) {
     throw InputError(file, "", "no such file", "a scene, recording, volume or mesh");
   }
-  const std::string extension = std::filesystem::path(file).extension().string();
-  const bool scene = extension == ".toml", mesh = is_mesh_file(file);
+  const bool scene = lower_extension(file) == ".toml", mesh = is_mesh_file(file);
+  const bool recording = is_recording_file(file);
   if (!scene && !options.overrides.empty()) {
     throw InputError(file, "--set", "no scene", "a scene, .toml, whose keys it changes");
   }
   if (!mesh && options.as_burr) {
     throw InputError(file, "--as-burr", "no mesh", "a burr, .stl, .obj or .ply");
   }
-  if (extension == ".h5" && !options.picture.empty()) {
+  if (recording && !options.picture.empty()) {
     throw InputError(file, "--picture", "a recording", "sulcus render, which draws those");
   }
   if (mesh && !options.as_burr && !options.picture.empty()) {
     throw InputError(file, "--picture", "a mesh", "--as-burr beside it, or a scene or a volume");
   }
+  if (!options.picture.empty()) check_output("--picture", options.picture, {".png"});
+  const Progress progress("reading");
   if (scene) {
     inspect_scene(file, options.overrides, options.picture);
-  } else if (extension == ".h5") {
+  } else if (recording) {
     inspect_recording(file);
   } else if (options.as_burr) {
     inspect_burr(file, options.picture);

@@ -1,6 +1,7 @@
 #include "app/recorded_run.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -112,6 +113,22 @@ void say_what_is_missing(const RecordingReader& reader) {
 std::size_t row_at(std::span<const TickRecord> rows, double time_s) {
   const auto after = std::ranges::upper_bound(rows, time_s, {}, &TickRecord::time_s);
   return after == rows.begin() ? 0 : static_cast<std::size_t>(after - rows.begin() - 1);
+}
+
+std::size_t asked_row(std::span<const TickRecord> rows, double time_s, const std::string& option,
+                      const std::string& path) {
+  const TickRecord &first = rows.front(), &last = rows.back();
+  const double tick_s = last.tick > 0 ? last.time_s / static_cast<double>(last.tick) : 0.0;
+  const double end_s = last.time_s + tick_s;
+  constexpr double kRounding_s = 1e-6;  // of what was typed
+  if (time_s >= first.time_s - kRounding_s && time_s <= end_s + kRounding_s) {
+    return row_at(rows, time_s);
+  }
+  std::array<char, 32> found{};
+  std::array<char, 64> range{};
+  std::snprintf(found.data(), found.size(), "%g s", time_s);
+  std::snprintf(range.data(), range.size(), "%.6g to %.6g s", first.time_s, end_s);
+  throw InputError(path, option, found.data(), range.data());
 }
 
 RecordedShape::RecordedShape(const RecordingReader& reader, VoxelModel start)

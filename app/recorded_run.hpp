@@ -42,6 +42,12 @@ Burr recorded_burr(const RecordingReader& reader, const Scene& scene);
 /// Last row at or before a time; the first where none is.
 std::size_t row_at(std::span<const TickRecord> rows, double time_s);
 
+/// The same of a time that the user gives. @throws InputError with the times that there are, where
+/// it is none of the recording: of it are the first row's to one tick after the last, at which the
+/// run was over. `option` names what was given.
+std::size_t asked_row(std::span<const TickRecord> rows, double time_s, const std::string& option,
+                      const std::string& path);
+
 /// The recorded workpiece over time.
 class RecordedShape {
  public:

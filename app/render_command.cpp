@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
@@ -13,11 +14,15 @@
 
 #include "app/common_options.hpp"
 #include "app/film_colours.hpp"
+#include "app/output_file.hpp"
+#include "app/progress.hpp"
 #include "app/recorded_film.hpp"
 #include "app/review_page.hpp"
 #include "app/terminal.hpp"
 #include "app/video_writer.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/units.hpp"
+#include "engine/graphics/drawn_surface.hpp"
 #include "engine/graphics/renderer.hpp"
 
 namespace sulcus {
@@ -72,7 +77,9 @@ NamedViewpoint viewpoint_of(const std::string& text) {
 /// Rows to be drawn, rising: those of --at, else every 1 / fps, else the last.
 std::vector<std::size_t> rows_to_draw(const RecordedFilm& film, const RenderOptions& options) {
   std::vector<std::size_t> rows;
-  for (double time_s : options.at_s) rows.push_back(film.row_at(time_s));
+  for (const double time_s : options.at_s) {
+    rows.push_back(asked_row(film.rows(), time_s, "--at", options.recording));
+  }
   std::sort(rows.begin(), rows.end());
   if (options.fps > 0.0) {
     const double end_s = film.rows().back().time_s;
@@ -84,8 +91,30 @@ std::vector<std::size_t> rows_to_draw(const RecordedFilm& film, const RenderOpti
   return rows;
 }
 
-RenderSettings render_settings(const Scene& scene, const RenderOptions& options) {
-  RenderSettings settings = scene.render.value_or(RenderSettings{});
+/// A plane beside all that is drawn leaves all of it, or nothing.
+void check_section(const Section& section, const RecordedFilm& film, const std::string& text) {
+  Eigen::AlignedBox3d solid;
+  for (const RenderedBody& body : film.bodies()) {
+    for (const Eigen::AlignedBox3d& slab : solid_slabs(body.model)) {
+      for (int c = 0; c < 8; ++c) {
+        const auto corner = static_cast<Eigen::AlignedBox3d::CornerType>(c);
+        solid.extend(body.world_from_grid.point(slab.corner(corner)));
+      }
+    }
+  }
+  const double low_mm = solid.min()[section.axis] / kMillimetre;
+  const double high_mm = solid.max()[section.axis] / kMillimetre;
+  const double at_mm = section.at_m / kMillimetre;
+  if (at_mm > low_mm && at_mm < high_mm) return;
+  const std::string axis(1, "xyz"[section.axis]);
+  std::array<char, 64> range{};
+  std::snprintf(range.data(), range.size(), "=%.4g to %.4g, where there is something to cut open",
+                low_mm, high_mm);
+  throw InputError("", "--section", "'" + text + "'", axis + range.data());
+}
+
+RenderSettings render_settings(const RecordedFilm& film, const RenderOptions& options) {
+  RenderSettings settings = film.scene().render.value_or(RenderSettings{});
   if (!options.size.empty()) {
     const std::vector<double> size = numbers_of(options.size, 'x');
     const auto fits = [](double pixels) {
@@ -104,6 +133,7 @@ RenderSettings render_settings(const Scene& scene, const RenderOptions& options)
     if (!settings.section) {
       throw InputError("", "--section", "'" + options.section + "'", kSectionForm);
     }
+    check_section(*settings.section, film, options.section);
   }
   return settings;
 }
@@ -119,7 +149,10 @@ template <class Take>
 void draw_rows(RecordedFilm& film, FilmColours& colours, Renderer& renderer,
                std::span<const std::size_t> rows, std::span<const NamedViewpoint> cameras,
                const Take& take) {
+  Progress progress("drawing");
+  std::size_t drawn = 0;
   for (const std::size_t row : rows) {
+    progress.at(drawn++, rows.size());
     FrameState state = film.seek_row(row, renderer);
     colours.show(row, film, renderer, state);
     for (const NamedViewpoint& camera : cameras) {
@@ -147,12 +180,20 @@ void check(const RenderOptions& options) {
   if (!options.video.empty() && !options.sheet.empty()) {
     throw InputError("", "--video", "both --video and --sheet", "one of them");
   }
+  if (!options.video.empty()) {
+    check_output("--video", options.video, {".mp4", ".mov", ".mkv", ".avi"});
+  }
+  if (!options.sheet.empty()) check_output("--sheet", options.sheet, {".png"});
+  if (!options.review.empty()) check_output("--review", options.review, {".html", ".htm"});
+  if (!options.folder.empty()) check_output_folder("-o", options.folder);
 }
 
 void render(RenderOptions options) {
   check(options);
+  std::optional<Progress> progress(std::in_place, "reading");
   const RecordingReader reader(options.recording);
   if (!options.review.empty()) {
+    progress.emplace("drawing");
     write_review_page(reader, options.recording, summary_beside(options.recording), options.review);
     say_what_is_missing(reader);
     say("%s\n", options.review.c_str());
@@ -160,16 +201,19 @@ void render(RenderOptions options) {
   }
   RecordedFilm film(reader, options.recording);
   say_what_is_missing(reader);
-  const RenderSettings settings = render_settings(film.scene(), options);
+  const RenderSettings settings = render_settings(film, options);
   std::vector<NamedViewpoint> cameras;
   for (const std::string& text : options.cameras) cameras.push_back(viewpoint_of(text));
   if (cameras.empty()) cameras.push_back({"", settings.camera});
   Renderer renderer(settings, film.bodies(), film.burr().mesh_tool, film.burr().head_length_m);
   renderer.set_handpiece(!options.no_handpiece);
+  // Colours that stand for a quantity mean nothing without their scale.
+  renderer.set_hud({settings.hud, settings.hud, settings.arrows, true});
   const auto by = std::ranges::find(kColourByNames, options.colour_by) - kColourByNames.begin();
   FilmColours colours(reader, options.recording, film, ColourBy(by), options.contacts, renderer);
   if (!options.video.empty() && options.fps <= 0.0) options.fps = 30.0;
   const std::vector<std::size_t> rows = rows_to_draw(film, options);
+  progress.reset();
 
   if (!options.video.empty()) {
     VideoWriter video(options.video, settings.width, settings.height, options.fps);
@@ -188,7 +232,7 @@ void render(RenderOptions options) {
                        std::to_string(rows.size() * cameras.size()) + " pictures of this --size",
                        "268 million pixels at most");
     }
-    renderer.set_hud({settings.hud, false, settings.arrows, settings.hud});
+    renderer.set_hud({settings.hud, false, settings.arrows, true});
     std::vector<Image> images;
     draw_rows(film, colours, renderer, rows, cameras,
               [&](Image image, const NamedViewpoint&) { images.push_back(std::move(image)); });
@@ -202,7 +246,7 @@ void render(RenderOptions options) {
   if (options.folder.empty()) {
     options.folder = (std::filesystem::path(options.recording).parent_path() / "render").string();
   }
-  std::filesystem::create_directories(options.folder);
+  make_output_folder("-o", options.folder);
   std::size_t drawn = 0;
   draw_rows(film, colours, renderer, rows, cameras,
             [&](const Image& image, const NamedViewpoint& camera) {
@@ -254,7 +298,7 @@ void add_render_command(CLI::App& program) {
   command->add_flag("--arrows", options->arrows, "Show force and torque at the burr");
   command->add_flag("--contacts", options->contacts,
                     "Show the voxels in contact, by their force (some ticks are computed again)");
-  command->add_flag("--no-hud", options->no_hud, "No figures");
+  command->add_flag("--no-hud", options->no_hud, "No figures; a scale of colours stays");
   command->add_flag("--no-handpiece", options->no_handpiece, "The burr alone, without a handpiece");
   command->add_option("--video", options->video, "Write an MP4 (30 pictures a second)")
       ->type_name("FILE");

@@ -9,6 +9,7 @@
 #include "app/live_film.hpp"
 #include "app/rendered_bodies.hpp"
 #include "engine/core/realtime.hpp"
+#include "engine/core/stop.hpp"
 
 namespace sulcus {
 
@@ -78,16 +79,17 @@ void RenderThread::run() {
       const double frames_s = report->record.time_s * scene_.render->fps;
       if (frames_s < static_cast<double>(frame)) continue;
       frame = static_cast<std::uint64_t>(frames_s) + 1;
+      if (stop_requested()) continue;  // who stops a run does not wait for its pictures
       if (drop_frames_) {
         due = true;
       } else {
         draw(true);
       }
     }
-    if (due) draw(false);
+    if (due && !stop_requested()) draw(false);
     if (!ended && !due) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
-  if (!film.empty()) draw(true);  // the last picture is the result
+  if (!film.empty() && !stop_requested()) draw(true);  // the last picture is the result
   memory_bytes_ = renderer.memory_bytes();
 }
 

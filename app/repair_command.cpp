@@ -2,11 +2,15 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <stdexcept>
 #include <string>
 
 #include "app/common_options.hpp"
+#include "app/output_file.hpp"
+#include "app/progress.hpp"
 #include "app/terminal.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/whole_file.hpp"
 #include "engine/recording/recording_reader.hpp"
 #include "engine/recording/recording_writer.hpp"
 
@@ -41,6 +45,7 @@ void copy_recording(const RecordingReader& reader, const std::string& missing,
   const RecordingTables tables = reader.tables();
   RecordingWriter writer(file, header, start, burr ? &*burr : nullptr, tables, others);
 
+  Progress progress("copying");
   std::size_t edits = 0;
   for (std::size_t first = 0; first < reader.tick_count(); first += kRowsAtOnce) {
     const std::vector<TickRecord> rows = reader.ticks(first, kRowsAtOnce);
@@ -51,6 +56,7 @@ void copy_recording(const RecordingReader& reader, const std::string& missing,
     if (tables.port) writer.append_port(reader.port(first, kRowsAtOnce));
     writer.append_ticks(rows);
     writer.flush();
+    progress.at(first, reader.tick_count());
   }
   if (tables.pieces) {
     for (const PieceRow& row : reader.pieces()) writer.append_piece(row);
@@ -66,6 +72,7 @@ void copy_recording(const RecordingReader& reader, const std::string& missing,
 
 void repair(const std::string& recording, const std::string& file) {
   namespace fs = std::filesystem;
+  check_output("-o", file, {".h5", ".hdf5"});
   const RecordingReader reader(recording);
   std::error_code error;
   if (fs::equivalent(recording, file, error)) {
@@ -73,7 +80,15 @@ void repair(const std::string& recording, const std::string& file) {
   }
   if (fs::exists(file)) throw InputError(file, "-o", "a file that is there", "a new one");
   const std::string missing = what_is_missing(reader);
-  copy_recording(reader, missing, file);
+  WholeFile copy(file);
+  try {
+    copy_recording(reader, missing, copy.beside());
+  } catch (const InputError&) {  // of the recording that is read
+    throw;
+  } catch (const std::runtime_error& failed) {
+    copy.fail_incomplete(failed.what());
+  }
+  copy.finish();
   if (missing.empty()) {
     say("%s: nothing was missing\n", recording.c_str());
   } else {

@@ -9,6 +9,8 @@
 #include "app/changed_burr.hpp"
 #include "app/common_options.hpp"
 #include "app/continued_run.hpp"
+#include "app/output_file.hpp"
+#include "app/progress.hpp"
 #include "app/recorded_state.hpp"
 #include "app/results.hpp"
 #include "app/terminal.hpp"
@@ -67,9 +69,13 @@ std::size_t rows_in_line(const RecordedRun& run, std::size_t first) {
 
 void replay(const ReplayOptions& options) {
   const ThreadLimit limit(options.threads);
+  if (!options.folder.empty()) check_output_folder("-o", options.folder);
+  std::optional<Progress> reading(std::in_place, "reading");
   RecordedRun run = open_recorded_run(options.recording);
+  reading.reset();
   say_what_is_missing(run.reader);
-  const std::size_t row = options.from_s ? row_at(run.rows, *options.from_s) : 0;
+  const std::size_t row =
+      options.from_s ? asked_row(run.rows, *options.from_s, "--from", options.recording) : 0;
   if (options.verify) {
     verify(run, row);
     return;
@@ -90,6 +96,7 @@ void replay(const ReplayOptions& options) {
   session.input = run.reader.input();
   std::size_t first = 0;
   if (options.from_s) {
+    const Progress going_there("going to the time");
     session.parent = go_on_after(run, row, options.overrides);
     first = row + 1;
   } else {
@@ -98,7 +105,8 @@ void replay(const ReplayOptions& options) {
   session.ticks = rows_in_line(run, first);
   open_log(session.folder);
   PlaybackDevice device(std::span(run.poses).subspan(first), run.rows[first].tick);
-  const EndsItself stopped_by_itself;
+  std::optional<EndsItself> ends_itself;  // before the first tick there is nothing to keep
+  session.begins = [&] { ends_itself.emplace(); };
   const SessionResult result = run_session(*run.simulation, device, session);
   write_results(*run.simulation, result, session, {});
   if (first + session.ticks < run.rows.size()) {
@@ -122,8 +130,7 @@ void add_replay_command(CLI::App& program) {
       ->add_option("--from", options->from_s,
                    "Go on from this time of the recording, s; what "
                    "comes is a recording of its own")
-      ->type_name("S")
-      ->check(CLI::NonNegativeNumber);
+      ->type_name("S");
   CLI::Option* const set =
       add_set_option(*command, options->overrides, "Change a key of the scene from there on");
   CLI::Option* const pace = add_pace_option(*command, options->pace);

@@ -7,16 +7,17 @@
 #include <memory>
 
 #include <nlohmann/json.hpp>
-#include <spdlog/sinks/basic_file_sink.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include "app/build_info.hpp"
 #include "app/force_chart.hpp"
+#include "app/log_file.hpp"
 #include "app/summary.hpp"
 #include "app/terminal.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
+#include "engine/core/whole_file.hpp"
 
 namespace sulcus {
 
@@ -28,7 +29,7 @@ void open_log(const std::string& folder) {
   try {
     std::filesystem::create_directories(folder);
     const std::string path = folder + "/log.txt";
-    auto file = std::make_shared<spdlog::sinks::basic_file_sink_mt>(path, true);
+    auto file = std::make_shared<LogFile>(path);
     file->set_formatter(one_line_formatter("[%Y-%m-%d %H:%M:%S.%e] [%l] %*"));
     auto terminal = std::make_shared<spdlog::sinks::stderr_sink_mt>();
     terminal->set_level(spdlog::level::warn);
@@ -41,13 +42,22 @@ void open_log(const std::string& folder) {
   spdlog::info("{}", build_info());
 }
 
-void write_results(const Simulation& simulation, const SessionResult& result,
-                   const SessionOptions& options, const std::vector<PartUse>& loading) {
+namespace {
+
+/// Whether log.txt has all that was told to it.
+void check_log() {
+  for (const auto& sink : spdlog::default_logger()->sinks()) {
+    if (const auto file = std::dynamic_pointer_cast<LogFile>(sink)) file->check();
+  }
+}
+
+void write_and_tell(const Simulation& simulation, const SessionResult& result,
+                    const SessionOptions& options, const std::vector<PartUse>& loading) {
   const Scene& scene = simulation.scene();
   const RunStatistics& s = result.statistics;
   const nlohmann::ordered_json summary = make_summary(simulation, result, options.pace, loading);
   std::vector<std::string> files{options.folder + "/summary.json"};
-  write_text(files.back(), summary.dump(2) + "\n");
+  write_whole_file(files.back(), summary.dump(2) + "\n");
   const std::string chart = options.folder + "/forces.png";
   if (draw_force_chart(s, scene.title, chart)) {
     files.push_back(chart);
@@ -80,6 +90,24 @@ void write_results(const Simulation& simulation, const SessionResult& result,
     say("  pictures           %llu\n", static_cast<unsigned long long>(result.frames));
   }
   for (const std::string& file : files) say("%s\n", file.c_str());
+}
+
+}  // namespace
+
+void write_results(const Simulation& simulation, const SessionResult& result,
+                   const SessionOptions& options, const std::vector<PartUse>& loading) {
+  try {
+    write_and_tell(simulation, result, options, loading);
+    check_log();
+  } catch (const std::exception&) {
+    if (!result.failure) throw;
+  }
+  if (!result.failure) return;
+  try {
+    std::rethrow_exception(result.failure);  // the first of all
+  } catch (const InputError& why) {          // of no input: the run is over
+    throw std::runtime_error(why.what());
+  }
 }
 
 }  // namespace sulcus

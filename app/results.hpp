@@ -15,7 +15,8 @@ std::string default_folder(const std::string& file, const std::string& suffix = 
 void open_log(const std::string& folder);
 
 /// Writes summary.json and forces.png of a run, and says on the terminal what happened and which
-/// files there are. std::runtime_error where a file cannot be written.
+/// files there are. Throws what made a part of the run fail; std::runtime_error where a file cannot
+/// be written, log.txt among them.
 void write_results(const Simulation& simulation, const SessionResult& result,
                    const SessionOptions& options, const std::vector<PartUse>& loading);
 

@@ -4,11 +4,9 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <optional>
 #include <span>
 #include <sstream>
-#include <stdexcept>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -17,6 +15,7 @@
 #include "engine/core/base64.hpp"
 #include "engine/core/units.hpp"
 #include "engine/core/user_text.hpp"
+#include "engine/core/whole_file.hpp"
 #include "engine/graphics/renderer.hpp"
 #include "engine/scene/section.hpp"
 
@@ -248,10 +247,7 @@ void write_review_page(const RecordingReader& reader, const std::string& recordi
     return static_cast<double>(row.step_us);
   });
   page << "</body></html>\n";
-  std::ofstream out(file, std::ios::binary);
-  out << page.str();
-  out.close();
-  if (!out) throw std::runtime_error(file + ": the page could not be written");
+  write_whole_file(file, page.str());
 }
 
 }  // namespace sulcus

@@ -1,13 +1,16 @@
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include <spdlog/spdlog.h>
 
 #include "app/common_options.hpp"
 #include "app/loaded_run.hpp"
+#include "app/output_file.hpp"
 #include "app/plugin_device.hpp"
 #include "app/plugin_library.hpp"
+#include "app/progress.hpp"
 #include "app/results.hpp"
 #include "app/scene_trajectory.hpp"
 #include "app/shipped_scene.hpp"
@@ -58,6 +61,7 @@ void end_plugin(PluginDevice& device) {
 
 void run(const RunOptions& options) {
   const ThreadLimit limit(options.threads);
+  if (!options.folder.empty()) check_output_folder("-o", options.folder);
   // All input is read before anything is written.
   const InputLimits limits{
       .memory_bytes = static_cast<std::uint64_t>(options.limit_gib * InputLimits::kGibibyte)};
@@ -67,7 +71,9 @@ void run(const RunOptions& options) {
   const std::unique_ptr<PluginDevice> plugin =
       open_plugin(file, options, limits, trajectory, scene);
   LoadCache cache = options.no_cache ? LoadCache() : LoadCache::of_user();
+  std::optional<Progress> loading(std::in_place, "loading");
   LoadedRun loaded = load_run(scene, trajectory.pose_at(0.0), cache);
+  loading.reset();
 
   SessionOptions session;
   session.folder = options.folder.empty() ? default_folder(file) : options.folder;
@@ -92,7 +98,8 @@ void run(const RunOptions& options) {
     device = &simulated.emplace(*scene.device, trajectory, scene.haptics.rate_hz,
                                 scene.burr.reference_m);
   }
-  const EndsItself stopped_by_itself;
+  std::optional<EndsItself> ends_itself;  // before the first tick there is nothing to keep
+  session.begins = [&] { ends_itself.emplace(); };
   const SessionResult result = run_session(*loaded.simulation, *device, session);
   write_results(*loaded.simulation, result, session, loaded.loading);
   if (plugin) end_plugin(*plugin);

@@ -10,11 +10,11 @@
 #include <thread>
 
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include "app/build_info.hpp"
 #include "app/feed.hpp"
 #include "app/pieces_thread.hpp"
+#include "app/progress.hpp"
 #include "app/recorder_thread.hpp"
 #include "app/render_thread.hpp"
 #include "app/report_thread.hpp"
@@ -78,7 +78,7 @@ class HapticLoop {
  public:
   /// `record` is null where the scene has no [record].
   HapticLoop(Simulation& simulation, Device& device, const SessionOptions& options,
-             std::vector<Feed*> feeds, RecordFeed* record, PiecesThread* pieces)
+             std::vector<Feed*> feeds, RecordFeed* record, PiecesThread* pieces, Progress* progress)
       : simulation_(simulation),
         device_(device),
         options_(options),
@@ -87,7 +87,8 @@ class HapticLoop {
         pieces_(pieces),
         loose_(options.played_back ? LooseSchedule(*options.played_back, simulation.state().tick)
                                    : LooseSchedule(simulation.state().tick)),
-        pacer_(simulation.scene().haptics.rate_hz) {}
+        pacer_(simulation.scene().haptics.rate_hz),
+        progress_(progress) {}
 
   void run() {
     if (options_.pace == Pace::kReal) {
@@ -116,7 +117,7 @@ class HapticLoop {
       publish(report);
       if (report.record.faults & kFaultNotFinite) break;
       if (device_.is_gone() && is_zero_force(report.record)) break;
-      progress();
+      if (progress_) progress_->at(done_ + 1, options_.ticks);
     }
     device_.release();        // first of all: what follows may wait for the disk
     if (records() && gap_) {  // time does not matter any more
@@ -237,14 +238,6 @@ class HapticLoop {
     record_->keyframes.enqueue(std::move(keyframe));
   }
 
-  void progress() {
-    if (options_.pace == Pace::kReal || !terminal_) return;  // no writing beside a real-time tick
-    if (done_ % 200 != 0) return;
-    std::fprintf(stderr, "\r%3llu %%",
-                 static_cast<unsigned long long>(100 * done_ / options_.ticks));
-    if (done_ + 200 >= options_.ticks) std::fprintf(stderr, "\r     \r");
-  }
-
   Simulation& simulation_;
   Device& device_;
   const SessionOptions& options_;
@@ -259,7 +252,7 @@ class HapticLoop {
   TickReport dropped_;          // it
   std::vector<std::string> refused_;
   std::atomic<bool> stop_{false};
-  bool terminal_ = isatty(STDERR_FILENO) != 0;
+  Progress* progress_;  // null at real pace
 };
 
 std::optional<RecordingWriter> open_recording(const Simulation& simulation,
@@ -386,13 +379,17 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
     result.parts.push_back(
         {"loose_pieces", 1e-9 * static_cast<double>(steady_ns() - pieces_begin), 0});
   }
+  // At real pace nothing is written beside the ticks.
+  std::optional<Progress> progress;
+  if (options.pace == Pace::kFast) progress.emplace("running");
   HapticLoop loop(simulation, device, options, feeds, record_feed ? &*record_feed : nullptr,
-                  pieces ? &*pieces : nullptr);
+                  pieces ? &*pieces : nullptr, progress ? &*progress : nullptr);
   if (options.pace == Pace::kReal) {
     if (std::string refused = lock_memory(); !refused.empty()) {
       result.refused.push_back(std::move(refused));
     }
   }
+  if (options.begins) options.begins();
   // Last, so that the recording has its name right before the first tick.
   if (writer) {
     recorder.emplace(*record_feed, record_pieces ? &*record_pieces : nullptr, std::move(*writer));
@@ -412,6 +409,7 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
   }
   haptic.join();
   result.wall_seconds = 1e-9 * static_cast<double>(steady_ns() - begin);
+  progress.emplace("finishing");
   result.interrupted = stop_requested();
   result.missed_ticks = loop.missed();
   result.dropped_rows = loop.dropped_rows();
@@ -448,7 +446,7 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
     outcome_s += reports.outcome_seconds() + 1e-9 * static_cast<double>(steady_ns() - end_begin);
     result.parts.push_back({"outcome", outcome_s, reports.outcome()->memory_bytes()});
   }
-  if (failure) std::rethrow_exception(failure);
+  result.failure = failure;
   return result;
 }
 

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <optional>
 #include <string>
@@ -33,6 +34,8 @@ struct SessionOptions {
   /// Called on the thread of run_session while the run lasts, with a feed of its own and the
   /// pieces' (null where none may come loose); when it returns, the run ends.
   std::function<void(Feed&, PieceFeed*)> watch = {};
+  /// Called when all is set up, before the first tick; may be empty.
+  std::function<void()> begins = {};
   /// No tick while it is true; null: never.
   const std::atomic<bool>* paused = nullptr;
   /// Of a run that goes on from a recording: from which, and where; else empty.
@@ -63,6 +66,7 @@ struct SessionResult {
   bool interrupted = false;
   std::vector<std::string> refused;  // by the system, at real pace
   std::vector<std::string> files;    // written, in the order to be named
+  std::exception_ptr failure;        // of a part of it: the rest is whole
   std::uint64_t frames = 0;
   std::uint64_t pieces = 0;  // that came loose
   double wall_seconds = 0.0;
@@ -72,8 +76,8 @@ struct SessionResult {
 /// Runs a simulation against a device until its ticks are over, a stop is requested
 /// (engine/core/stop.hpp) or a fault ends it: the haptic thread, and beside it that of the reports
 /// and, where the scene asks, recorder, renderer and the thread of loose pieces, each with a feed
-/// of its own. Returns after everything is on disk. Throws std::runtime_error when one of these
-/// failed; the rest has been written then.
+/// of its own. Returns after everything is on disk, also where one of these failed. Throws where it
+/// cannot begin.
 SessionResult run_session(Simulation& simulation, Device& device, const SessionOptions& options);
 
 }  // namespace sulcus

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <fstream>
 #include <stdexcept>
 #include <utility>
 
@@ -271,13 +270,6 @@ Json make_summary(const Simulation& simulation, const SessionResult& result, Pac
   j["force_hash"] = hex(s.force_hash);
   j["faults"] = faults_json(s, result.dropped_rows);
   return j;
-}
-
-void write_text(const std::string& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw std::runtime_error(file + ": cannot be written");
 }
 
 }  // namespace sulcus

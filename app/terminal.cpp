@@ -2,8 +2,10 @@
 
 #include <cstdarg>
 #include <cstdio>
+#include <mutex>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <spdlog/pattern_formatter.h>
 
@@ -11,6 +13,17 @@
 
 namespace sulcus {
 namespace {
+
+/// The progress line and what is said take turns.
+std::mutex terminal_mutex;
+bool progress_shown = false;
+
+/// Under the lock.
+void clear_progress() {
+  if (!std::exchange(progress_shown, false)) return;
+  std::fputs("\r\033[K", stderr);
+  std::fflush(stderr);
+}
 
 void say_to(std::FILE* stream, const char* format, std::va_list arguments) {
   std::va_list again;
@@ -22,6 +35,8 @@ void say_to(std::FILE* stream, const char* format, std::va_list arguments) {
   const bool ends = text.ends_with('\n');
   std::string line = for_terminal(std::string_view(text).substr(0, text.size() - (ends ? 1 : 0)));
   if (ends) line += '\n';
+  const std::lock_guard lock(terminal_mutex);
+  clear_progress();
   std::fwrite(line.data(), 1, line.size(), stream);
 }
 
@@ -51,6 +66,16 @@ void say_error(const char* format, ...) {
   va_start(arguments, format);
   say_to(stderr, format, arguments);
   va_end(arguments);
+}
+
+void show_progress(std::string_view line) {
+  const std::lock_guard lock(terminal_mutex);
+  clear_progress();
+  if (line.empty()) return;
+  std::fflush(stdout);  // what was said before stands above it
+  std::fputs(for_terminal(line).c_str(), stderr);
+  std::fflush(stderr);
+  progress_shown = true;
 }
 
 std::unique_ptr<spdlog::formatter> one_line_formatter(const char* pattern) {

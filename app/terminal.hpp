@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string_view>
 
 #include <spdlog/formatter.h>
 
@@ -11,6 +12,10 @@ namespace sulcus {
 [[gnu::format(printf, 1, 2)]] void say(const char* format, ...);
 /// The same to standard error.
 [[gnu::format(printf, 1, 2)]] void say_error(const char* format, ...);
+
+/// A line on the terminal that the next one replaces; what is said clears it. Empty: none any more.
+/// Only where the error stream is a terminal. Any thread.
+void show_progress(std::string_view line);
 
 /// How the log and its lines on the terminal look: spdlog's pattern, in which %* is the message as
 /// one line.

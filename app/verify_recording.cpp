@@ -7,6 +7,7 @@
 #include <string>
 
 #include "app/build_info.hpp"
+#include "app/progress.hpp"
 #include "app/recorded_state.hpp"
 
 namespace sulcus {
@@ -76,7 +77,9 @@ class Verification {
     } else if (run_.simulation->scene().loose_pieces) {
       loose.emplace(run_);
     }
+    Progress progress("verifying");
     for (std::size_t row = state_.next_row(); row < run_.rows.size(); row = state_.next_row()) {
+      progress.at(row, run_.rows.size());
       if (!state_.follows()) {
         loose.reset();  // it has not seen the edits between
         if (!resume(row)) break;

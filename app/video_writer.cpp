@@ -3,31 +3,14 @@
 #include <array>
 #include <cstdlib>
 #include <stdexcept>
-#include <string_view>
 
 #include <fcntl.h>
 #include <unistd.h>
 
-#include "engine/core/ascii.hpp"
-#include "engine/core/error.hpp"
-
 namespace sulcus {
-namespace {
-
-const std::string& checked_name(const std::string& file) {
-  const std::string name = lower_case(file);
-  for (const char* end : {".mp4", ".mov", ".mkv", ".avi"}) {
-    if (name.ends_with(end)) return file;
-  }
-  throw InputError(file, "", "a name of no video", std::string("one that ends in ") + kVideoNames);
-}
-
-}  // namespace
 
 VideoWriter::VideoWriter(const std::string& file, int width, int height, double fps)
-    : video_(checked_name(file)),
-      said_(std::tmpfile(), std::fclose),
-      pictures_(nullptr, std::fclose) {
+    : video_(file), said_(std::tmpfile(), std::fclose), pictures_(nullptr, std::fclose) {
   std::array<int, 2> ends{};
   if (!said_ || ::pipe2(ends.data(), O_CLOEXEC) != 0) {
     throw std::runtime_error(file + ": no room for what ffmpeg is told");
@@ -40,6 +23,7 @@ VideoWriter::VideoWriter(const std::string& file, int width, int height, double 
   const std::vector<std::string> command{"ffmpeg",
                                          "-v",
                                          "error",
+                                         "-xerror",
                                          "-y",
                                          "-f",
                                          "rawvideo",
@@ -92,8 +76,7 @@ void VideoWriter::fail() const {
   std::string line;
   std::rewind(said_.get());
   for (int c; (c = std::fgetc(said_.get())) != EOF && c != '\n';) line += static_cast<char>(c);
-  throw std::runtime_error(video_.path() + ": ffmpeg could not write it" +
-                           (line.empty() ? "" : " (" + line + ")"));
+  video_.fail_incomplete("ffmpeg could not" + (line.empty() ? "" : " (" + line + ")"));
 }
 
 }  // namespace sulcus

@@ -11,14 +11,11 @@
 
 namespace sulcus {
 
-/// Names of videos that ffmpeg is asked for.
-inline constexpr const char* kVideoNames = ".mp4, .mov, .mkv or .avi";
-
 /// Pipes pictures to ffmpeg, which writes them as a video.
 class VideoWriter {
  public:
-  /// @throws InputError for a name that is none of kVideoNames, or as WholeFile does, before
-  /// anything is drawn; std::runtime_error where ffmpeg cannot be started.
+  /// The name's end says which kind of video. @throws as WholeFile, before anything is drawn;
+  /// std::runtime_error where ffmpeg cannot be started.
   VideoWriter(const std::string& file, int width, int height, double fps);
 
   // Both throw std::runtime_error, naming the file and what ffmpeg said, where it has stopped or

@@ -1,10 +1,11 @@
-#include <filesystem>
 #include <memory>
 
 #include "app/common_options.hpp"
+#include "app/output_file.hpp"
 #include "app/shipped_scene.hpp"
 #include "app/view_windows.hpp"
 #include "engine/core/error.hpp"
+#include "engine/recording/recording_extension.hpp"
 
 namespace sulcus {
 
@@ -12,14 +13,14 @@ namespace {
 
 void view(ViewOptions options) {
   options.file = scene_file_of(options.file);
-  const std::string kind = std::filesystem::path(options.file).extension().string();
-  if (kind == ".h5") {
+  if (!options.folder.empty()) check_output_folder("-o", options.folder);
+  if (is_recording_file(options.file)) {
     if (!options.overrides.empty()) {
       throw InputError("", "--set", "a recording to be looked at",
                        "a scene, or replay --from S --set");
     }
     view_recording(options);
-  } else if (kind == ".toml") {
+  } else if (lower_extension(options.file) == ".toml") {
     view_scene(options);
   } else {
     throw InputError(options.file, "", "neither a scene nor a recording", "a .toml or .h5 file");

@@ -13,6 +13,7 @@
 #include "app/live_film.hpp"
 #include "app/loaded_run.hpp"
 #include "app/mouse_device.hpp"
+#include "app/progress.hpp"
 #include "app/rendered_bodies.hpp"
 #include "app/results.hpp"
 #include "app/saved_scene.hpp"
@@ -205,7 +206,9 @@ void view_scene(const ViewOptions& options) {
       options.folder.empty() ? default_folder(options.file, "_view") : options.folder;
   Part part;
   part.start = trajectory.pose_at(0.0);
+  std::optional<Progress> loading(std::in_place, "loading");
   LoadedRun loaded = load_run(scene, part.start, cache);
+  loading.reset();
   leave_realtime_core();  // the haptic thread's; the rasteriser's threads stay with this one
   Window window("Sulcus: " + scene.title, options.width, options.height);
   ViewCamera camera(scene.render ? scene.render->camera : Camera::kReview);

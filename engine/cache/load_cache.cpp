@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "engine/cache/program_id.hpp"
+#include "engine/core/stop.hpp"
 
 namespace sulcus {
 namespace {
@@ -203,6 +204,9 @@ void LoadCache::write(CacheKind kind, const Hash128& key,
   const fs::path path = entry(key);
   const fs::path temporary =
       path.string() + "." + std::to_string(::getpid()) + std::string(kTemporary);
+  // Not as a WholeFile: an entry bears a check of all that it holds, so that nothing has to wait
+  // for the disk, and what a killed run leaves has a name that evict() knows.
+  remove_when_stopped(temporary.string());
   File file(temporary, O_WRONLY | O_CREAT | O_TRUNC);
   bool done = file.opened() && file.write(&header, sizeof header);
   for (const auto& part : parts) done = done && file.write(part.data(), part.size());
@@ -211,8 +215,9 @@ void LoadCache::write(CacheKind kind, const Hash128& key,
   if (!done || error) {
     note(path, "could not be written");
     fs::remove(temporary, error);
-    return;
   }
+  keep_when_stopped(temporary.string());
+  if (!done || error) return;
   evict();
 }
 

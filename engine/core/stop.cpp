@@ -42,8 +42,12 @@ sigset_t stop_signals() {
 [[noreturn]] void end_process(Lists& held) {
   for (const std::string& file : held.files) ::unlink(file.c_str());
   for (const pid_t child : held.children) ::kill(child, SIGKILL);
-  constexpr std::string_view kLine = "sulcus: stopped\n";
-  [[maybe_unused]] const ssize_t said = ::write(STDERR_FILENO, kLine.data(), kLine.size());
+  constexpr std::string_view kClear = "\r\033[K", kLine = "sulcus: stopped\n";
+  const auto say = [](std::string_view text) {
+    [[maybe_unused]] const ssize_t said = ::write(STDERR_FILENO, text.data(), text.size());
+  };
+  if (::isatty(STDERR_FILENO) == 1) say(kClear);  // a line of progress
+  say(kLine);
   ::_exit(stop_status());
 }
 

@@ -18,9 +18,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void fail(const std::string& path, int error) {
-  throw std::runtime_error(path + ": cannot be written: " + std::strerror(error));
+[[noreturn]] void fail(const std::string& path, const std::string& why) {
+  throw std::runtime_error(path + ": cannot be written: " + why);
 }
+
+[[noreturn]] void fail(const std::string& path, int error) { fail(path, std::strerror(error)); }
 
 /// Of this process alone, and hidden. The end of the name stays, since writers go by it.
 std::string name_beside(const fs::path& path) {
@@ -67,6 +69,7 @@ WholeFile::WholeFile(std::string path) : path_(std::move(path)) {
   if (made.number() >= 0) return;
   const int error = errno;
   keep_when_stopped(beside_);
+  if (error == ENOSPC || error == EDQUOT) fail(path_, error);
   throw InputError(path_, "",
                    std::string("that it cannot be written (") + std::strerror(error) + ")",
                    "a file to write");
@@ -102,10 +105,24 @@ void WholeFile::finish() {
   beside_.clear();
 }
 
+void WholeFile::fail_incomplete(const std::string& otherwise) const {
+  // The program that wrote it kept the reason to itself: the system says it again.
+  constexpr int kMostBlocks = 16;
+  const std::string block(std::size_t{1} << 16, '\0');
+  const Descriptor file(beside_, O_WRONLY | O_APPEND);
+  ssize_t n = file.number() < 0 ? -1 : 0;
+  for (int i = 0; i < kMostBlocks && n >= 0; ++i) {
+    n = ::write(file.number(), block.data(), block.size());
+  }
+  fail(path_, n < 0 ? std::strerror(errno) : otherwise);
+}
+
 void write_whole_file(const std::string& path, std::string_view bytes) {
   WholeFile file(path);
   file.write(bytes);
   file.finish();
 }
+
+void check_can_be_written(const std::string& path) { const WholeFile probe(path); }
 
 }  // namespace sulcus

@@ -12,7 +12,7 @@ class WholeFile {
  public:
   /// Nothing is made yet; `path` may name a file that is there, which finish() replaces.
   /// @throws InputError where its folder is not there, `path` is no regular file, or no file can be
-  /// made there: bad use, known before any work.
+  /// made there: bad use, known before any work. std::runtime_error where the disk is full.
   explicit WholeFile(std::string path);
   /// Removes what was not finished.
   ~WholeFile();
@@ -27,6 +27,10 @@ class WholeFile {
   /// Gives the file its name, once it is on the disk. Who wrote to beside() has seen that all of it
   /// is there. @throws std::runtime_error.
   void finish();
+  /// For those who wrote to beside() and see that not all of it is there. @throws
+  /// std::runtime_error with the reason that the system gives for not writing more, else with
+  /// `otherwise`.
+  [[noreturn]] void fail_incomplete(const std::string& otherwise = "it is not whole") const;
 
   const std::string& path() const { return path_; }
 
@@ -36,5 +40,9 @@ class WholeFile {
 
 /// A whole file of these bytes. @throws as WholeFile.
 void write_whole_file(const std::string& path, std::string_view bytes);
+
+/// Before the work that leads to a file: whether it could be written. Nothing stays of it.
+/// @throws as WholeFile.
+void check_can_be_written(const std::string& path);
 
 }  // namespace sulcus

@@ -5,6 +5,8 @@
 
 #include <png.h>
 
+#include "engine/core/whole_file.hpp"
+
 namespace sulcus {
 
 namespace {
@@ -23,12 +25,8 @@ png_image header_of(const Image& image) {
 }  // namespace
 
 void write_png(const Image& image, const std::string& file) {
-  png_image png = header_of(image);
-  if (png_image_write_to_file(&png, file.c_str(), 0, image.rgb.data(), 0, nullptr) == 0) {
-    const std::string why = png.message;
-    png_image_free(&png);
-    throw std::runtime_error(file + ": the picture could not be written: " + why);
-  }
+  const std::vector<std::uint8_t> bytes = png_bytes(image);
+  write_whole_file(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 std::vector<std::uint8_t> png_bytes(const Image& image) {

@@ -23,9 +23,11 @@
 
 #include "engine/core/ascii.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/whole_file.hpp"
 #include "engine/import/png_volume.hpp"
 #include "engine/import/tiff_volume.hpp"
 #include "engine/import/volume_header.hpp"
+#include "engine/import/written_volume.hpp"
 
 // With itk_thresholds.cpp the only file that knows ITK. (TIFF and PNG go by their own libraries:
 // tiff_volume.hpp, png_volume.hpp.)
@@ -352,12 +354,13 @@ ItkVolume read_volume_with_itk(const std::string& path, const InputLimits& limit
 }
 
 void write_volume_with_itk(const std::string& path, const ItkMask& mask) {
+  WholeFile file(path);
   const Silence silence;
   try {
     const std::optional<Format> format = format_of(lower_extension(path));
     if (!format) throw std::logic_error(path + ": no format that is written");
     const itk::ImageIOBase::Pointer io = format->io;
-    io->SetFileName(path);
+    io->SetFileName(file.beside());
     io->SetFileTypeToBinary();
     io->SetUseCompression(true);
     io->SetNumberOfDimensions(3);
@@ -377,8 +380,10 @@ void write_volume_with_itk(const std::string& path, const ItkMask& mask) {
     io->SetIORegion(region);
     io->Write(mask.voxels.data());
   } catch (const itk::ExceptionObject& itk_error) {
-    throw std::runtime_error(path + ": cannot be written: " + one_line(itk_error));
+    file.fail_incomplete(one_line(itk_error));
   }
+  if (!is_whole_volume(file.beside(), mask.voxels.size())) file.fail_incomplete();
+  file.finish();
 }
 
 }  // namespace sulcus

@@ -23,6 +23,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
+#include "engine/core/whole_file.hpp"
 #include "engine/import/mesh_header.hpp"
 
 namespace sulcus {
@@ -237,10 +238,13 @@ void write_mesh(const std::string& path, const TriangleMesh& mesh) {
     throw InputError(path, "", "the extension \"" + extension + "\"", ".stl, .obj or .ply");
   }
   const std::unique_ptr<aiScene> scene = scene_of(mesh);
+  // To memory: assimp does not see that a disk is full.
   Assimp::Exporter exporter;
-  if (exporter.Export(scene.get(), format, path) != aiReturn_SUCCESS) {
+  const aiExportDataBlob* bytes = exporter.ExportToBlob(scene.get(), format);
+  if (bytes == nullptr) {
     throw std::runtime_error(path + ": cannot be written: " + one_line(exporter.GetErrorString()));
   }
+  write_whole_file(path, {static_cast<const char*>(bytes->data), bytes->size});
 }
 
 }  // namespace sulcus

@@ -1,6 +1,8 @@
 #include "engine/recording/recording_writer.hpp"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <optional>
 #include <stdexcept>
@@ -8,6 +10,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/hash.hpp"
+#include "engine/core/stop.hpp"
 #include "engine/recording/hdf5_fixed.hpp"
 #include "engine/recording/hdf5_handle.hpp"
 #include "engine/recording/recording_format.hpp"
@@ -85,6 +88,12 @@ void check_path(const std::string& path) {
 /// early its writer is killed, and an earlier one stays until then.
 std::string part_name(const std::string& path) { return path + ".part"; }
 
+void remove_part(const std::string& path) {
+  std::error_code ignored;  // it is said what went wrong
+  std::filesystem::remove(part_name(path), ignored);
+  keep_when_stopped(part_name(path));
+}
+
 Hdf5Handle create_file(const std::string& path) {
   check_path(path);
   const auto access = hdf5_checked(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "file");
@@ -97,9 +106,16 @@ Hdf5Handle create_file(const std::string& path) {
   hdf5_check(H5Pget_mdc_config(access, &cache), "file");
   cache.initial_size = cache.min_size = cache.max_size = kMetadataBytes;
   hdf5_check(H5Pset_mdc_config(access, &cache), "file");
+  remove_when_stopped(part_name(path));
   Hdf5Handle file(H5Fcreate(part_name(path).c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
   if (!file.valid()) {
-    throw InputError(path, "", "a path that cannot be written (" + hdf5_reason() + ")",
+    keep_when_stopped(part_name(path));
+    const std::string why = hdf5_reason();
+    for (const int full : {ENOSPC, EDQUOT}) {
+      if (why == std::strerror(full))
+        throw std::runtime_error(path + ": cannot be written: " + why);
+    }
+    throw InputError(path, "", "a path that cannot be written (" + why + ")",
                      "a file to record into");
   }
   return file;
@@ -185,6 +201,7 @@ struct RecordingWriter::File {
     std::error_code error;
     std::filesystem::rename(part_name(path), path, error);
     if (error) throw Hdf5Error("start of recording: " + error.message());
+    keep_when_stopped(part_name(path));
     named = true;
   }
 
@@ -284,8 +301,7 @@ RecordingWriter::RecordingWriter(const std::string& path, const RecordingHeader&
   try {
     file_->guarded([&] { file_->create(header, start, burr_mesh_tool, tables, others); });
   } catch (const std::runtime_error&) {
-    std::error_code ignored;  // it is said what went wrong
-    std::filesystem::remove(part_name(path), ignored);
+    remove_part(path);
     throw;
   }
 }
@@ -295,8 +311,7 @@ RecordingWriter::RecordingWriter(RecordingWriter&&) noexcept = default;
 RecordingWriter::~RecordingWriter() {
   if (!file_ || !file_->file.valid()) return;
   if (!file_->named && file_->ticks->waiting() == 0) {  // the run never began
-    std::error_code ignored;
-    std::filesystem::remove(part_name(file_->path), ignored);
+    remove_part(file_->path);
     return;
   }
   try {

@@ -277,7 +277,7 @@ TEST(Inspect, RefusesPicturesOfWhatItDoesNotDraw) {
   }
   const auto nowhere = sulcus_command("inspect " + scene + " --picture " + scratch.path("no/p.png"),
                                       scratch.path("err"));
-  EXPECT_EQ(nowhere.status, 1);
+  EXPECT_EQ(nowhere.status, 2);
   EXPECT_EQ(nowhere.err_lines(), 1) << nowhere.err;
 }
 

@@ -107,6 +107,7 @@ Frames measure(const Scene& scene, const FramesOptions& options, Drawing how) {
         };
   }
   const SessionResult result = run_session(simulation, device, session);
+  if (result.failure) std::rethrow_exception(result.failure);
   frames.tick_p50_us = result.statistics.tick_us.quantile(0.5);
   frames.tick_p99_us = result.statistics.tick_us.quantile(0.99);
   return frames;

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <mutex>
+#include <string>
+
+#include <spdlog/sinks/base_sink.h>
+
+namespace sulcus {
+
+/// A log as a file, written line by line while a run goes on: what it holds is there when the
+/// process is killed. Where the disk is full it ends with the last whole line.
+class LogFile : public spdlog::sinks::base_sink<std::mutex> {
+ public:
+  /// Begins it anew. @throws std::runtime_error where it cannot be opened.
+  explicit LogFile(std::string path);
+  ~LogFile() override;
+
+  /// Whether all lines are in it. @throws std::runtime_error with the reason where they are not.
+  void check();
+
+ protected:
+  void sink_it_(const spdlog::details::log_msg& message) override;
+  void flush_() override {}
+
+ private:
+  std::string path_;
+  int file_;
+  std::size_t bytes_ = 0;  // of whole lines
+  int error_ = 0;          // of the line that could not be written
+};
+
+}  // namespace sulcus

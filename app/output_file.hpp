@@ -1,0 +1,24 @@
+#pragma once
+
+#include <initializer_list>
+#include <string>
+#include <string_view>
+
+namespace sulcus {
+
+// What a command is to write, looked at before the work: who mistypes waits for nothing.
+
+/// A file's name ends in one of `endings` (".png", in small letters; the file's in any case), and
+/// it could be written. `option` names it in the message.
+/// @throws InputError; std::runtime_error where the disk is full.
+void check_output(const std::string& option, const std::string& file,
+                  std::initializer_list<std::string_view> endings);
+
+/// A folder is there and can be written into, or can be made. @throws InputError.
+void check_output_folder(const std::string& option, const std::string& folder);
+
+/// Makes a folder, and those that it lies in. @throws InputError where it cannot be made;
+/// std::runtime_error where the disk is full.
+void make_output_folder(const std::string& option, const std::string& folder);
+
+}  // namespace sulcus
