@@ -85,18 +85,19 @@ std::vector<OutcomeLine> FrameHistory::outcome() const {
     std::snprintf(text, sizeof(text), "%.1f s", ticks * dt_s_);
     lines.push_back({"In contact", text});
   }
-  if (port_) add_warnings(lines);
+  add_warnings(lines);
   return lines;
 }
 
-/// What of the device's loop somebody should look at; nothing where all is well.
+/// What somebody should look at; nothing where all is well.
 void FrameHistory::add_warnings(std::vector<OutcomeLine>& lines) const {
   char text[32];
   std::snprintf(text, sizeof(text), "%.2f mJ", given_out_J_ * 1e3);
   if (given_out_J_ >= 1e-5) lines.push_back({"Energy given out", text});
   for (const auto& [name, ticks] :
        {std::pair{"Not sent in full", limited_ticks_}, std::pair{"Buzz", buzz_ticks_},
-        std::pair{"Device silent", silent_ticks_}, std::pair{"Device jumped", jumped_ticks_}}) {
+        std::pair{"Device silent", silent_ticks_}, std::pair{"Device jumped", jumped_ticks_},
+        std::pair{"Step too long", long_step_ticks_}, std::pair{"Burr inside", inside_ticks_}}) {
     std::snprintf(text, sizeof(text), "%.3f s", static_cast<double>(ticks) * dt_s_);
     if (ticks > 0) lines.push_back({name, text});
   }
@@ -118,9 +119,13 @@ void FrameHistory::add(const TickRecord& record, const CuttingRecord* cutting,
     given_out_J_ = port->given_out_J;
     const Eigen::Map<const Eigen::Vector3d> asked(port->asked_force_N), sent(record.force_N);
     limited_ticks_ += asked != sent ? 1 : 0;
-    buzz_ticks_ += record.faults & kFaultBuzz ? 1 : 0;
-    silent_ticks_ += record.faults & kFaultDeviceSilent ? 1 : 0;
-    jumped_ticks_ += record.faults & kFaultDeviceJumped ? 1 : 0;
+  }
+  for (const auto& [ticks, fault] :
+       {std::pair{&buzz_ticks_, kFaultBuzz}, std::pair{&silent_ticks_, kFaultDeviceSilent},
+        std::pair{&jumped_ticks_, kFaultDeviceJumped},
+        std::pair{&long_step_ticks_, kFaultStepTooLong},
+        std::pair{&inside_ticks_, kFaultToolInside}}) {
+    *ticks += record.faults & fault ? 1 : 0;
   }
   const double speed_rad_per_s = cutting ? cutting->spindle_rad_per_s : set_speed_rad_per_s_;
   turn_rad_ = std::fmod(turn_rad_ + speed_rad_per_s * dt_s_, 2.0 * std::numbers::pi);

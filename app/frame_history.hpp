@@ -56,7 +56,7 @@ class FrameHistory {
   bool cutting_, port_, timed_ = false;
   double given_out_J_ = 0.0;                          // with [device] or [coupling]
   std::uint64_t limited_ticks_ = 0, buzz_ticks_ = 0;  // in all
-  std::uint64_t silent_ticks_ = 0, jumped_ticks_ = 0;
+  std::uint64_t silent_ticks_ = 0, jumped_ticks_ = 0, long_step_ticks_ = 0, inside_ticks_ = 0;
   std::array<double, kStageCount> stage_us_{};  // over about the last hundred ticks
 };
 

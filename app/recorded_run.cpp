@@ -88,7 +88,7 @@ RecordedRun open_recorded_run(const std::string& path) {
   std::vector<std::optional<Pose>> poses;
   poses.reserve(rows.size());
   for (const TickRecord& row : rows) {
-    if (row.faults & kFaultDeviceSilent) {
+    if (row.faults & kFaultsWithoutPose) {
       poses.emplace_back();
       continue;
     }

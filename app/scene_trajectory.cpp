@@ -23,7 +23,7 @@ Trajectory scene_trajectory(const Scene& scene, const InputLimits& limits) {
   std::vector<TimedPose> poses;
   double first_s = 0.0;
   for (const TickRecord& row : reader.ticks()) {
-    if (row.faults & kFaultDeviceSilent) continue;
+    if (row.faults & kFaultsWithoutPose) continue;
     if (poses.empty()) first_s = row.time_s;
     poses.push_back({row.time_s - first_s, pose_of(row.device_position_m, row.device_orientation)});
   }

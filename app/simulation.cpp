@@ -7,6 +7,8 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
+#include "haptics/move_tool.hpp"
+#include "haptics/way_through.hpp"
 
 namespace sulcus {
 
@@ -39,16 +41,6 @@ SimulationState state_with_neighbours(const Scene& scene, const VoxelGrid& grid,
   return state;
 }
 
-Eigen::Vector3d middle_of_head(const Burr& burr, const Pose& tool) {
-  return tool.point(Eigen::Vector3d(0.0, 0.5 * burr.head_length_m, 0.0));
-}
-
-/// A point of the world that is further off than a grid may be is in none.
-bool is_inside(const VoxelModel& solid, const Pose& world_from_grid, const Eigen::Vector3d& world) {
-  const Eigen::Vector3d index = solid.grid.index_from_world(world_from_grid.inverse_point(world));
-  if (!(index.cwiseAbs().maxCoeff() < 1e6)) return false;
-  return solid.solid((index.array() + 0.5).floor().cast<int>());
-}
 
 }  // namespace
 

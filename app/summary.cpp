@@ -183,14 +183,15 @@ void add_port(const Scene& scene, const DevicePortState& port, const RunStatisti
                  {"step_limited_ticks", port.edge.step_limited_ticks},
                  {"ramped_ticks", port.edge.ramped_ticks},
                  {"silent_ticks", s.fault_ticks(kFaultDeviceSilent)},
+                 {"bridged_ticks", s.fault_ticks(kFaultPoseBridged)},
                  {"jumped_ticks", s.fault_ticks(kFaultDeviceJumped)}};
   if (scene.device->plugin) j["device"]["plugin"] = scene.device->plugin->name;
 }
 
 Json faults_json(const RunStatistics& statistics, std::uint64_t dropped_rows) {
-  constexpr std::array<const char*, 7> kNames{"not_finite",   "contacts_full", "cut_state_full",
-                                              "rows_dropped", "device_silent", "device_jumped",
-                                              "buzz"};
+  constexpr std::array<const char*, 10> kNames{
+      "not_finite",    "contacts_full", "cut_state_full", "rows_dropped",  "device_silent",
+      "device_jumped", "buzz",          "pose_bridged",   "step_too_long", "tool_inside"};
   Json faults = Json::object();
   for (std::size_t bit = 0; bit < kNames.size(); ++bit) {
     if (statistics.faults[bit] > 0) faults[kNames[bit]] = statistics.faults[bit];

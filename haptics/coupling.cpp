@@ -102,6 +102,7 @@ double part_within(const Eigen::Vector3d& gone_m, const Eigen::Vector3d& step_m,
   if ((gone_m + step_m).norm() <= longest_m) return 1.0;
   // |gone + part step| = longest, for part.
   const double square = step_m.squaredNorm(), along = gone_m.dot(step_m);
+  if (square == 0.0) return 0.0;  // at the limit, or a rounding beyond it
   const double room = std::max(0.0, longest_m * longest_m - gone_m.squaredNorm());
   return std::clamp((-along + std::sqrt(along * along + square * room)) / square, 0.0, 1.0);
 }

@@ -68,6 +68,7 @@ struct CoupledResult {
   ContactResult contact;  // where the tool is
   int evaluations = 0;    // of the contact
   bool balanced = false;  // else it goes on in the next tick
+  bool lags = false;      // in contact, and the device went further than its steps can
 };
 
 /// How far one tick may turn a force that is felt: as far as the device's way turns it where the
@@ -149,6 +150,12 @@ CoupledResult couple(const CouplingSprings& springs, const CouplingSettings& set
         touched + result.contact.contacts > static_cast<std::uint64_t>(settings.contacts_per_tick);
     if (result.evaluations - free >= settings.evaluations || free >= kFreeEvaluations ||
         (used_up && result.evaluations > 1)) {
+      const int steps = result.evaluations - free - 1;
+      if (touching && device_way_m > steps * longest_step_m) {
+        const Matrix6d stiffness = about(result.contact.stiffness, reference, middle);
+        step = coupled_step(springs_now, stiffness, residual, springs.reach_m);
+        result.lags = way_of(step, springs.reach_m) > longest_step_m;
+      }
       break;
     }
     if (result.evaluations > 1) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "engine/recording/tick_record.hpp"
 #include "haptics/broad_phase.hpp"
 #include "haptics/coupling.hpp"
 #include "haptics/evaluate_contact.hpp"
@@ -10,6 +11,7 @@
 #include "haptics/load_balance.hpp"
 #include "haptics/normals.hpp"
 #include "haptics/tool_motion.hpp"
+#include "haptics/way_through.hpp"
 
 namespace sulcus {
 
@@ -70,8 +72,8 @@ MovedTool follow_coupling(const TickContext& context, const Workpiece& workpiece
       springs, settings, context.burr.reference_m, 0.5 * workpiece.grid().voxel_m, device.before,
       device.pose, tool,
       [&](const Pose& pose) noexcept {
-        const ContactResult contact =
-            contact_with_bodies(context, workpiece, state, pose, Asked::kCoupled, scratch);
+        const ContactResult contact = contact_with_bodies(context, workpiece, state, pose,
+                                                          device.slides, Asked::kCoupled, scratch);
         keep_found(context.scene.haptics, state, scratch);
         return contact;
       },
@@ -79,22 +81,26 @@ MovedTool follow_coupling(const TickContext& context, const Workpiece& workpiece
         return free_way_to_bodies(context, workpiece, state, pose, wanted_m, scratch);
       });
   state.tool = tool;
-  return {coupled.contact, pull_on_device(springs, device.pose, tool, context.burr.reference_m),
-          coupled.evaluations};
+  MovedTool moved{coupled.contact,
+                  pull_on_device(springs, device.pose, tool, context.burr.reference_m),
+                  coupled.evaluations};
+  if (coupled.lags) moved.contact.faults |= kFaultStepTooLong;
+  return moved;
 }
 
-MovedTool follow_load(const TickContext& context, const Workpiece& workpiece, const Pose& device,
-                      SimulationState& state, TickScratch& scratch) noexcept {
+MovedTool follow_load(const TickContext& context, const Workpiece& workpiece,
+                      const DeviceReading& device, SimulationState& state,
+                      TickScratch& scratch) noexcept {
   MovedTool moved;
-  Pose tool = device;
+  Pose tool = device.pose;
   const TrajectorySettings& settings = context.scene.trajectory;
   const Eigen::Vector3d& along = settings.load_direction;
   const LoadSearch search{*settings.load_N, 0.5 * workpiece.grid().voxel_m,
                           kFastestAdvance_m_per_s / context.scene.haptics.rate_hz};
   const auto evaluate = [&](double offset_m, bool with_stiffness) {
-    tool.position = device.position + offset_m * along;
+    tool.position = device.pose.position + offset_m * along;
     const ContactResult& contact = moved.contact =
-        contact_with_bodies(context, workpiece, state, tool,
+        contact_with_bodies(context, workpiece, state, tool, device.slides,
                             with_stiffness ? Asked::kStiffness : Asked::kForce, scratch);
     ++moved.evaluations;
     return Resistance{-along.dot(contact.wrench.force_N),
@@ -106,19 +112,61 @@ MovedTool follow_load(const TickContext& context, const Workpiece& workpiece, co
   return moved;
 }
 
+/// The contact where the tool is, which does not move and whose spindle stands.
+MovedTool stand_still(const TickContext& context, const Workpiece& workpiece, const Pose& device,
+                      const SimulationState& state, TickScratch& scratch) noexcept {
+  MovedTool moved;
+  moved.contact =
+      contact_with_bodies(context, workpiece, state, state.tool, false, Asked::kForce, scratch);
+  moved.evaluations = 1;
+  moved.asked = moved.contact.wrench;
+  if (context.scene.coupling) {
+    const CouplingSprings springs(*context.scene.coupling, context.burr);
+    moved.asked = pull_on_device(springs, device, state.tool, context.burr.reference_m);
+  }
+  return moved;
+}
+
+/// Faults of the tool's way from where it was.
+std::uint32_t faults_of_way(const TickContext& context, const Workpiece& workpiece,
+                            const SimulationState& state, const Pose& before,
+                            const ContactResult& contact) noexcept {
+  const Eigen::Vector3d from = middle_of_head(context.burr, before);
+  const Eigen::Vector3d to = middle_of_head(context.burr, state.tool);
+  std::uint32_t faults = 0;
+  const auto add = [&](const VoxelModel& body, const Pose& world_from_grid) {
+    const WayThrough way = way_through(body, world_from_grid, from, to);
+    if (way.crosses) faults |= kFaultStepTooLong;
+    if (way.ends_inside) faults |= kFaultToolInside;
+  };
+  add(workpiece.model(), {});
+  for (const Neighbour& n : state.neighbours) add(n.solid.model(), n.world_from_grid);
+  const Eigen::Vector3d normal_force_N = contact.wrench.force_N - contact.tangential.force_N;
+  const double deeper = -normal_force_N.dot(to - from);  // as a way, times the force
+  if (!context.scene.coupling && deeper > workpiece.grid().voxel_m * normal_force_N.norm()) {
+    faults |= kFaultStepTooLong;
+  }
+  return faults;
+}
+
 }  // namespace
+
+Eigen::Vector3d middle_of_head(const Burr& burr, const Pose& tool) noexcept {
+  return tool.point(Eigen::Vector3d(0.0, 0.5 * burr.head_length_m, 0.0));
+}
 
 double spindle_speed_now(const TickContext& context, const SimulationState& state) noexcept {
   return state.spindle_rad_per_s.value_or(context.burr.speed_rad_per_s);
 }
 
 ContactResult contact_with_bodies(const TickContext& context, const Workpiece& workpiece,
-                                  const SimulationState& state, const Pose& tool, Asked asked,
-                                  TickScratch& scratch) noexcept {
+                                  const SimulationState& state, const Pose& tool, bool slides,
+                                  Asked asked, TickScratch& scratch) noexcept {
   const double dt_s = 1.0 / context.scene.haptics.rate_hz;
-  const Twist twist = motion_between(state.has_pose ? state.tool : tool, tool, dt_s,
-                                     spindle_speed_now(context, state));
-  const Twist* const cutting = state.removal ? &twist : nullptr;
+  const Pose& before = state.has_pose ? state.tool : tool;
+  const Twist twist = motion_between(before, tool, dt_s, spindle_speed_now(context, state));
+  const bool drags = slides && step_of(context.burr, before, tool) <= kLongestStep_m;
+  const Twist* const cutting = state.removal && drags ? &twist : nullptr;
   scratch.forget();
   const NearBodies near = [&] {
     const auto timed = scratch.contact.clock.time(Stage::kBroadPhase);
@@ -144,18 +192,22 @@ MovedTool move_tool(const TickContext& context, const Workpiece& workpiece,
                     const DeviceReading& device, SimulationState& state,
                     TickScratch& scratch) noexcept {
   MovedTool moved;
-  if (state.load_offset_m) {
-    moved = follow_load(context, workpiece, device.pose, state, scratch);
+  const Pose before = state.has_pose ? state.tool : device.pose;
+  if (device.silent && state.has_pose) {
+    moved = stand_still(context, workpiece, device.pose, state, scratch);
+  } else if (state.load_offset_m) {
+    moved = follow_load(context, workpiece, device, state, scratch);
   } else if (context.scene.coupling) {
     moved = follow_coupling(context, workpiece, device, state, scratch);
   } else {
-    moved.contact =
-        contact_with_bodies(context, workpiece, state, device.pose, Asked::kForce, scratch);
+    moved.contact = contact_with_bodies(context, workpiece, state, device.pose, device.slides,
+                                        Asked::kForce, scratch);
     moved.asked = moved.contact.wrench;
     moved.evaluations = 1;
     state.tool = device.pose;
   }
   state.has_pose = true;
+  moved.contact.faults |= faults_of_way(context, workpiece, state, before, moved.contact);
   return moved;
 }
 

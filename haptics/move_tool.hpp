@@ -10,11 +10,15 @@ namespace sulcus {
 /// Speed of the spindle in the tick that comes.
 double spindle_speed_now(const TickContext& context, const SimulationState& state) noexcept;
 
-/// Contact of the burr at a pose with the bodies that it is near, and what it drags along on the
-/// way from where the tool was. Changes no state.
+/// World.
+Eigen::Vector3d middle_of_head(const Burr& burr, const Pose& tool) noexcept;
+
+/// Contact of the burr at a pose with the bodies that it is near, and, where it `slides`, what it
+/// drags along on the way from where the tool was: nothing on one of more than kLongestStep_m.
+/// Changes no state.
 ContactResult contact_with_bodies(const TickContext& context, const Workpiece& workpiece,
-                                  const SimulationState& state, const Pose& tool, Asked asked,
-                                  TickScratch& scratch) noexcept;
+                                  const SimulationState& state, const Pose& tool, bool slides,
+                                  Asked asked, TickScratch& scratch) noexcept;
 
 /// What a tick did with the tool.
 struct MovedTool {
@@ -24,7 +28,11 @@ struct MovedTool {
 };
 
 /// Takes the tool to the device's pose; with a coupling towards where its springs and the contact
-/// balance; with a load on along the load until the contact holds it.
+/// balance; with a load on along the load until the contact holds it. While the device is silent it
+/// stays where it is. What it meets on a step that is too long for it is told in the contact's
+/// faults: kFaultStepTooLong where the tool was to go further along a surface than a coupling can
+/// in a tick, or without one went more than a voxel deeper, or its middle through solid;
+/// kFaultToolInside where that is in solid afterwards.
 MovedTool move_tool(const TickContext& context, const Workpiece& workpiece,
                     const DeviceReading& device, SimulationState& state,
                     TickScratch& scratch) noexcept;

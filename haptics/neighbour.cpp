@@ -5,6 +5,7 @@
 
 #include "engine/core/hash.hpp"
 #include "haptics/evaluate_contact.hpp"
+#include "haptics/state_fields.hpp"
 
 namespace sulcus {
 
@@ -26,9 +27,10 @@ std::vector<Neighbour> make_neighbours(const Scene& scene, std::vector<VoxelMode
 }
 
 std::uint64_t Neighbour::hash() const {
-  std::array<std::uint64_t, 3> parts{solid.hash()};
+  std::array<std::uint64_t, 4> parts{solid.hash()};
   if (kept) parts[1] = kept->hash();
   if (removal) parts[2] = removal->hash();
+  parts[3] = fields::hash_of([this](auto& archive) { fields::damage(archive, *this); });
   return hash_bytes(parts.data(), sizeof(parts));
 }
 

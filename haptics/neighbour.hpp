@@ -31,7 +31,7 @@ struct Neighbour {
   std::uint64_t touched_ticks = 0;
   double peak_force_N = 0.0;
 
-  /// With all that a later tick depends on, the voxels too.
+  /// With all of it, the voxels too.
   std::uint64_t hash() const;
 };
 

@@ -1,9 +1,10 @@
 #include "haptics/removal.hpp"
 
-#include <array>
+#include <limits>
 
 #include "engine/core/hash.hpp"
 #include "engine/recording/tick_record.hpp"
+#include "haptics/state_fields.hpp"
 
 namespace sulcus {
 
@@ -15,8 +16,18 @@ constexpr std::size_t kAhead = 16;  // so many contacts ahead their memory is as
 }  // namespace
 
 std::uint64_t RemovalState::hash() const {
-  const std::array<double, 4> values{pool_J, work_J, removed_J, carried_J};
-  return hash_bytes(values.data(), sizeof(values), part_cut.hash());
+  const std::uint64_t numbers =
+      fields::hash_of([this](auto& archive) { fields::removal(archive, *this); });
+  return hash_bytes(&numbers, sizeof(numbers), part_cut.hash());
+}
+
+bool has_finite_powers(const Contacts& contacts) noexcept {
+  const float* const power_W = contacts(Contacts::kPower);
+  bool finite = true;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    finite &= power_W[i] <= std::numeric_limits<float>::max();
+  }
+  return finite;
 }
 
 std::uint32_t removal(Workpiece& workpiece, std::span<const TissueSettings> tissues, double dt_s,
@@ -56,7 +67,7 @@ std::uint32_t removal(Workpiece& workpiece, std::span<const TissueSettings> tiss
     if (const std::size_t next = i + kAhead; next < contacts.size() && power_W[next] > 0.0f) {
       state.part_cut.prefetch(contacts.keys()[next]);
     }
-    if (power_W[i] <= 0.0f) continue;
+    if (!(power_W[i] > 0.0f)) continue;
     const double work_J = static_cast<double>(power_W[i]) * dt_s;
     state.work_J += work_J;
     standing += spend(i, work_J);

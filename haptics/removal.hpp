@@ -29,6 +29,10 @@ struct RemovalState {
   std::uint64_t hash() const;
 };
 
+/// Whether `removal` may have them: one power that is not a number would go into the pool, and with
+/// it into every voxel that comes.
+bool has_finite_powers(const Contacts& contacts) noexcept;
+
 /// Volume removal [Kim and Park 2019, eq. 6] as conservation of energy: the work of each contact's
 /// tangential force in a tick is spent on its voxel, which goes when it has received its tissue's
 /// specific cutting energy times its volume. (The paper divides by fracture toughness, which orders

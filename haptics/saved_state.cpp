@@ -7,15 +7,16 @@
 #include <type_traits>
 
 #include "engine/normals/normal_method.hpp"
+#include "haptics/state_fields.hpp"
 
 namespace sulcus {
 
 namespace {
 
-// One list of fields for both directions: `Archive` is a Writer of a const state, or a Reader.
-// Little-endian, as the processors that the program runs on.
+// The lists of fields are in state_fields. Little-endian, as the processors that the program runs
+// on.
 
-constexpr std::uint32_t kLayout = 1;  // of the bytes
+constexpr std::uint32_t kLayout = 2;  // of the bytes; 1, without what has come since, is read too
 
 class Writer {
  public:
@@ -27,6 +28,10 @@ class Writer {
     static_assert(std::is_arithmetic_v<T>);
     const auto* first = reinterpret_cast<const std::byte*>(&value);
     bytes_.insert(bytes_.end(), first, first + sizeof(T));
+  }
+  template <class T>
+  void since(std::uint32_t, const T& value) {
+    (*this)(value);
   }
 
  private:
@@ -54,6 +59,13 @@ class Reader {
       if (!std::isfinite(value)) fail();
     }
   }
+  /// A field that the layouts before one do not have.
+  template <class T>
+  void since(std::uint32_t layout, T& value) {
+    value = T{};
+    if (layout_ >= layout) (*this)(value);
+  }
+  void set_layout(std::uint32_t layout) { layout_ = layout; }
   template <class T>
   T take() {
     T value;
@@ -67,94 +79,13 @@ class Reader {
  private:
   std::span<const std::byte> bytes_;
   bool good_ = true;
+  std::uint32_t layout_ = kLayout;
 };
-
-template <class Archive, class... T>
-void all(Archive& archive, T&... values) {
-  (archive(values), ...);
-}
-template <class Archive, class Range>
-void each(Archive& archive, Range& range) {
-  for (auto& value : range) archive(value);
-}
-template <class Archive, class Vector>
-void vector(Archive& archive, Vector& v) {
-  all(archive, v.x(), v.y(), v.z());
-}
-template <class Archive, class P>
-void pose(Archive& archive, P& p) {
-  vector(archive, p.position);
-  auto& q = p.orientation.coeffs();
-  all(archive, q[0], q[1], q[2], q[3]);
-}
-template <class Archive, class W>
-void wrench(Archive& archive, W& w) {
-  vector(archive, w.force_N);
-  vector(archive, w.torque_Nm);
-}
-
-template <class Archive, class Edge>
-void edge(Archive& archive, Edge& e) {
-  wrench(archive, e.sent);
-  all(archive, e.ramp, e.not_finite_ticks, e.clamped_ticks, e.ramped_ticks, e.step_limited_ticks);
-}
-
-template <class Archive, class Passivity>
-void passivity(Archive& archive, Passivity& p) {
-  archive(p.has_reference);
-  pose(archive, p.reference);
-  vector(archive, p.moved.linear_m_per_s);
-  vector(archive, p.moved.angular_rad_per_s);
-  all(archive, p.moved.spindle_rad_per_s, p.energy_J, p.least_J, p.lossless_J);
-  wrench(archive, p.contact);
-  for (auto* h : {&p.asked, &p.sent, &p.held}) {
-    wrench(archive, h->wrench);
-    vector(archive, h->damping_N);
-    archive(h->changed);
-  }
-  all(archive, p.given_before_J, p.dissipated_J, p.damped_ticks);
-}
-
-template <class Archive, class Buzz>
-void buzz(Archive& archive, Buzz& b) {
-  archive(b.started);
-  vector(archive, b.turn_N);
-  vector(archive, b.furthest_N);
-  all(archive, b.tick, b.seen);
-  each(archive, b.swings_N);
-  each(archive, b.seen_ticks);
-}
-
-template <class Archive, class Port>
-void port(Archive& archive, Port& p) {
-  pose(archive, p.pose);
-  archive(p.has_pose);
-  edge(archive, p.edge);
-  passivity(archive, p.passivity);
-  buzz(archive, p.buzz);
-}
-
-/// Whether what follows is there, and whether the state has a place for it.
-template <class Archive, class T>
-bool presence(Archive& archive, const std::optional<T>& part) {
-  bool there = part.has_value();
-  archive(there);
-  return there;
-}
-
-template <class Archive, class Number>
-void number(Archive& archive, Number& part) {
-  if (!presence(archive, part)) return;
-  double value = part.value_or(0.0);
-  archive(value);
-  if constexpr (Archive::kReads) {
-    if (part) part = value;
-  }
-}
 
 void part_cut(Writer& write, const CutState& state) {
   write(state.size());
-  state.for_each([&](std::uint32_t voxel, double energy_J) { all(write, voxel, energy_J); });
+  state.for_each(
+      [&](std::uint32_t voxel, double energy_J) { fields::all(write, voxel, energy_J); });
 }
 
 void part_cut(Reader& read, const VoxelGrid& grid, CutState& state) {
@@ -172,34 +103,32 @@ void part_cut(Reader& read, const VoxelGrid& grid, CutState& state) {
 
 template <class Archive, class Removal>
 void removal(Archive& archive, const VoxelGrid& grid, Removal& part) {
-  if (!presence(archive, part)) return;
+  if (!fields::presence(archive, part)) return;
   if constexpr (Archive::kReads) {
     RemovalState nowhere(CuttingSettings{.max_cut_voxels = 1});  // for what the scene does not name
     RemovalState& to = part ? *part : nowhere;
     part_cut(archive, grid, to.part_cut);
-    all(archive, to.carried_J, to.pool_J, to.work_J, to.removed_J);
-    each(archive, to.removed_voxels);
+    fields::removal(archive, to);
   } else {
     part_cut(archive, part->part_cut);
-    all(archive, part->carried_J, part->pool_J, part->work_J, part->removed_J);
-    each(archive, part->removed_voxels);
+    fields::removal(archive, *part);
   }
 }
 
 /// The leaves in their order, by which the oldest gives way; and which normals had been refined.
 /// The others are found again when they are touched, and are the same then.
 void kept_normals(Writer& write, const std::optional<KeptNormals>& kept) {
-  if (!presence(write, kept)) return;
+  if (!fields::presence(write, kept)) return;
   write(static_cast<std::uint32_t>(kept->pages().size()));
   for (const KeptNormals::Page& page : kept->pages()) {
-    all(write, page.first_key, page.touched);
-    each(write, page.refined);
+    fields::all(write, page.first_key, page.touched);
+    fields::each(write, page.refined);
   }
 }
 
 void kept_normals(Reader& read, const HapticsSettings& settings, const Workpiece& solid,
                   std::optional<KeptNormals>& kept) {
-  if (!presence(read, kept)) return;
+  if (!fields::presence(read, kept)) return;
   if (kept) kept->clear();
   const auto count = read.take<std::uint32_t>();
   std::vector<VoxelQuery> queries;
@@ -208,7 +137,7 @@ void kept_normals(Reader& read, const HapticsSettings& settings, const Workpiece
     const auto leaf = read.take<std::uint32_t>();
     const auto touched = read.take<std::uint64_t>();
     KeptNormals::Mask refined{};
-    each(read, refined);
+    fields::each(read, refined);
     if (!kept) continue;
     if (leaf >> 30 != 0 || leaf != leaf_key(leaf) || !solid.grid().contains(cell_of_key(leaf))) {
       return read.fail();
@@ -229,43 +158,36 @@ void kept_normals(Reader& read, const HapticsSettings& settings, const Workpiece
   }
 }
 
-template <class Archive, class State>
-void head(Archive& archive, State& state) {
-  all(archive, state.tick, state.has_pose);
-  pose(archive, state.tool);
-  port(archive, state.port);
-  number(archive, state.spindle_rad_per_s);
-  number(archive, state.load_offset_m);
-}
-
 }  // namespace
 
 void save_state(const SimulationState& state, std::vector<std::byte>& bytes) {
   Writer write(bytes);
   write(kLayout);
-  head(write, state);
+  fields::head(write, state);
   removal(write, VoxelGrid{}, state.removal);
   kept_normals(write, state.kept);
   write(static_cast<std::uint32_t>(state.neighbours.size()));
   for (const Neighbour& neighbour : state.neighbours) {
     removal(write, VoxelGrid{}, neighbour.removal);
     kept_normals(write, neighbour.kept);
-    all(write, neighbour.touched_ticks, neighbour.peak_force_N);
+    fields::damage(write, neighbour);
   }
 }
 
 bool load_state(std::span<const std::byte> bytes, const HapticsSettings& settings,
                 const Workpiece& workpiece, SimulationState& state) {
   Reader read(bytes);
-  if (read.take<std::uint32_t>() != kLayout) return false;
-  head(read, state);
+  const auto layout = read.take<std::uint32_t>();
+  if (layout < 1 || layout > kLayout) return false;
+  read.set_layout(layout);
+  fields::head(read, state);
   removal(read, workpiece.grid(), state.removal);
   kept_normals(read, settings, workpiece, state.kept);
   if (read.take<std::uint32_t>() != state.neighbours.size()) return false;
   for (Neighbour& neighbour : state.neighbours) {
     removal(read, neighbour.solid.grid(), neighbour.removal);
     kept_normals(read, settings, neighbour.solid, neighbour.kept);
-    all(read, neighbour.touched_ticks, neighbour.peak_force_N);
+    fields::damage(read, neighbour);
   }
   return read.whole();
 }

@@ -1,9 +1,7 @@
 #include "haptics/simulation_state.hpp"
 
-#include <algorithm>
-#include <array>
-
 #include "engine/core/hash.hpp"
+#include "haptics/state_fields.hpp"
 
 namespace sulcus {
 
@@ -17,15 +15,8 @@ SimulationState initial_state(const Scene& scene, const VoxelGrid& grid) {
 }
 
 std::uint64_t SimulationState::hash() const {
-  std::array<double, 10> values{};
-  std::copy_n(tool.position.data(), 3, values.begin());
-  std::copy_n(tool.orientation.coeffs().data(), 4, values.begin() + 3);
-  values[7] = has_pose ? 1.0 : 0.0;
-  values[8] = spindle_rad_per_s.value_or(0.0);
-  values[9] = load_offset_m.value_or(0.0);
-  std::uint64_t hash = hash_bytes(values.data(), sizeof(values), tick);
+  std::uint64_t hash = fields::hash_of([this](auto& archive) { fields::head(archive, *this); });
   const auto add = [&](std::uint64_t part) { hash = hash_bytes(&part, sizeof(part), hash); };
-  add(port.hash());
   if (removal) add(removal->hash());
   if (kept) add(kept->hash());
   for (const Neighbour& neighbour : neighbours) add(neighbour.hash());

@@ -1,6 +1,7 @@
 #include "haptics/tick.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "haptics/device/device_port.hpp"
 #include "haptics/move_tool.hpp"
@@ -11,13 +12,14 @@ namespace sulcus {
 
 namespace {
 
+/// `turning`: the spindle, unless the device is silent.
 CuttingRecord make_cutting_record(const TickContext& context, const SimulationState& state,
-                                  const Wrench& tangential) {
+                                  const Wrench& tangential, bool turning = true) {
   CuttingRecord record;
   record.tick = state.tick;
   std::copy_n(tangential.force_N.data(), 3, record.tangential_force_N);
   std::copy_n(tangential.torque_Nm.data(), 3, record.tangential_torque_Nm);
-  record.spindle_rad_per_s = spindle_speed_now(context, state);
+  record.spindle_rad_per_s = turning ? spindle_speed_now(context, state) : 0.0;
   record.work_J = state.work_J();
   return record;
 }
@@ -29,6 +31,12 @@ void turn_spindle(const TickContext& context, const ContactResult& contact, doub
   state.spindle_rad_per_s =
       spindle_speed(*context.scene.spindle, context.burr.speed_rad_per_s, *state.spindle_rad_per_s,
                     -axis.dot(contact.tangential.torque_Nm), dt_s);
+}
+
+/// It stands while the device is silent, and runs up again after it.
+void stop_spindle(const TickContext& context, SimulationState& state, TickScratch& scratch) {
+  if (state.spindle_rad_per_s) state.spindle_rad_per_s = 0.0;
+  if (state.removal) scratch.cutting = make_cutting_record(context, state, {}, false);
 }
 
 /// What is cut of the workpiece and of a neighbour alike.
@@ -54,10 +62,26 @@ std::uint32_t cut_body(const CutBody& body, double dt_s, std::uint64_t tick,
   return faults;
 }
 
-/// Cuts all bodies, and brakes the spindle by it.
+/// Whether what each contact does can be reckoned with, of all bodies that are cut.
+bool has_finite_powers(const SimulationState& state, const TickScratch& scratch) {
+  bool finite = has_finite_powers(scratch.contact.contacts);
+  for (std::size_t i = 0; i < state.neighbours.size(); ++i) {
+    const Contacts& contacts = scratch.neighbours[i].contact.contacts;
+    finite = finite && (!state.neighbours[i].removal || has_finite_powers(contacts));
+  }
+  return finite;
+}
+
+/// Cuts all bodies, and brakes the spindle by it. Where a power is not finite, nothing of either.
 void cut(const TickContext& context, Workpiece& workpiece, SimulationState& state,
          TickScratch& scratch, ContactResult& contact) {
   const auto timed = scratch.contact.clock.time(Stage::kRemoval);
+  if (!has_finite_powers(state, scratch)) contact.faults |= kFaultNotFinite;
+  if (contact.faults & kFaultNotFinite) {
+    contact.wrench = contact.tangential = {};
+    scratch.cutting = make_cutting_record(context, state, {});
+    return;
+  }
   const double dt_s = 1.0 / context.scene.haptics.rate_hz;
   const std::span tissues = context.scene.tissues;
   contact.faults |= cut_body({0, workpiece, tissues, *state.removal, state.kept, scratch.contact},
@@ -86,7 +110,8 @@ void keep(const TickContext& context, const Workpiece& workpiece, SimulationStat
       keep_normals(neighbour.solid, settings, state.tick, contact, *neighbour.kept);
     }
     if (found.contacts > 0) ++neighbour.touched_ticks;
-    neighbour.peak_force_N = std::max(neighbour.peak_force_N, found.wrench.force_N.norm());
+    const double force_N = found.wrench.force_N.norm();
+    if (std::isfinite(force_N)) neighbour.peak_force_N = std::max(neighbour.peak_force_N, force_N);
   }
 }
 
@@ -102,7 +127,7 @@ void let_go(Workpiece& workpiece, std::span<const std::uint32_t> loose, Simulati
 void refuse_infinite(ContactResult& contact) {
   if (contact.wrench.force_N.allFinite() && contact.wrench.torque_Nm.allFinite()) return;
   contact.faults |= kFaultNotFinite;
-  contact.wrench = {};
+  contact.wrench = contact.tangential = {};
 }
 
 PortRecord make_port_record(const SimulationState& state, const MovedTool& moved) {
@@ -147,7 +172,7 @@ TickRecord make_record(const SimulationState& state, const Pose& device_pose, do
 void rehearse(const TickContext& context, const Workpiece& workpiece, const SimulationState& state,
               TickScratch& scratch) noexcept {
   if (!state.has_pose) return;
-  contact_with_bodies(context, workpiece, state, state.tool,
+  contact_with_bodies(context, workpiece, state, state.tool, true,
                       context.scene.coupling ? Asked::kCoupled : Asked::kForce, scratch);
 }
 
@@ -163,13 +188,14 @@ TickRecord tick(const TickContext& context, Device& device, Workpiece& workpiece
   ContactResult& contact = moved.contact;
   if (state.port.has_pose && (reading.faults & kFaultNotFinite) == 0) {
     moved = move_tool(context, workpiece, reading, state, scratch);
+    refuse_infinite(contact);
     keep(context, workpiece, state, scratch);
-    if (state.removal) cut(context, workpiece, state, scratch, contact);
+    if (state.removal && !reading.silent) cut(context, workpiece, state, scratch, contact);
   } else if (state.removal) {  // the tool stays
     scratch.cutting = make_cutting_record(context, state, {});
   }
+  if (reading.silent) stop_spindle(context, state, scratch);
   contact.faults |= reading.faults;
-  refuse_infinite(contact);
   const Wrench sent = render_wrench(context, reading, moved.asked, state.port, contact.faults);
   device.apply(sent);
 

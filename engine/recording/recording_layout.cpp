@@ -42,7 +42,10 @@ constexpr std::array<StoredField, 19> kTicks{{
     {"late_us", kF32, 1, "us", "how late it woke; no part of the result"},
     {"faults", kU64, 1, "",
      "bits: 1 not finite, 2 contacts full, 4 part-cut state full, 8 rows before this one are "
-     "missing, 16 no pose from the device, 32 its pose jumped, 64 the force buzzes"},
+     "missing, 16 no pose from the device for more than 20 ms: tool and spindle stand still, 32 "
+     "its "
+     "pose jumped, 64 the force buzzes, 128 no pose, the last one stands, 256 a step too long for "
+     "what it met, 512 the middle of the burr's head inside a solid"},
     {"edits_end", kU64, 1, "", "rows of /edits up to and with this tick"},
     kCheck,
 }};

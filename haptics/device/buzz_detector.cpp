@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/core/hash.hpp"
+#include "haptics/state_fields.hpp"
 
 namespace sulcus {
 
@@ -66,14 +66,7 @@ bool buzz(const Eigen::Vector3d& force_N, double threshold_N, double dt_s,
 }
 
 std::uint64_t BuzzState::hash() const {
-  std::array<double, 6> forces{};
-  std::copy_n(turn_N.data(), 3, forces.begin());
-  std::copy_n(furthest_N.data(), 3, forces.begin() + 3);
-  const std::array<std::uint64_t, 3> counts{tick, seen, started ? 1u : 0u};
-  std::uint64_t hash = hash_bytes(forces.data(), sizeof(forces));
-  hash = hash_bytes(swings_N.data(), sizeof(swings_N), hash);
-  hash = hash_bytes(seen_ticks.data(), sizeof(seen_ticks), hash);
-  return hash_bytes(counts.data(), sizeof(counts), hash);
+  return fields::hash_of([this](auto& archive) { fields::buzz(archive, *this); });
 }
 
 }  // namespace sulcus

@@ -21,7 +21,10 @@ class Device {
   virtual std::optional<Pose> pose(std::uint64_t tick) noexcept = 0;
   /// Force and torque of that tick for the hand.
   virtual void apply(const Wrench& wrench) noexcept = 0;
-  /// No more ticks come: nothing is to be felt any more. Called once, by the same thread.
+  /// No more ticks come. Called by the same thread a tick's time apart, until it is false: where
+  /// there is a hand, takes off a part of the force.
+  virtual bool fade() noexcept { return false; }
+  /// After it: nothing is to be felt any more. Called once, by the same thread.
   virtual void release() noexcept {}
   /// It will give no pose any more: the run ends once the force has faded.
   virtual bool is_gone() const noexcept { return false; }

@@ -1,16 +1,15 @@
 #include "haptics/device/device_edge.hpp"
 
 #include <algorithm>
-#include <array>
 
-#include "engine/core/hash.hpp"
+#include "haptics/state_fields.hpp"
 
 namespace sulcus {
 
 namespace {
 
 constexpr double kRamp_s = 0.1;
-constexpr double kFall_s = 0.02;
+constexpr double kFall_s = 0.05;
 
 /// A vector in its own direction, no longer than `limit`. Scaled first, since the squares of large
 /// numbers overflow.
@@ -32,22 +31,24 @@ bool equal(const Wrench& a, const Wrench& b) {
 }
 
 /// The ramp of the next tick.
-double next_ramp(double ramp, const DeviceEdgeLimits& limits, bool answered) {
-  return answered ? std::min(1.0, ramp + limits.dt_s / kRamp_s)
-                  : std::max(0.0, ramp - limits.dt_s / kFall_s);
+double next_ramp(double ramp, const DeviceEdgeLimits& limits, bool silent) {
+  return silent ? std::max(0.0, ramp - limits.dt_s / kFall_s)
+                : std::min(1.0, ramp + limits.dt_s / kRamp_s);
 }
 
 }  // namespace
 
-Wrench device_edge(const Wrench& wanted, const DeviceEdgeLimits& limits, bool answered, bool jumped,
+Wrench cut_off(DeviceEdgeState& state) noexcept {
+  ++state.not_finite_ticks;
+  return state.sent = {};
+}
+
+Wrench device_edge(const Wrench& wanted, const DeviceEdgeLimits& limits, bool silent, bool jumped,
                    DeviceEdgeState& state) noexcept {
+  if (!is_finite(wanted)) return cut_off(state);
   Wrench rendered;  // what of the wanted the device has
-  if (!is_finite(wanted)) {
-    ++state.not_finite_ticks;
-  } else {
-    if (limits.force_N > 0.0) rendered.force_N = wanted.force_N;
-    if (limits.torque_Nm > 0.0) rendered.torque_Nm = wanted.torque_Nm;
-  }
+  if (limits.force_N > 0.0) rendered.force_N = wanted.force_N;
+  if (limits.torque_Nm > 0.0) rendered.torque_Nm = wanted.torque_Nm;
   const Wrench clamped{shortened(rendered.force_N, limits.force_N),
                        shortened(rendered.torque_Nm, limits.torque_Nm)};
   if (!equal(clamped, rendered)) ++state.clamped_ticks;
@@ -55,7 +56,7 @@ Wrench device_edge(const Wrench& wanted, const DeviceEdgeLimits& limits, bool an
   if (jumped) state.ramp = 0.0;
   const Wrench ramped{state.ramp * clamped.force_N, state.ramp * clamped.torque_Nm};
   if (!equal(ramped, clamped)) ++state.ramped_ticks;
-  state.ramp = next_ramp(state.ramp, limits, answered);
+  state.ramp = next_ramp(state.ramp, limits, silent);
 
   const Eigen::Vector3d force_step_N = ramped.force_N - state.sent.force_N;
   const Eigen::Vector3d torque_step_Nm = ramped.torque_Nm - state.sent.torque_Nm;
@@ -71,13 +72,7 @@ Wrench device_edge(const Wrench& wanted, const DeviceEdgeLimits& limits, bool an
 }
 
 std::uint64_t DeviceEdgeState::hash() const {
-  std::array<double, 7> values{};
-  std::copy_n(sent.force_N.data(), 3, values.begin());
-  std::copy_n(sent.torque_Nm.data(), 3, values.begin() + 3);
-  values[6] = ramp;
-  const std::array<std::uint64_t, 4> counts{not_finite_ticks, clamped_ticks, ramped_ticks,
-                                            step_limited_ticks};
-  return hash_bytes(counts.data(), sizeof(counts), hash_bytes(values.data(), sizeof(values)));
+  return fields::hash_of([this](auto& archive) { fields::edge(archive, *this); });
 }
 
 }  // namespace sulcus

@@ -33,16 +33,21 @@ struct DeviceEdgeState {
 };
 
 /// What is sent to a device of what is wanted. In this order:
-/// - finite, or zero, both parts;
+/// - finite; else `cut_off`, both parts;
 /// - clamped in magnitude, the direction kept;
-/// - ramped, from 0 in the first tick to 1 after 0.1 s. While the device does not answer the ramp
-///   falls, from 1 to 0 in 20 ms, `wanted` being that of the last pose, and rises again from where
-///   it has come to; after it has `jumped`, its pose further off than a hand moves it in a tick, it
-///   starts anew. Ramped after the clamp: of a large wanted force, too, only a small part is sent
-///   at first;
+/// - ramped, from 0 in the first tick to 1 after 0.1 s. While the device is `silent` the ramp
+/// falls,
+///   from 1 to 0 in 50 ms, `wanted` being that of the last pose, and rises again from where it has
+///   come to; after it has `jumped`, its pose further off than a hand moves it in a tick, it starts
+///   anew. Ramped after the clamp: of a large wanted force, too, only a small part is sent at
+///   first;
 /// - never further from what was sent before than the steps, so that nothing of the above jumps.
 /// Force and torque each by themselves. A part whose limit is 0 is not rendered and not counted.
-Wrench device_edge(const Wrench& wanted, const DeviceEdgeLimits& limits, bool answered, bool jumped,
+Wrench device_edge(const Wrench& wanted, const DeviceEdgeLimits& limits, bool silent, bool jumped,
                    DeviceEdgeState& state) noexcept;
+
+/// The edge of a tick in which something was not finite, which ends the run: zero force at once,
+/// whatever was sent before. What the hand still holds then is taken off by ForceFade.
+Wrench cut_off(DeviceEdgeState& state) noexcept;
 
 }  // namespace sulcus

@@ -1,18 +1,21 @@
 #include "haptics/device/device_port.hpp"
 
 #include <algorithm>
-#include <array>
 #include <optional>
 
-#include "engine/core/hash.hpp"
 #include "engine/recording/tick_record.hpp"
 
 namespace sulcus {
 
 namespace {
 
-/// Nobody moves a handle faster; what does is an encoder that slipped.
-constexpr double kFastestHandle_m_per_s = 5.0;
+constexpr double kBridged_s = 0.02;
+
+bool is_silent(const DevicePortState& state, double dt_s) {
+  constexpr double kRounding = 1e-6;
+  return state.silent_ticks > 0 && (!state.has_pose || static_cast<double>(state.silent_ticks) >
+                                                           kBridged_s / dt_s + kRounding);
+}
 
 bool is_finite(const Pose& pose) {
   return pose.position.allFinite() && pose.orientation.coeffs().allFinite();
@@ -38,15 +41,6 @@ PassivitySettings passivity_settings(const TickContext& context) {
 
 }  // namespace
 
-std::uint64_t DevicePortState::hash() const {
-  std::array<double, 8> values{};
-  std::copy_n(pose.position.data(), 3, values.begin());
-  std::copy_n(pose.orientation.coeffs().data(), 4, values.begin() + 3);
-  values[7] = has_pose ? 1.0 : 0.0;
-  const std::array<std::uint64_t, 3> parts{edge.hash(), passivity.hash(), buzz.hash()};
-  return hash_bytes(parts.data(), sizeof(parts), hash_bytes(values.data(), sizeof(values)));
-}
-
 double felt_stiffness(const Scene& scene) noexcept {
   if (scene.coupling) return scene.coupling->stiffness_N_per_m;
   double stiffest = 0.0;
@@ -56,24 +50,31 @@ double felt_stiffness(const Scene& scene) noexcept {
 
 DeviceReading read_pose(const TickContext& context, Device& device, std::uint64_t tick,
                         DevicePortState& state) noexcept {
+  const double dt_s = 1.0 / context.scene.haptics.rate_hz;
   DeviceReading reading;
   const std::optional<Pose> pose = device.pose(tick);
-  reading.answered = pose.has_value();
-  reading.pose = pose.value_or(state.pose);
-  if (!reading.answered) reading.faults |= kFaultDeviceSilent;
-  if (!is_finite(reading.pose)) {
+  if (pose && !is_finite(*pose)) {
     reading.faults |= kFaultNotFinite;
     reading.pose = reading.before = state.pose;
     return reading;
   }
+  const bool was_silent = is_silent(state, dt_s);
+  state.silent_ticks = pose ? 0 : state.silent_ticks + 1;
+  reading.silent = is_silent(state, dt_s);
+  reading.pose = pose.value_or(state.pose);
   reading.before = state.has_pose ? state.pose : reading.pose;
-  const double way_m = (reading.pose.position - reading.before.position).norm();
-  const double fastest_m = kFastestHandle_m_per_s / context.scene.haptics.rate_hz;
-  reading.jumped = context.scene.device && way_m > fastest_m;
+  reading.jumped = step_of(context.burr, reading.before, reading.pose) > kLongestStep_m;
+  reading.slides = !reading.silent && !was_silent && !reading.jumped;
+  if (!pose) reading.faults |= reading.silent ? kFaultDeviceSilent : kFaultPoseBridged;
   if (reading.jumped) reading.faults |= kFaultDeviceJumped;
-  state.has_pose |= reading.answered;
+  state.has_pose |= pose.has_value();
   state.pose = reading.pose;
   return reading;
+}
+
+double step_of(const Burr& burr, const Pose& from, const Pose& to) noexcept {
+  const Eigen::Vector3d end(0.0, burr.head_length_m, 0.0);
+  return std::max((to.position - from.position).norm(), (to.point(end) - from.point(end)).norm());
 }
 
 Wrench render_wrench(const TickContext& context, const DeviceReading& reading, const Wrench& asked,
@@ -84,8 +85,11 @@ Wrench render_wrench(const TickContext& context, const DeviceReading& reading, c
   if (!finite) faults |= kFaultNotFinite;
   const PassivitySettings settings = passivity_settings(context);
   observe_passivity(at_reference(reading.pose, context.burr.reference_m), state.passivity);
-  Wrench sent = finite ? asked : Wrench{};
-  if (scene.device) {
+  const bool broken = (faults & kFaultNotFinite) != 0;
+  Wrench sent = broken ? Wrench{} : asked;
+  if (scene.device && broken) {
+    sent = cut_off(state.edge);
+  } else if (scene.device) {
     if (scene.device->passivity_controller) {
       sent = control_passivity(sent, settings, state.passivity);
     }
@@ -93,7 +97,7 @@ Wrench render_wrench(const TickContext& context, const DeviceReading& reading, c
     limits.force_N = scene.device->force_limit_N;
     limits.torque_Nm = scene.device->torque_limit_Nm;
     limits.dt_s = dt_s;
-    sent = device_edge(sent, limits, reading.answered, reading.jumped, state.edge);
+    sent = device_edge(sent, limits, reading.silent, reading.jumped, state.edge);
   }
   hold_wrench(sent, settings, state.passivity);
   if (scene.device || scene.coupling) {

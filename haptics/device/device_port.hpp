@@ -14,22 +14,32 @@ namespace sulcus {
 /// Where poses come in and wrenches go out: what of it a later tick depends on.
 struct DevicePortState {
   bool has_pose = false;
-  Pose pose;  // of the device, the last that it gave
+  Pose pose;  // of the device, the last that it gave; before the first where it is to start
+  std::uint64_t silent_ticks = 0;  // since then
   DeviceEdgeState edge;
   PassivityState passivity;
   BuzzState buzz;
-
-  std::uint64_t hash() const;
 };
 
-/// A pose as the tick takes it.
+/// A pose as the tick takes it. One rule for a device's time, whatever gives the poses: no pose for
+/// up to 20 ms is bridged, the last one stands and all goes on; for longer the device is `silent`,
+/// and tool and spindle stand still, until a pose comes, while the force falls to zero
+/// (device_edge). A pose more than kLongestStep_m from the last one is a jump. Of neither a jump
+/// nor the way of a silence the tool has slid: no friction, nothing cut.
 struct DeviceReading {
-  Pose pose;    // the last one while the device is silent
+  Pose pose;    // the last one where there is none
   Pose before;  // the last one; at first the same
-  bool answered = true;
-  bool jumped = false;       // further from the last than a hand moves a handle: 5 m/s
+  bool silent = false;
+  bool jumped = false;
+  bool slides = true;        // `pose` is where the tool has gone since `before`
   std::uint32_t faults = 0;  // bits of Fault
 };
+
+/// Of the burr's tip and its head's other end, in a tick, at most.
+inline constexpr double kLongestStep_m = 5e-3;
+
+/// How far the tip or the head's other end goes, whichever goes further.
+double step_of(const Burr& burr, const Pose& from, const Pose& to) noexcept;
 
 /// What a hand feels a scene's contacts as stiff as, at most, N/m: what buzz is listened for with.
 double felt_stiffness(const Scene& scene) noexcept;

@@ -1,10 +1,9 @@
 #include "haptics/device/passivity.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
-#include "engine/core/hash.hpp"
+#include "haptics/state_fields.hpp"
 
 namespace sulcus {
 
@@ -116,26 +115,7 @@ void hold_wrench(const Wrench& sent, const PassivitySettings& settings,
 double PassivityState::given_out_J() const { return given_before_J + std::max(0.0, -energy_J); }
 
 std::uint64_t PassivityState::hash() const {
-  std::array<double, 3 * 14 + 4 + 3 + 6> values{};
-  auto at = values.begin();
-  const auto add = [&](const Eigen::Vector3d& v) { at = std::copy_n(v.data(), 3, at); };
-  const auto add_wrench = [&](const Wrench& wrench) {
-    add(wrench.force_N);
-    add(wrench.torque_Nm);
-  };
-  add(reference.position);
-  at = std::copy_n(reference.orientation.coeffs().data(), 4, at);
-  add(moved.linear_m_per_s);
-  add(moved.angular_rad_per_s);
-  add_wrench(contact);
-  for (const Held* h : {&asked, &sent, &held}) {
-    add_wrench(h->wrench);
-    add(h->damping_N);
-    *at++ = h->changed ? 1.0 : 0.0;
-  }
-  for (const double v : {energy_J, least_J, lossless_J, given_before_J, dissipated_J}) *at++ = v;
-  *at = has_reference ? 1.0 : 0.0;
-  return hash_bytes(values.data(), sizeof(values), damped_ticks);
+  return fields::hash_of([this](auto& archive) { fields::passivity(archive, *this); });
 }
 
 }  // namespace sulcus

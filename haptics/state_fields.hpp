@@ -1,0 +1,149 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <type_traits>
+
+#include "engine/core/hash.hpp"
+
+namespace sulcus::fields {
+
+// One list of the fields of each part of a SimulationState, for all that goes over them: `Archive`
+// is a Hasher or a saved state's Writer, of a const state, or its Reader. What is hashed is what is
+// saved. Tables that have a hash of their own, part-cut voxels, kept normals and the bodies'
+// voxels, are not in the lists.
+
+/// XXH3-64 of what it is given, in its order.
+class Hasher {
+ public:
+  static constexpr bool kReads = false;
+
+  template <class T>
+  void operator()(const T& value) {
+    static_assert(std::is_arithmetic_v<T>);
+    hash_ = hash_bytes(&value, sizeof(T), hash_);
+  }
+  template <class T>
+  void since(std::uint32_t, const T& value) {
+    (*this)(value);
+  }
+  std::uint64_t hash() const { return hash_; }
+
+ private:
+  std::uint64_t hash_ = 0;
+};
+
+template <class Archive, class... T>
+void all(Archive& archive, T&... values) {
+  (archive(values), ...);
+}
+template <class Archive, class Range>
+void each(Archive& archive, Range& range) {
+  for (auto& value : range) archive(value);
+}
+template <class Archive, class Vector>
+void vector(Archive& archive, Vector& v) {
+  all(archive, v.x(), v.y(), v.z());
+}
+template <class Archive, class P>
+void pose(Archive& archive, P& p) {
+  vector(archive, p.position);
+  auto& q = p.orientation.coeffs();
+  all(archive, q[0], q[1], q[2], q[3]);
+}
+template <class Archive, class W>
+void wrench(Archive& archive, W& w) {
+  vector(archive, w.force_N);
+  vector(archive, w.torque_Nm);
+}
+
+template <class Archive, class Edge>
+void edge(Archive& archive, Edge& e) {
+  wrench(archive, e.sent);
+  all(archive, e.ramp, e.not_finite_ticks, e.clamped_ticks, e.ramped_ticks, e.step_limited_ticks);
+}
+
+template <class Archive, class Passivity>
+void passivity(Archive& archive, Passivity& p) {
+  archive(p.has_reference);
+  pose(archive, p.reference);
+  vector(archive, p.moved.linear_m_per_s);
+  vector(archive, p.moved.angular_rad_per_s);
+  all(archive, p.moved.spindle_rad_per_s, p.energy_J, p.least_J, p.lossless_J);
+  wrench(archive, p.contact);
+  for (auto* h : {&p.asked, &p.sent, &p.held}) {
+    wrench(archive, h->wrench);
+    vector(archive, h->damping_N);
+    archive(h->changed);
+  }
+  all(archive, p.given_before_J, p.dissipated_J, p.damped_ticks);
+}
+
+template <class Archive, class Buzz>
+void buzz(Archive& archive, Buzz& b) {
+  archive(b.started);
+  vector(archive, b.turn_N);
+  vector(archive, b.furthest_N);
+  all(archive, b.tick, b.seen);
+  each(archive, b.swings_N);
+  each(archive, b.seen_ticks);
+}
+
+template <class Archive, class Port>
+void port(Archive& archive, Port& p) {
+  pose(archive, p.pose);
+  archive(p.has_pose);
+  edge(archive, p.edge);
+  passivity(archive, p.passivity);
+  buzz(archive, p.buzz);
+  archive.since(2, p.silent_ticks);
+}
+
+/// Whether what follows is there, and whether the state has a place for it.
+template <class Archive, class T>
+bool presence(Archive& archive, const std::optional<T>& part) {
+  bool there = part.has_value();
+  archive(there);
+  return there;
+}
+
+template <class Archive, class Number>
+void number(Archive& archive, Number& part) {
+  if (!presence(archive, part)) return;
+  double value = part.value_or(0.0);
+  archive(value);
+  if constexpr (Archive::kReads) {
+    if (part) part = value;
+  }
+}
+
+template <class Archive, class Removal>
+void removal(Archive& archive, Removal& r) {
+  all(archive, r.carried_J, r.pool_J, r.work_J, r.removed_J);
+  each(archive, r.removed_voxels);
+}
+
+/// What a neighbour has suffered.
+template <class Archive, class Neighbour>
+void damage(Archive& archive, Neighbour& n) {
+  all(archive, n.touched_ticks, n.peak_force_N);
+}
+
+template <class Archive, class State>
+void head(Archive& archive, State& state) {
+  all(archive, state.tick, state.has_pose);
+  pose(archive, state.tool);
+  port(archive, state.port);
+  number(archive, state.spindle_rad_per_s);
+  number(archive, state.load_offset_m);
+}
+
+/// The hash of a part: `list(archive)` goes over its fields.
+template <class List>
+std::uint64_t hash_of(const List& list) {
+  Hasher hasher;
+  list(hasher);
+  return hasher.hash();
+}
+
+}  // namespace sulcus::fields
