@@ -92,6 +92,7 @@ PluginDevice::PluginDevice(const Scene& scene, const Trajectory& trajectory,
     throw InputError(scene.file, "--pace fast", title_ + ", which lives in real time",
                      "--pace real");
   }
+  steps_.dt_s = 1.0 / scene.haptics.rate_hz;
   host_->struct_size = sizeof(SulcusDeviceHost);
   host_->rate_hz = scene.haptics.rate_hz;
   host_->reference_m = scene.burr.reference_m;
@@ -227,17 +228,32 @@ std::optional<Pose> PluginDevice::pose(std::uint64_t tick) noexcept {
 }
 
 void PluginDevice::apply(const Wrench& wrench) noexcept {
+  constexpr double kRounding = 1.0 + 1e-6;
+  const double force_step_N = (wrench.force_N - written_.force_N).norm();
+  const double torque_step_Nm = (wrench.torque_Nm - written_.torque_Nm).norm();
+  const bool cut_off = force_step_N > kRounding * steps_.force_step_N ||
+                       torque_step_Nm > kRounding * steps_.torque_step_Nm;
+  if (cut_off && !fade_) fade_.emplace(written_, steps_);
+  write(fade_ ? fade_->next() : wrench, false);
+}
+
+bool PluginDevice::fade() noexcept {
+  if (!fade_) fade_.emplace(written_, steps_);
+  ++tick_;
+  const Wrench next = fade_->next();
+  if (is_gone() || fade_->is_over()) return false;
+  write(next, false);
+  return true;
+}
+
+void PluginDevice::release() noexcept { write({}, true); }
+
+void PluginDevice::write(const Wrench& wrench, bool last) noexcept {
   if (is_gone()) return;
   const Eigen::Vector3d &f = wrench.force_N, &t = wrench.torque_Nm;
   const SulcusWrench sent{{f.x(), f.y(), f.z()}, {t.x(), t.y(), t.z()}};
-  const int code = timed("write", [&] { return plugin_.write(device_, tick_, &sent, 0); });
-  if (code != SULCUS_DEVICE_OK && end_ == End::kNone) fail(End::kGone, code);
-}
-
-void PluginDevice::release() noexcept {
-  if (is_gone()) return;
-  const SulcusWrench none{};
-  const int code = timed("write", [&] { return plugin_.write(device_, tick_, &none, 1); });
+  written_ = wrench;
+  const int code = timed("write", [&] { return plugin_.write(device_, tick_, &sent, last); });
   if (code != SULCUS_DEVICE_OK && end_ == End::kNone) fail(End::kGone, code);
 }
 

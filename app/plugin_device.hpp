@@ -12,6 +12,7 @@
 #include "engine/scene/scene.hpp"
 #include "engine/scene/trajectory.hpp"
 #include "haptics/device/device.hpp"
+#include "haptics/device/force_fade.hpp"
 #include "plugins/sulcus_device.h"
 
 namespace sulcus {
@@ -22,7 +23,11 @@ namespace sulcus {
 /// nothing, the device is not there yet. A replay needs no plug-in: the poses that it has are those
 /// which came through.
 ///
-/// Made, begun and ended by the main thread; pose, apply, release and is_gone are the haptic
+/// What is written never steps by more than device_edge lets it, whatever ends a run: the ticks'
+/// own forces keep to that; where they are cut off, or no more of them come, a ForceFade takes the
+/// rest. Its steps are in no record.
+///
+/// Made, begun and ended by the main thread; pose, apply, fade, release and is_gone are the haptic
 /// thread's.
 class PluginDevice final : public Device {
  public:
@@ -53,6 +58,7 @@ class PluginDevice final : public Device {
 
   std::optional<Pose> pose(std::uint64_t tick) noexcept override;
   void apply(const Wrench& wrench) noexcept override;
+  bool fade() noexcept override;
   void release() noexcept override;
   bool is_gone() const noexcept override { return end_ == End::kGone; }
 
@@ -72,6 +78,7 @@ class PluginDevice final : public Device {
   template <class Call>
   int timed(const char* name, const Call& call) noexcept;
   void fail(End end, int code) noexcept;
+  void write(const Wrench& wrench, bool last) noexcept;
   void watch(const std::stop_token& stop) const;
   void close() noexcept;
 
@@ -86,6 +93,9 @@ class PluginDevice final : public Device {
 
   // The haptic thread's, until it has ended.
   std::function<bool(const Pose&)> is_free_;
+  DeviceEdgeLimits steps_;         // of what is written
+  Wrench written_;                 // last
+  std::optional<ForceFade> fade_;  // once there is to be no more force
   bool is_held_ = false;
   std::uint64_t tick_ = 0, took_ns_ = 0, longest_ns_ = 0;
   std::uint64_t slow_ticks_ = 0, inside_ticks_ = 0, silent_ticks_ = 0;

@@ -67,35 +67,45 @@ void RecorderThread::drain_all() {
 }
 
 bool RecorderThread::drain() {
+  if (!writer_) return pass_over();
+  try {
+    return write_down();
+  } catch (...) {
+    failure_ = std::current_exception();
+    feed_.gone = true;
+    writer_.reset();
+    return true;
+  }
+}
+
+bool RecorderThread::pass_over() {
+  while (feed_.reports.pop() || feed_.edits.pop()) {
+  }
+  return false;
+}
+
+bool RecorderThread::write_down() {
   std::vector<TickRecord> rows;
   std::vector<CuttingRecord> cuts;
   std::vector<PortRecord> port;
   std::vector<Edit> edits;
   for (TickReport report; rows.size() < kMostRows && feed_.reports.try_dequeue(report);) {
     rows.push_back(report.record);
-    if (writer_ && writer_->has_cutting()) cuts.push_back(report.cutting);
-    if (writer_ && writer_->has_port()) port.push_back(report.port);
+    if (writer_->has_cutting()) cuts.push_back(report.cutting);
+    if (writer_->has_port()) port.push_back(report.port);
   }
   for (Edit edit; edits.size() < kMostEdits && feed_.edits.try_dequeue(edit);) {
     edits.push_back(edit);
   }
-  const bool more = rows.size() == kMostRows || edits.size() == kMostEdits;
-  if (!writer_) return more;
-  try {
-    writer_->append_edits(edits);
-    if (pieces_) drain_pieces();
-    if (!cuts.empty()) writer_->append_cutting(cuts);
-    if (!port.empty()) writer_->append_port(port);
-    writer_->append_ticks(rows);
-    if (!rows.empty()) last_tick_ = rows.back().tick;
-    drain_states();
-    writer_->flush();
-  } catch (...) {
-    failure_ = std::current_exception();
-    feed_.gone = true;
-    writer_.reset();
-  }
-  return more;
+  writer_->append_edits(edits);
+  if (pieces_) drain_pieces();
+  if (!cuts.empty()) writer_->append_cutting(cuts);
+  if (!port.empty()) writer_->append_port(port);
+  writer_->append_ticks(rows);
+  if (!rows.empty()) last_tick_ = rows.back().tick;
+  drain_states();
+  writer_->flush();
+  return rows.size() == kMostRows || edits.size() == kMostEdits;
 }
 
 /// A hash or a state of a tick whose row has not come yet waits for the next round.

@@ -29,6 +29,8 @@ class RecorderThread {
   void drain_all();
   /// Whether there may be more.
   bool drain();
+  bool write_down();
+  bool pass_over();  // once the disk has failed
   void drain_pieces();
   void drain_states();
 

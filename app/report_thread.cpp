@@ -9,7 +9,14 @@ namespace sulcus {
 
 ReportThread::ReportThread(Feed& feed, std::optional<PreparationOutcome> outcome)
     : feed_(feed), outcome_(std::move(outcome)) {
-  thread_ = std::thread([this] { run(); });
+  thread_ = std::thread([this] {
+    try {
+      run();
+    } catch (...) {
+      failure_ = std::current_exception();
+      feed_.gone = true;
+    }
+  });
 }
 
 ReportThread::~ReportThread() {
@@ -18,7 +25,10 @@ ReportThread::~ReportThread() {
   thread_.join();
 }
 
-void ReportThread::finish() { thread_.join(); }
+void ReportThread::finish() {
+  thread_.join();
+  if (failure_) std::rethrow_exception(failure_);
+}
 
 void ReportThread::run() {
   leave_realtime_core();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <exception>
 #include <optional>
 #include <thread>
 
@@ -18,7 +19,8 @@ class ReportThread {
   ReportThread(const ReportThread&) = delete;
   ReportThread& operator=(const ReportThread&) = delete;
 
-  /// After `feed.ended`: waits for the rest.
+  /// After `feed.ended`: waits for the rest. Throws what ended the thread before it; the feed was
+  /// `gone` then.
   void finish();
   // After `finish`.
   const RunStatistics& statistics() const { return statistics_; }
@@ -33,6 +35,7 @@ class ReportThread {
   std::optional<PreparationOutcome> outcome_;
   double outcome_seconds_ = 0.0;
   RunStatistics statistics_;
+  std::exception_ptr failure_;
   std::thread thread_;
 };
 

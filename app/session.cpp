@@ -76,13 +76,16 @@ bool is_zero_force(const TickRecord& record) {
 /// The loop around the tick: what only a thread with a clock knows.
 class HapticLoop {
  public:
-  /// `record` is null where the scene has no [record].
+  /// `record` is null where the scene has no [record]. `needed`: feeds of those without whom there
+  /// is no result; where one of them has failed, the run ends.
   HapticLoop(Simulation& simulation, Device& device, const SessionOptions& options,
-             std::vector<Feed*> feeds, RecordFeed* record, PiecesThread* pieces, Progress* progress)
+             std::vector<Feed*> feeds, std::vector<const Feed*> needed, RecordFeed* record,
+             PiecesThread* pieces, Progress* progress)
       : simulation_(simulation),
         device_(device),
         options_(options),
         feeds_(std::move(feeds)),
+        needed_(std::move(needed)),
         record_(record),
         pieces_(pieces),
         loose_(options.played_back ? LooseSchedule(*options.played_back, simulation.state().tick)
@@ -90,7 +93,46 @@ class HapticLoop {
         pacer_(simulation.scene().haptics.rate_hz),
         progress_(progress) {}
 
-  void run() {
+  /// Whatever ends the ticks, the device loses its force, and all that was told is told whole. What
+  /// was thrown is in `failure`.
+  void run() noexcept {
+    guarded([this] { run_ticks(); });
+    // First of all: what follows may wait for the disk.
+    do {
+      if (options_.pace == Pace::kReal) pacer_.wait([] {});
+    } while (device_.fade());
+    device_.release();
+    guarded([this] { end_record(); });
+    for (Feed* feed : feeds_) feed->ended = true;
+    if (record_) record_->ended = true;
+  }
+
+  /// Ends the run after the tick in hand. Of any thread.
+  void stop() { stop_ = true; }
+
+  // After `run`.
+  std::uint64_t missed() const { return pacer_.missed(); }
+  std::uint64_t dropped_rows() const { return dropped_rows_; }
+  const std::vector<std::string>& refused() const { return refused_; }
+  /// The first that was thrown; null: nothing.
+  std::exception_ptr failure() const { return failure_; }
+
+ private:
+  bool stopped() const {
+    return stop_requested() || stop_ ||
+           std::ranges::any_of(needed_, [](const Feed* feed) { return feed->gone.load(); });
+  }
+
+  template <class Part>
+  void guarded(const Part& part) noexcept {
+    try {
+      part();
+    } catch (...) {
+      if (!failure_) failure_ = std::current_exception();
+    }
+  }
+
+  void run_ticks() {
     if (options_.pace == Pace::kReal) {
       refused_ = request_realtime();
       (void)lock_memory();  // this thread's stack as well; what is refused was said before
@@ -119,26 +161,16 @@ class HapticLoop {
       if (device_.is_gone() && is_zero_force(report.record)) break;
       if (progress_) progress_->at(done_ + 1, options_.ticks);
     }
-    device_.release();        // first of all: what follows may wait for the disk
+  }
+
+  void end_record() {
     if (records() && gap_) {  // time does not matter any more
       wait_for_room(dropped_);
       --dropped_rows_;
       mark_gap_end();
     }
     if (done_ > 0) hash_state();  // the end's, wherever it came
-    for (Feed* feed : feeds_) feed->ended = true;
-    if (record_) record_->ended = true;
   }
-
-  /// Ends the run after the tick in hand. Of any thread.
-  void stop() { stop_ = true; }
-
-  std::uint64_t missed() const { return pacer_.missed(); }
-  std::uint64_t dropped_rows() const { return dropped_rows_; }
-  const std::vector<std::string>& refused() const { return refused_; }
-
- private:
-  bool stopped() const { return stop_requested() || stop_; }
 
   void wait_out_pause() {
     if (!options_.paused || !*options_.paused) return;
@@ -206,7 +238,7 @@ class HapticLoop {
   }
 
   void wait_for_room(const TickReport& report) {
-    while (!record_->reports.try_enqueue(report)) {
+    while (records() && !record_->reports.try_enqueue(report)) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   }
@@ -242,8 +274,9 @@ class HapticLoop {
   Device& device_;
   const SessionOptions& options_;
   std::vector<Feed*> feeds_;  // but the recorder's
-  RecordFeed* record_;        // null without [record]
-  PiecesThread* pieces_;      // null without [loose_pieces]
+  std::vector<const Feed*> needed_;
+  RecordFeed* record_;    // null without [record]
+  PiecesThread* pieces_;  // null without [loose_pieces]
   LooseSchedule loose_;
   Pacer pacer_;
   std::uint64_t done_ = 0, edits_ = 0, hashed_ = 0, kept_ = 0, keep_next_ = 0, dropped_rows_ = 0;
@@ -251,6 +284,7 @@ class HapticLoop {
   bool gap_ = false;            // the row before was dropped
   TickReport dropped_;          // it
   std::vector<std::string> refused_;
+  std::exception_ptr failure_;
   std::atomic<bool> stop_{false};
   Progress* progress_;  // null at real pace
 };
@@ -382,8 +416,11 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
   // At real pace nothing is written beside the ticks.
   std::optional<Progress> progress;
   if (options.pace == Pace::kFast) progress.emplace("running");
-  HapticLoop loop(simulation, device, options, feeds, record_feed ? &*record_feed : nullptr,
-                  pieces ? &*pieces : nullptr, progress ? &*progress : nullptr);
+  std::vector<const Feed*> needed{&report_feed};
+  if (pieces_feed) needed.push_back(&*pieces_feed);
+  HapticLoop loop(simulation, device, options, feeds, std::move(needed),
+                  record_feed ? &*record_feed : nullptr, pieces ? &*pieces : nullptr,
+                  progress ? &*progress : nullptr);
   if (options.pace == Pace::kReal) {
     if (std::string refused = lock_memory(); !refused.empty()) {
       result.refused.push_back(std::move(refused));
@@ -408,6 +445,7 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
     loop.stop();
   }
   haptic.join();
+  if (loop.failure()) failure = loop.failure();
   result.wall_seconds = 1e-9 * static_cast<double>(steady_ns() - begin);
   progress.emplace("finishing");
   result.interrupted = stop_requested();
@@ -432,7 +470,7 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
     use.bytes = pieces->memory_bytes();
   }
   if (recorder) wait(*recorder);
-  reports.finish();
+  wait(reports);
   if (renderer) {
     wait(*renderer);
     result.frames = renderer->frames();

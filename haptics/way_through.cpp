@@ -1,6 +1,7 @@
 #include "haptics/way_through.hpp"
 
 #include <cmath>
+#include <iterator>
 
 namespace sulcus {
 
@@ -20,23 +21,39 @@ bool is_inside(const VoxelModel& body, const Pose& world_from_grid,
   return is_solid(body, body.grid.index_from_world(world_from_grid.inverse_point(point_world)));
 }
 
-WayThrough way_through(const VoxelModel& body, const Pose& world_from_grid,
-                       const Eigen::Vector3d& from_world,
-                       const Eigen::Vector3d& to_world) noexcept {
+bool stands_inside(const VoxelModel& body, const Pose& world_from_grid, const Pose& tool,
+                   const Eigen::Vector3d& point_tool) noexcept {
+  if (!is_inside(body, world_from_grid, tool.point(point_tool))) return false;
+  constexpr double kBeside = 2.0;  // voxels
+  // Of the first eighth of a circle.
+  constexpr double kAlong[] = {1.0, 0.92387953251128674, 0.70710678118654752};
+  constexpr double kAcross[] = {0.0, 0.38268343236508977, 0.70710678118654752};
+  for (std::size_t i = 0; i < std::size(kAlong); ++i) {
+    for (const double x : {kAlong[i], -kAlong[i]}) {
+      for (const double z : {kAcross[i], -kAcross[i]}) {
+        for (const Eigen::Vector3d& beside : {Eigen::Vector3d(x, 0, z), Eigen::Vector3d(z, 0, x)}) {
+          const Eigen::Vector3d at = point_tool + kBeside * body.grid.voxel_m * beside;
+          if (is_inside(body, world_from_grid, tool.point(at))) return true;
+        }
+      }
+    }
+  }
+  return false;
+}
+
+bool goes_through(const VoxelModel& body, const Pose& world_from_grid,
+                  const Eigen::Vector3d& from_world, const Eigen::Vector3d& to_world) noexcept {
   constexpr double kLook = 0.5;       // voxels
   constexpr double kMostLooks = 1e5;  // of a way that no tool goes
   const VoxelGrid& grid = body.grid;
   const Eigen::Vector3d from = grid.index_from_world(world_from_grid.inverse_point(from_world));
   const Eigen::Vector3d to = grid.index_from_world(world_from_grid.inverse_point(to_world));
-  WayThrough met;
-  met.ends_inside = is_solid(body, to);
   const double looks = std::ceil((to - from).norm() / kLook);
-  if (!(looks > 1.0 && looks < kMostLooks) || is_solid(body, from)) return met;
-  met.crosses = met.ends_inside;
-  for (double look = 1.0; look < looks && !met.crosses; ++look) {
-    met.crosses = is_solid(body, from + (look / looks) * (to - from));
+  if (!(looks > 1.0 && looks < kMostLooks) || is_solid(body, from)) return false;
+  for (double look = 1.0; look <= looks; ++look) {
+    if (is_solid(body, from + (look / looks) * (to - from))) return true;
   }
-  return met;
+  return false;
 }
 
 }  // namespace sulcus

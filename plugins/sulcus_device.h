@@ -19,13 +19,14 @@
  *           pace a read that takes longer than 20 ms counts as no answer; a call that does not
  *           return within 2 s ends the program.
  * Life      open; seconds may pass while the tooth is loaded; then read and write in turns, once a
- *           tick, from tick 0; at the end write of a zero wrench, `last` set; message; close. A
- *           device is to have no force before the first write and after the last, and to take the
- *           force off by itself when no write comes for 50 ms: a program may be killed.
+ *           tick, from tick 0; at the end, whatever ended the run, write alone, once a tick, for 50
+ *           ms, in which the wrench falls to zero; write of a zero wrench, `last` set; message;
+ *           close. A device is to have no force before the first write and after the last, and to
+ *           take the force off by itself when no write comes for 50 ms: a program may be killed.
  * Errors    Codes below; no exception leaves a plug-in. A pose with a number that is not finite, an
  *           orientation that is far from length 1 or a position beyond 10 m ends the run.
- * Forces    are already limited to what `open` said, change by 0.5 N a tick at most, and come and
- *           go on ramps. A plug-in checks what matters for safety all the same.
+ * Forces    are finite, already limited to what `open` said, change by 0.5 N and 20 mN m a tick at
+ *           most, and come and go on ramps. A plug-in checks what matters for safety all the same.
  * Versions  SULCUS_DEVICE_VERSION rises when an old plug-in or program would misunderstand a new
  *           one; another version is refused. Structures grow at their ends only: `struct_size` is
  *           what the side that fills one knows of it; what lies beyond is not there.
@@ -48,8 +49,10 @@ extern "C" {
 /* What functions return. Any other number is taken as SULCUS_DEVICE_GONE. */
 enum {
   SULCUS_DEVICE_OK = 0,
-  /* read: no pose in this tick. The last one stands, and the force fades within 20 ms; it comes
-   * back on a ramp of 0.1 s when there is a pose again. */
+  /* read: no pose in this tick. For up to 20 ms the last one stands and all goes on. After that
+   * tool and spindle stand still, and the force falls to zero in 50 ms; it comes back on a ramp of
+   * 0.1 s when there is a pose again. A pose more than 5 mm from the last one is a jump: in its
+   * tick there is neither cutting nor friction, and the force comes on that ramp. */
   SULCUS_DEVICE_NO_POSE = 1,
   /* It failed for good, and the plug-in has taken off what force it could. Neither read nor write
    * is called again; the run ends. */
@@ -113,7 +116,8 @@ typedef struct SulcusDevicePlugin {
   /* The pose at the start of a tick. `tick` rises by one from call to call. */
   int (*read)(void* device, uint64_t tick, SulcusPose* pose);
 
-  /* The wrench of that tick. `last`: it is zero, and no more ticks come. */
+  /* The wrench of that tick, or of a step of the fall at the end. `last`: it is zero, and no more
+   * come. */
   int (*write)(void* device, uint64_t tick, const SulcusWrench* wrench, int last);
 
   /* Before close, where the run came to its end: what the user is to know of how it went or why the
