@@ -16,6 +16,18 @@ double seconds_since(std::uint64_t begin_ns) {
   return 1e-9 * static_cast<double>(steady_ns() - begin_ns);
 }
 
+/// What is tested are surface voxels' centres: a burr fits between those that are as far apart as
+/// it is thick.
+void warn_of_coarse_voxels(const std::string& name, const WorkpieceSettings& solid,
+                           const Burr& burr) {
+  constexpr double kFewest = 2.0;  // across the burr
+  const double width_m = 2.0 * burr.capsule.radius_m;
+  if (width_m >= kFewest * solid.voxel_m) return;
+  spdlog::warn(
+      "{} has voxels of {} mm, too coarse for a burr of {:.3g} mm, which may touch nothing", name,
+      solid.voxel_m / kMillimetre, width_m / kMillimetre);
+}
+
 }  // namespace
 
 LoadedRun load_run(const Scene& scene, const Pose& start, LoadCache& cache) {
@@ -45,7 +57,7 @@ LoadedRun load_run(const Scene& scene, const Pose& start, LoadCache& cache) {
   bodies_s += seconds_since(begin);
   begin = steady_ns();
   run.simulation = std::make_unique<Simulation>(scene, std::move(model), std::move(neighbours),
-                                                std::move(burr), StageClock(steady_ns));
+                                                std::move(burr), StageClock(steady_ns), start);
   workpiece_s += seconds_since(begin);
   run.loading.push_back(
       {"workpiece", workpiece_s, run.simulation->workpiece().memory_bytes(), workpiece_cached});
@@ -64,6 +76,10 @@ void log_loading(const Scene& scene, const LoadedRun& run, const LoadCache& cach
     spdlog::warn(
         "{} reaches beyond the grid of {} x {} x {} voxels of {} mm and is cut flat at its faces",
         name, solid->cells.x(), solid->cells.y(), solid->cells.z(), solid->voxel_m / kMillimetre);
+  }
+  warn_of_coarse_voxels("the solid", scene.workpiece, run.simulation->burr());
+  for (const BodySettings& body : scene.bodies) {
+    warn_of_coarse_voxels(body.name, body.solid, run.simulation->burr());
   }
   if (const HapticsSettings& h = scene.haptics; h.normal_error_deg) {
     spdlog::info("normal_error_deg = {}: normals by {}, neighbourhood {}, trace {}",

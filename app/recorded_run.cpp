@@ -72,10 +72,12 @@ RecordedRun open_recorded_run(const std::string& path) {
   RecordingReader reader(path);
   if (reader.tick_count() == 0) throw InputError(path, "/ticks", "no rows", "at least one tick");
   const Scene scene = recorded_scene(reader, path);
-  auto simulation = std::make_unique<Simulation>(
-      scene, recorded_workpiece(reader, scene),
-      make_neighbours(scene, recorded_bodies(reader, scene)), recorded_burr(reader, scene));
   std::vector<TickRecord> rows = reader.ticks();
+  const Pose start = pose_of(rows.front().tool_position_m, rows.front().tool_orientation);
+  auto simulation =
+      std::make_unique<Simulation>(scene, recorded_workpiece(reader, scene),
+                                   make_neighbours(scene, recorded_bodies(reader, scene)),
+                                   recorded_burr(reader, scene), StageClock{}, first);
   if (const std::uint64_t first = rows.front().tick; first > 0) {
     const std::vector<KeyframeInfo>& keyframes = reader.keyframes();
     const bool is_there = !keyframes.empty() && keyframes.front().tick + 1 == first;

@@ -35,21 +35,20 @@ std::vector<Eigen::AlignedBox3d> body_boxes(const VoxelGrid& grid,
 }
 
 SimulationState state_with_neighbours(const Scene& scene, const VoxelGrid& grid,
-                                      std::vector<Neighbour> neighbours) {
-  SimulationState state = initial_state(scene, grid);
+                                      std::vector<Neighbour> neighbours, const Pose& first) {
+  SimulationState state = initial_state(scene, grid, first);
   state.neighbours = std::move(neighbours);
   return state;
 }
 
-
 }  // namespace
 
 Simulation::Simulation(const Scene& scene, VoxelModel start, std::vector<Neighbour> neighbours,
-                       Burr burr, StageClock clock)
+                       Burr burr, StageClock clock, const Pose& first)
     : scene_(scene),
       workpiece_(std::move(start)),
       burr_(std::move(burr)),
-      state_(state_with_neighbours(scene_, workpiece_.grid(), std::move(neighbours))),
+      state_(state_with_neighbours(scene_, workpiece_.grid(), std::move(neighbours), first)),
       bodies_(body_boxes(workpiece_.grid(), state_.neighbours)),
       scratch_(scene_, clock),
       context_{scene_, burr_, bodies_.query()} {}

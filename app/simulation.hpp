@@ -16,9 +16,10 @@ namespace sulcus {
 /// one thread.
 class Simulation {
  public:
-  /// `start`: the workpiece; `neighbours`: as make_neighbours gives them.
+  /// `start`: the workpiece; `neighbours`: as make_neighbours gives them; `first`: as initial_state
+  /// takes it.
   Simulation(const Scene& scene, VoxelModel start, std::vector<Neighbour> neighbours, Burr burr,
-             StageClock clock = StageClock{});
+             StageClock clock = StageClock{}, const Pose& first = {});
   Simulation(const Simulation&) = delete;  // the context refers into it
   Simulation& operator=(const Simulation&) = delete;
 

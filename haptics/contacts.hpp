@@ -88,8 +88,10 @@ class Contacts {
   const float* from(std::size_t quantity, std::size_t i) const {
     return values_[quantity].get() + (passes(quantity) ? i - passed_ : i);
   }
-  /// From the first contact on.
-  const float* operator()(Quantity q) const { return from(q, 0); }
+  /// From the first contact on; null where that has passed.
+  const float* operator()(Quantity q) const {
+    return passes(q) && passed_ > 0 ? nullptr : values_[q].get();
+  }
   Eigen::Vector3f vector(Quantity q, std::size_t i) const {
     return {*from(q, i), *from(q + 1, i), *from(q + 2, i)};
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "engine/core/hash.hpp"
 #include "engine/normals/height_map.hpp"
@@ -19,6 +20,7 @@ constexpr std::uint32_t kContactsPerLeaf = 16;  // that there may be, for each l
 // they are hangs on the tick alone: there is nothing to save.
 constexpr std::uint64_t kForgotten = 4'000;
 constexpr std::uint32_t kLooks = 16;
+constexpr std::size_t kListed = 64;     // of the pages untouched longest
 constexpr std::size_t kPagesAhead = 8;  // so many pages ahead their memory is asked for
 
 /// Voxels of a leaf's slice with x and y in the ranges, 0 to 7, ends included.
@@ -37,7 +39,9 @@ KeptNormals::KeptNormals(const VoxelGrid& grid, const HapticsSettings& settings)
       capacity_(
           std::max(64u, static_cast<std::uint32_t>(settings.max_contacts) / kContactsPerLeaf)),
       pages_(std::make_unique_for_overwrite<Page[]>(capacity_)),
-      table_(std::bit_ceil(std::size_t{2} * capacity_)) {}
+      table_(std::bit_ceil(std::size_t{2} * capacity_)) {
+  old_.reserve(kListed);
+}
 
 std::size_t KeptNormals::home(std::uint32_t leaf) const noexcept {
   return (leaf * std::uint64_t{0x9e3779b97f4a7c15}) >> 32 & (table_.size() - 1);
@@ -69,14 +73,43 @@ std::uint32_t KeptNormals::long_untouched(std::uint64_t tick) const noexcept {
   return used_;
 }
 
+/// Pages are only ever touched anew, in later ticks than all before: of a list of those untouched
+/// longest, in order, the first that is as it was is still the one. So all pages are looked at once
+/// for many that give way, and never again in a tick that has touched them all.
+std::uint32_t KeptNormals::longest_untouched(std::uint64_t tick) noexcept {
+  if (all_touched_ == tick) return capacity_;
+  for (; next_old_ < old_.size(); ++next_old_) {
+    const Old& old = old_[next_old_];
+    if (old.touched >= listed_) break;  // others may have been touched in that tick since
+    if (pages_[old.page].touched == old.touched) return old.page;
+  }
+  old_.clear();
+  const auto before = [](const Old& a, const Old& b) {
+    return std::pair(a.touched, a.page) < std::pair(b.touched, b.page);
+  };
+  for (std::uint32_t page = 0; page < capacity_; ++page) {
+    const Old old{pages_[page].touched, page};
+    if (old_.size() == kListed && !before(old, old_.front())) continue;
+    if (old_.size() == kListed) {
+      std::pop_heap(old_.begin(), old_.end(), before);
+      old_.pop_back();
+    }
+    old_.push_back(old);
+    std::push_heap(old_.begin(), old_.end(), before);
+  }
+  std::sort_heap(old_.begin(), old_.end(), before);
+  next_old_ = 0;
+  listed_ = tick;
+  if (old_.front().touched < tick) return old_.front().page;
+  all_touched_ = tick;
+  return capacity_;
+}
+
 KeptNormals::Page* KeptNormals::make_page(std::uint32_t leaf, std::uint64_t tick) noexcept {
   std::uint32_t at = long_untouched(tick);
   if (at == used_ && used_ == capacity_) {
-    at = 0;
-    for (std::uint32_t p = 1; p < capacity_; ++p) {
-      if (pages_[p].touched < pages_[at].touched) at = p;
-    }
-    if (pages_[at].touched == tick) return nullptr;  // all are in use
+    at = longest_untouched(tick);
+    if (at == capacity_) return nullptr;  // all are in use
   }
   if (at < used_) forget(at);
   return &set_page(at, leaf, tick);
@@ -98,6 +131,9 @@ void KeptNormals::clear() noexcept {
   std::ranges::fill(table_, Slot{});
   used_ = 0;
   hash_ = 0;
+  old_.clear();
+  next_old_ = 0;
+  all_touched_.reset();
 }
 
 void KeptNormals::add_leaf(std::uint32_t leaf, std::uint64_t touched) noexcept {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -88,6 +89,9 @@ class KeptNormals {
   Page* page(std::uint32_t leaf) noexcept;
   /// A page to use again; where none was found, that behind the used ones.
   std::uint32_t long_untouched(std::uint64_t tick) const noexcept;
+  /// Where all are in use: the page touched longest ago, of those the first; as many as there are
+  /// where all were touched in this tick.
+  std::uint32_t longest_untouched(std::uint64_t tick) noexcept;
   Page* make_page(std::uint32_t leaf, std::uint64_t tick) noexcept;
   Page& set_page(std::uint32_t at, std::uint32_t leaf, std::uint64_t tick) noexcept;
   void forget(std::uint32_t page) noexcept;
@@ -107,6 +111,14 @@ class KeptNormals {
   };
   std::vector<Slot> table_;  // by leaf_key, open addressing
   std::uint64_t hash_ = 0;
+  struct Old {
+    std::uint64_t touched;
+    std::uint32_t page;
+  };
+  std::vector<Old> old_;      // those untouched longest, in their order, as they were in a tick
+  std::size_t next_old_ = 0;  // of them
+  std::uint64_t listed_ = 0;  // that tick
+  std::optional<std::uint64_t> all_touched_;  // a tick in which all pages had been touched
 };
 
 }  // namespace sulcus

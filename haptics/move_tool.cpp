@@ -131,12 +131,12 @@ MovedTool stand_still(const TickContext& context, const Workpiece& workpiece, co
 std::uint32_t faults_of_way(const TickContext& context, const Workpiece& workpiece,
                             const SimulationState& state, const Pose& before,
                             const ContactResult& contact) noexcept {
-  const Eigen::Vector3d middle_tool(0.0, 0.5 * context.burr.head_length_m, 0.0);
-  const Eigen::Vector3d from = before.point(middle_tool), to = state.tool.point(middle_tool);
+  const Eigen::Vector3d from = middle_of_head(context.burr, before);
+  const Eigen::Vector3d to = middle_of_head(context.burr, state.tool);
   std::uint32_t faults = 0;
   const auto add = [&](const VoxelModel& body, const Pose& world_from_grid) {
     if (goes_through(body, world_from_grid, from, to)) faults |= kFaultStepTooLong;
-    if (stands_inside(body, world_from_grid, state.tool, middle_tool)) faults |= kFaultToolInside;
+    if (is_inside(body, world_from_grid, to)) faults |= kFaultToolInside;
   };
   add(workpiece.model(), {});
   for (const Neighbour& n : state.neighbours) add(n.solid.model(), n.world_from_grid);

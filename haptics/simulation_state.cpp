@@ -5,8 +5,9 @@
 
 namespace sulcus {
 
-SimulationState initial_state(const Scene& scene, const VoxelGrid& grid) {
+SimulationState initial_state(const Scene& scene, const VoxelGrid& grid, const Pose& start) {
   SimulationState state;
+  state.tool = state.port.pose = start;
   if (scene.cutting) state.removal.emplace(*scene.cutting);
   if (keeps_normals(scene.haptics)) state.kept.emplace(grid, scene.haptics);
   if (scene.spindle) state.spindle_rad_per_s = scene.burr.speed_rad_per_s;

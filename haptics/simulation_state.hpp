@@ -33,7 +33,7 @@ struct SimulationState {
 };
 
 /// The state before the first tick, with what the scene names but its neighbours, whose voxels the
-/// caller has.
-SimulationState initial_state(const Scene& scene, const VoxelGrid& grid);
+/// caller has. Until a device has given a pose, the tool is at `start`, where it touches nothing.
+SimulationState initial_state(const Scene& scene, const VoxelGrid& grid, const Pose& start = {});
 
 }  // namespace sulcus

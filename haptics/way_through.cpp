@@ -1,7 +1,6 @@
 #include "haptics/way_through.hpp"
 
 #include <cmath>
-#include <iterator>
 
 namespace sulcus {
 
@@ -19,26 +18,6 @@ bool is_solid(const VoxelModel& body, const Eigen::Vector3d& index) noexcept {
 bool is_inside(const VoxelModel& body, const Pose& world_from_grid,
                const Eigen::Vector3d& point_world) noexcept {
   return is_solid(body, body.grid.index_from_world(world_from_grid.inverse_point(point_world)));
-}
-
-bool stands_inside(const VoxelModel& body, const Pose& world_from_grid, const Pose& tool,
-                   const Eigen::Vector3d& point_tool) noexcept {
-  if (!is_inside(body, world_from_grid, tool.point(point_tool))) return false;
-  constexpr double kBeside = 2.0;  // voxels
-  // Of the first eighth of a circle.
-  constexpr double kAlong[] = {1.0, 0.92387953251128674, 0.70710678118654752};
-  constexpr double kAcross[] = {0.0, 0.38268343236508977, 0.70710678118654752};
-  for (std::size_t i = 0; i < std::size(kAlong); ++i) {
-    for (const double x : {kAlong[i], -kAlong[i]}) {
-      for (const double z : {kAcross[i], -kAcross[i]}) {
-        for (const Eigen::Vector3d& beside : {Eigen::Vector3d(x, 0, z), Eigen::Vector3d(z, 0, x)}) {
-          const Eigen::Vector3d at = point_tool + kBeside * body.grid.voxel_m * beside;
-          if (is_inside(body, world_from_grid, tool.point(at))) return true;
-        }
-      }
-    }
-  }
-  return false;
 }
 
 bool goes_through(const VoxelModel& body, const Pose& world_from_grid,

@@ -11,12 +11,6 @@ namespace sulcus {
 bool is_inside(const VoxelModel& body, const Pose& world_from_grid,
                const Eigen::Vector3d& point_world) noexcept;
 
-/// Whether a point that lies on the tool's axis, `point_tool`, stands in a body. A core that is
-/// left on the axis, where a burr hardly cuts, does not count: two voxels beside it something is
-/// solid too.
-bool stands_inside(const VoxelModel& body, const Pose& world_from_grid, const Pose& tool,
-                   const Eigen::Vector3d& point_tool) noexcept;
-
 /// Whether a point that goes straight from one place to another, further than half a voxel, comes
 /// through a body or ends in it. Looked at every half voxel: no voxel of a wall that is crossed
 /// straight on is missed. One that begins in the body does not come through it.

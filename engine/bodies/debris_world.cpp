@@ -74,9 +74,11 @@ class ToothShape final : public btConcaveShape {
         (eigen(low) / edge_ + 0.5 * blocks_.cast<double>()).array().floor();
     const Eigen::Vector3d last =
         (eigen(high) / edge_ + 0.5 * blocks_.cast<double>()).array().floor();
-    const Eigen::Vector3i from = first.cwiseMax(0.0).cast<int>();
+    // Into the grid first: a box may be larger than whole numbers go.
+    const Eigen::Vector3d ends = blocks_.cast<double>();
+    const Eigen::Vector3i from = first.cwiseMax(0.0).cwiseMin(ends).cast<int>();
     const Eigen::Vector3i to =
-        last.cwiseMin((blocks_.array() - 1).cast<double>().matrix()).cast<int>();
+        last.cwiseMax(-1.0).cwiseMin((ends.array() - 1.0).matrix()).cast<int>();
     for (int k = from.z(); k <= to.z(); ++k) {
       for (int j = from.y(); j <= to.y(); ++j) {
         for (int i = from.x(); i <= to.x(); ++i) {

@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <optional>
 #include <sstream>
 #include <string>
 
@@ -21,7 +22,25 @@ namespace {
 
 constexpr int kPriority = 80;  // above ordinary work, below the kernel's own threads
 
-long cores() { return sysconf(_SC_NPROCESSORS_ONLN); }
+/// The processors that the program was given (`taskset`, a cpuset): as they were when it was first
+/// asked, before any thread of ours went to one.
+const cpu_set_t& given() {
+  static const cpu_set_t processors = [] {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    sched_getaffinity(0, sizeof(set), &set);
+    return set;
+  }();
+  return processors;
+}
+
+/// The last of them; none where there are fewer than two.
+std::optional<size_t> realtime_core() {
+  if (CPU_COUNT(&given()) < 2) return {};
+  size_t last = CPU_SETSIZE - 1;
+  while (!CPU_ISSET(last, &given())) --last;
+  return last;
+}
 
 std::uint64_t read_clock(clockid_t clock) noexcept {
   timespec t{};
@@ -30,10 +49,7 @@ std::uint64_t read_clock(clockid_t clock) noexcept {
          static_cast<std::uint64_t>(t.tv_nsec);
 }
 
-bool pin_to(long first, long count) {
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  for (long core = first; core < first + count; ++core) CPU_SET(static_cast<size_t>(core), &set);
+bool run_on(const cpu_set_t& set) {
   return pthread_setaffinity_np(pthread_self(), sizeof(set), &set) == 0;
 }
 
@@ -46,10 +62,13 @@ std::vector<std::string> request_realtime() {
   if (const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority)) {
     refused.push_back(std::string("SCHED_FIFO: ") + std::strerror(error));
   }
-  if (cores() < 2) {
+  if (const std::optional<size_t> core = realtime_core()) {
+    cpu_set_t own;
+    CPU_ZERO(&own);
+    CPU_SET(*core, &own);
+    if (!run_on(own)) refused.push_back("a core of its own: not permitted");
+  } else {
     refused.push_back("a core of its own: there is one core");
-  } else if (!pin_to(cores() - 1, 1)) {
-    refused.push_back("a core of its own: not permitted");
   }
   prctl(PR_SET_TIMERSLACK, 1);  // ns; plain threads are woken up to 50 us late otherwise
   return refused;
@@ -61,7 +80,11 @@ std::string lock_memory() {
 }
 
 void leave_realtime_core() {
-  if (cores() >= 2) pin_to(0, cores() - 1);
+  const std::optional<size_t> core = realtime_core();
+  if (!core) return;
+  cpu_set_t others = given();
+  CPU_CLR(*core, &others);
+  run_on(others);
 }
 
 std::uint64_t steady_ns() noexcept { return read_clock(CLOCK_MONOTONIC); }

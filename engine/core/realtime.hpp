@@ -7,15 +7,16 @@
 namespace sulcus {
 
 /// Asks the system to let the calling thread run on time: SCHED_FIFO, a core of its own (the last
-/// one, where there are two or more), exact timers. Returns what it was refused, one line each;
-/// empty: all granted. Never fails.
+/// of those that the program was given, where they are two or more), exact timers. Returns what it
+/// was refused, one line each; empty: all granted. Never fails.
 std::vector<std::string> request_realtime();
 
 /// Locks what memory the process has, so that no tick waits for a page; takes some 10 ms. Returns
 /// the line of what was refused, empty: granted. Never fails.
 std::string lock_memory();
 
-/// Keeps the calling thread off the core that request_realtime takes; nothing on one core.
+/// Keeps the calling thread off the core that request_realtime takes, on the others that the
+/// program was given; nothing on one core.
 void leave_realtime_core();
 
 /// Nanoseconds of the steady clock.

@@ -111,7 +111,10 @@ void SimulatedDevice::apply(const Wrench& wrench) noexcept {
 
 void SimulatedDevice::hold(const Wrench& wrench) noexcept {
   state_.held = wrench;
-  if (!state_.pushing && wrench.force_N.norm() > kFelt_N) {
+  if (state_.pushing) return;
+  const double force_N = wrench.force_N.norm();
+  state_.felt_ticks = force_N > kFaint_N ? state_.felt_ticks + 1 : 0;
+  if (force_N > kFelt_N || static_cast<double>(state_.felt_ticks) * dt_s_ > kLasting_s) {
     state_.pushing = true;
     state_.pushing_since = state_.tick;
   }

@@ -22,6 +22,7 @@ struct SimulatedDeviceState {
   Eigen::Vector3d angular_rad_per_s = Eigen::Vector3d::Zero();      // world
   Wrench held;                      // acts on the handle until the next pose
   Wrench next;                      // with a delay: is held from the next pose on
+  std::uint64_t felt_ticks = 0;     // on end that a faint force has been held, up to now
   bool pushing = false;             // the hand has felt a force
   std::uint64_t pushing_since = 0;  // tick from which that force was held
 };
@@ -44,7 +45,10 @@ struct SimulatedDeviceState {
 class SimulatedDevice final : public Device {
  public:
   static constexpr double kSubstep_s = 25e-6;  // at most; a tick is cut into equal ones
-  static constexpr double kFelt_N = 0.01;      // from here on a force sets the hand pushing
+  // A force sets the hand pushing from here on at once, a fainter one when it has lasted: a hand
+  // that comes to rest on a surface feels that. Below that there is the rest of a coupling's in
+  // air.
+  static constexpr double kFelt_N = 0.01, kFaint_N = 1e-3, kLasting_s = 0.1;
 
   /// `hand`: where the hand wants the burr's tip. It must outlive this. The handle starts at rest
   /// where the trajectory starts.

@@ -8,8 +8,8 @@
  * scene's trajectory. The handle cannot be turned: its direction is the trajectory's. Integrated by
  * the implicit midpoint rule, as haptics/device/simulated_device.cpp derives it.
  *
- * settings = "push_N=1": from the first force that it feels the hand pushes down with so much more,
- * which comes within 0.2 s. */
+ * settings = "push_N=1": from the first force that it feels, or a faint one that lasts 0.1 s, the
+ * hand pushes down with so much more, which comes within 0.2 s. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,7 +22,8 @@ static const double kMass_kg = 0.045, kDamping_N_s_per_m = 0.1, kFriction_N = 0.
 static const double kResolution_m = 55e-6;
 /* The hand. */
 static const double kHandDamping_N_s_per_m = 2.0, kHandStiffness_N_per_m = 100.0;
-static const double kPushRamp_s = 0.2, kFelt_N = 0.01, kLargestPush_N = 20.0;
+static const double kPushRamp_s = 0.2, kLargestPush_N = 20.0;
+static const double kFelt_N = 0.01, kFaint_N = 1e-3, kLasting_s = 0.1;
 static const double kSubstep_s = 25e-6; /* at most */
 
 typedef struct Device {
@@ -30,7 +31,7 @@ typedef struct Device {
   double push_N;
   double position_m[3], velocity_m_per_s[3]; /* of the handle */
   double held_N[3];                          /* the force until the next one */
-  int pushes;
+  int pushes, felt_ticks;
   uint64_t tick, pushes_since;
 } Device;
 
@@ -159,7 +160,10 @@ static int write_wrench(void* opened, uint64_t tick, const SulcusWrench* wrench,
   Device* device = opened;
   (void)last;
   memcpy(device->held_N, wrench->force_N, sizeof(device->held_N));
-  if (!device->pushes && length(device->held_N) > kFelt_N) {
+  if (device->pushes) return SULCUS_DEVICE_OK;
+  const double felt_N = length(device->held_N);
+  device->felt_ticks = felt_N > kFaint_N ? device->felt_ticks + 1 : 0;
+  if (felt_N > kFelt_N || device->felt_ticks / device->host->rate_hz > kLasting_s) {
     device->pushes = 1;
     device->pushes_since = tick;
   }

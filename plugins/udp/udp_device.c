@@ -1,7 +1,7 @@
 /* A device that is another program: it sends poses to a port of this machine and is sent wrenches
  * back. client.py is one, in 30 lines.
  *
- * settings = "port=47800 timeout_ms=20", each of them optional. The socket is bound to 127.0.0.1,
+ * settings = "port=47800 timeout_ms=2", each of them optional. The socket is bound to 127.0.0.1,
  * so that nobody from outside reaches it. Every datagram is 80 bytes, little-endian, without
  * padding:
  *
@@ -12,12 +12,13 @@
  *   16  f64[3] burr's tip, m, world             16  u64    tick
  *   40  f64[4] w x y z, world from tool         24  f64[3] force on the hand, N, world
  *   72  u32    1: the device goes away          48  f64[3] torque, N m
- *   76  u32    0                                72  u32    1: the run is over; force and torque are
- * 0 76  u32    0
+ *   76  u32    0                                72  u32    1: the run is over, all are zero
+ *                                               76  u32    0
  *
- * A tick takes the newest pose that has come; one that is older than timeout_ms is none, and the
- * force fades. Wrenches go to the sender of that pose. As long as it is not silent nobody else's
- * poses are taken. What is no such datagram is left out and counted.
+ * A tick takes the newest pose that has come; one that is older than timeout_ms is none, which
+ * Sulcus bridges for 20 ms more. Wrenches go to the sender of that pose. Until it has been silent
+ * for kPeerSilent_ms or timeout_ms, whichever is longer, nobody else's poses are taken. What is no
+ * such datagram is left out and counted.
  *
  * In a tick there are system calls, none of which waits: the socket is read until it is empty, at
  * most kMost times, and written to once. */
@@ -37,7 +38,7 @@
 #error "the datagrams are copied as they are, which a little-endian machine can do"
 #endif
 
-enum { kMost = 64, kGoesAway = 1, kOver = 1 };
+enum { kMost = 64, kGoesAway = 1, kOver = 1, kPeerSilent_ms = 20 };
 static const uint32_t kVersion = 1;
 
 typedef struct PoseDatagram {
@@ -102,7 +103,7 @@ static int open_device(const SulcusDeviceHost* host, SulcusDeviceLimits* limits,
     return SULCUS_DEVICE_GONE;
   }
   device->port = 47800;
-  device->timeout_ms = 20;
+  device->timeout_ms = 2;
   if (!read_settings(host->settings, device)) {
     snprintf(message, message_size,
              "settings '%.60s', expected port=1024..65535 timeout_ms=1..1000, either or both",
@@ -131,8 +132,14 @@ static int open_device(const SulcusDeviceHost* host, SulcusDeviceLimits* limits,
   return SULCUS_DEVICE_OK;
 }
 
-static int is_silent(const Device* device) {
-  return now_ns() - device->newest_ns > device->timeout_ms * 1000000;
+static int is_silent_for(const Device* device, long ms) {
+  return now_ns() - device->newest_ns > ms * 1000000;
+}
+
+/* Whether its poses are taken. */
+static int is_held(const Device* device) {
+  const long ms = device->timeout_ms > kPeerSilent_ms ? device->timeout_ms : kPeerSilent_ms;
+  return device->has_peer && !is_silent_for(device, ms);
 }
 
 /* Takes a datagram, where it is one and newer than what is there. */
@@ -149,7 +156,7 @@ static void take(Device* device, const PoseDatagram* datagram, ssize_t size,
   }
   const int is_peer = device->has_peer && from->sin_port == device->peer.sin_port &&
                       from->sin_addr.s_addr == device->peer.sin_addr.s_addr;
-  if (device->has_peer && !is_silent(device)) {
+  if (is_held(device)) {
     if (!is_peer || datagram->number <= device->newest.number) return;
   } else if (is_peer && datagram->number == device->newest.number) {
     return;
@@ -187,7 +194,7 @@ static int read_pose(void* opened, uint64_t tick, SulcusPose* pose) {
     device->has_gone = 1;
     return SULCUS_DEVICE_GONE;
   }
-  if (is_silent(device)) return SULCUS_DEVICE_NO_POSE;
+  if (is_silent_for(device, device->timeout_ms)) return SULCUS_DEVICE_NO_POSE;
   *pose = device->newest.pose;
   return SULCUS_DEVICE_OK;
 }
