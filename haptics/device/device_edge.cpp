@@ -31,9 +31,9 @@ bool equal(const Wrench& a, const Wrench& b) {
 }
 
 /// The ramp of the next tick.
-double next_ramp(double ramp, const DeviceEdgeLimits& limits, bool silent) {
-  return silent ? std::max(0.0, ramp - limits.dt_s / kFall_s)
-                : std::min(1.0, ramp + limits.dt_s / kRamp_s);
+double next_ramp(double ramp, const DeviceEdgeLimits& limits, bool answered) {
+  return answered ? std::min(1.0, ramp + limits.dt_s / kRamp_s)
+                  : std::max(0.0, ramp - limits.dt_s / kFall_s);
 }
 
 }  // namespace
@@ -43,7 +43,7 @@ Wrench cut_off(DeviceEdgeState& state) noexcept {
   return state.sent = {};
 }
 
-Wrench device_edge(const Wrench& wanted, const DeviceEdgeLimits& limits, bool silent, bool jumped,
+Wrench device_edge(const Wrench& wanted, const DeviceEdgeLimits& limits, bool answered, bool jumped,
                    DeviceEdgeState& state) noexcept {
   if (!is_finite(wanted)) return cut_off(state);
   Wrench rendered;  // what of the wanted the device has
@@ -56,7 +56,7 @@ Wrench device_edge(const Wrench& wanted, const DeviceEdgeLimits& limits, bool si
   if (jumped) state.ramp = 0.0;
   const Wrench ramped{state.ramp * clamped.force_N, state.ramp * clamped.torque_Nm};
   if (!equal(ramped, clamped)) ++state.ramped_ticks;
-  state.ramp = next_ramp(state.ramp, limits, silent);
+  state.ramp = next_ramp(state.ramp, limits, answered);
 
   const Eigen::Vector3d force_step_N = ramped.force_N - state.sent.force_N;
   const Eigen::Vector3d torque_step_Nm = ramped.torque_Nm - state.sent.torque_Nm;

@@ -43,7 +43,7 @@ struct DeviceEdgeState {
 ///   first;
 /// - never further from what was sent before than the steps, so that nothing of the above jumps.
 /// Force and torque each by themselves. A part whose limit is 0 is not rendered and not counted.
-Wrench device_edge(const Wrench& wanted, const DeviceEdgeLimits& limits, bool silent, bool jumped,
+Wrench device_edge(const Wrench& wanted, const DeviceEdgeLimits& limits, bool answered, bool jumped,
                    DeviceEdgeState& state) noexcept;
 
 /// The edge of a tick in which something was not finite, which ends the run: zero force at once,

@@ -97,7 +97,7 @@ Wrench render_wrench(const TickContext& context, const DeviceReading& reading, c
     limits.force_N = scene.device->force_limit_N;
     limits.torque_Nm = scene.device->torque_limit_Nm;
     limits.dt_s = dt_s;
-    sent = device_edge(sent, limits, reading.silent, reading.jumped, state.edge);
+    sent = device_edge(sent, limits, !reading.silent, reading.jumped, state.edge);
   }
   hold_wrench(sent, settings, state.passivity);
   if (scene.device || scene.coupling) {

@@ -1,10 +1,13 @@
 #include "engine/core/realtime.hpp"
 
+#include <algorithm>
+#include <cstdlib>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <sched.h>
 
 namespace sulcus {
 namespace {
@@ -38,6 +41,67 @@ TEST(Realtime, EveryRefusalIsALineThatSaysOfWhat) {
     EXPECT_NE(line.find(": "), std::string::npos) << line;
     EXPECT_EQ(line.find('\n'), std::string::npos) << line;
   }
+}
+
+std::vector<std::size_t> processors_of(const cpu_set_t& set) {
+  std::vector<std::size_t> numbers;
+  for (std::size_t n = 0; n < CPU_SETSIZE; ++n) {
+    if (CPU_ISSET(n, &set)) numbers.push_back(n);
+  }
+  return numbers;
+}
+
+cpu_set_t own_processors() {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  sched_getaffinity(0, sizeof(set), &set);
+  return set;
+}
+
+/// Of a process of its own that was given one processor: 0 where both kinds of threads keep to it.
+[[noreturn]] void exit_by_what_one_processor_gives(std::size_t number) {
+  cpu_set_t one;
+  CPU_ZERO(&one);
+  CPU_SET(number, &one);
+  if (sched_setaffinity(0, sizeof(one), &one) != 0) std::_Exit(10);
+  std::vector<std::string> refused;
+  bool kept = true;
+  const auto look = [&] { kept = kept && processors_of(own_processors()) == std::vector{number}; };
+  std::thread([&] {
+    refused = request_realtime();
+    look();
+  }).join();
+  std::thread([&] {
+    leave_realtime_core();
+    look();
+  }).join();
+  const bool said =
+      std::ranges::find(refused, "a core of its own: there is one core") != refused.end();
+  std::_Exit((kept ? 0 : 1) + (said ? 0 : 2));
+}
+
+TEST(RealtimeDeathTest, KeepsToTheProcessorsThatItWasGiven) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");  // anew: nobody has asked before
+  const std::vector<std::size_t> all = processors_of(own_processors());
+  ASSERT_FALSE(all.empty());
+  EXPECT_EXIT(exit_by_what_one_processor_gives(all.front()), ::testing::ExitedWithCode(0), "");
+}
+
+TEST(Realtime, TheCoreIsTheLastOfThoseGivenAndTheOtherThreadsLeaveIt) {
+  const std::vector<std::size_t> all = processors_of(own_processors());
+  if (all.size() < 2) GTEST_SKIP() << "one processor";
+  std::vector<std::size_t> realtime, others;
+  std::vector<std::string> refused;
+  std::thread([&] {
+    refused = request_realtime();
+    realtime = processors_of(own_processors());
+  }).join();
+  std::thread([&] {
+    leave_realtime_core();
+    others = processors_of(own_processors());
+  }).join();
+  EXPECT_EQ(realtime, std::vector{all.back()});
+  EXPECT_EQ(others, std::vector(all.begin(), all.end() - 1));
 }
 
 TEST(Realtime, PeakMemoryHoldsWhatWasTouched) {

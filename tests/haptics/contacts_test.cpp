@@ -46,9 +46,13 @@ TEST(Contacts, WhatPassesIsForgottenAndMakesRoomAndTheRestStays) {
     expect_same(contacts[static_cast<std::size_t>(n)], expected);
   }
   EXPECT_EQ(*contacts.from(Contacts::kDistance, 50), 0.0f) << "what fills up the last group";
+  EXPECT_EQ(contacts(Contacts::kDistance), nullptr) << "the first have passed";
+  EXPECT_EQ(contacts(Contacts::kNormal)[20], 0.0f);
+  EXPECT_EQ(contacts(static_cast<Contacts::Quantity>(Contacts::kNormal + 1))[20], 20.0f);
 
   contacts.resize(0);
   add(7, 8);
+  EXPECT_EQ(contacts(Contacts::kDistance)[0], numbered(7).distance_m);
   expect_same(contacts[0], numbered(7));
 }
 

@@ -296,6 +296,14 @@ TEST(Coupling, AStepEndsAtTheBorderOfTheConeThatItWouldPass) {
   EXPECT_EQ(part({0, 0, -1}, {0, 0, 0.5}), 1.0) << "in the opposite one";
 }
 
+TEST(Coupling, AtItsLimitAStepOfNoLengthIsNoneAndANumber) {
+  const Eigen::Vector3d at_limit(1e-3 * (1 + 1e-15), 0, 0);
+  for (const Eigen::Vector3d& step : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1e-200, 0, 0)}) {
+    const double part = part_within(at_limit, step, 1e-3);
+    EXPECT_TRUE(part >= 0.0 && part <= 1.0) << part;
+  }
+}
+
 TEST(Coupling, AContactThatIsNotFiniteMovesNothing) {
   CoupledRun run(test::upright({0, 0, 0}));
   const auto broken = [](const Pose&) {

@@ -136,6 +136,71 @@ TEST(KeptNormals, WhereRoomRunsOutTheLeavesTouchedLongestAgoGiveWay) {
   EXPECT_EQ(kept.hash(), 0u) << "no refined voxel is left";
 }
 
+/// A plain list of leaves, of which all are looked at for each that gives way.
+struct PlainPages {
+  static constexpr std::size_t kCapacity = 64;
+  struct Page {
+    std::uint32_t leaf;
+    std::uint64_t touched;
+  };
+  std::vector<Page> pages;
+
+  void keep(std::uint32_t leaf, std::uint64_t tick) {
+    if (std::ranges::any_of(pages, [&](const Page& p) { return p.leaf == leaf; })) return;
+    if (pages.size() < kCapacity) return pages.push_back({leaf, tick});
+    const auto oldest = std::ranges::min_element(pages, {}, &Page::touched);
+    if (oldest->touched < tick) *oldest = {leaf, tick};
+  }
+  void touch(std::uint32_t leaf, std::uint64_t tick) {
+    for (Page& p : pages) p.touched = p.leaf == leaf ? tick : p.touched;
+  }
+};
+
+TEST(KeptNormals, WhichLeavesGiveWayIsWhatLookingAtAllOfThemGives) {
+  HapticsSettings settings = with(NormalMethod::kLdmFast);
+  settings.max_contacts = 1;  // the fewest leaves: 64
+  const VoxelGrid grid{{1024, 1024, 8}, 1e-4};
+  const SurfaceEstimate up{{0, 0, 1}, 0.5f, true, 4};
+  for (const std::uint32_t leaves : {70u, 130u, 1000u}) {
+    KeptNormals kept(grid, settings);
+    PlainPages plain;
+    std::minstd_rand random(leaves);
+    // Too few ticks for a leaf to be forgotten.
+    for (std::uint64_t tick = 1; tick < 3000; ++tick) {
+      if (tick == 1500) {  // as a saved state is taken up
+        const PlainPages saved = plain;
+        kept.clear();
+        for (const PlainPages::Page& page : saved.pages) kept.add_leaf(page.leaf, page.touched);
+      }
+      const auto leaf = [&] {
+        const int n = static_cast<int>(random() % leaves);
+        return voxel_key({8 * (n % 128), 8 * (n / 128), 0});
+      };
+      std::vector<KeptNormals::Place> places;
+      const std::size_t touches = random() % (tick % 100 == 0 ? 400 : 20);
+      for (std::size_t i = 0; i < touches; ++i) {
+        const std::uint32_t key = leaf();
+        if (const KeptNormals::Page* page = kept.find(key)) {
+          places.push_back(kept.place_of(key, *page));
+          plain.touch(key, tick);
+        }
+      }
+      kept.touch(places, tick);
+      const std::size_t made = random() % (tick % 50 == 0 ? 200 : 4);
+      for (std::size_t i = 0; i < made; ++i) {
+        const std::uint32_t key = leaf();
+        kept.keep(key, up, false, tick);
+        plain.keep(key, tick);
+      }
+      ASSERT_EQ(kept.pages().size(), plain.pages.size());
+      for (std::size_t p = 0; p < plain.pages.size(); ++p) {
+        ASSERT_EQ(kept.pages()[p].first_key, plain.pages[p].leaf) << tick << ", page " << p;
+        ASSERT_EQ(kept.pages()[p].touched, plain.pages[p].touched) << tick << ", page " << p;
+      }
+    }
+  }
+}
+
 TEST(KeptNormals, ALongRunTakesNoMorePagesThanItsLastSecondsNeed) {
   HapticsSettings settings = with(NormalMethod::kLdmFast);
   const VoxelGrid grid{{1024, 1024, 8}, 1e-4};

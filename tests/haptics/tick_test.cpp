@@ -533,6 +533,194 @@ TEST(Tick, ADeviceThatHasNeverAnsweredPutsTheToolNowhere) {
   EXPECT_EQ(run.state.tool.position.z(), 1e-3);
 }
 
+/// A pose, or none, for each tick; the last for ever.
+class SilentDevice final : public Device {
+ public:
+  explicit SilentDevice(std::vector<std::optional<Pose>> list) : poses(std::move(list)) {}
+  std::optional<Pose> pose(std::uint64_t tick) noexcept override {
+    return poses[std::min<std::size_t>(tick, poses.size() - 1)];
+  }
+  void apply(const Wrench& wrench) noexcept override { last = wrench; }
+
+  std::vector<std::optional<Pose>> poses;
+  Wrench last;
+};
+
+std::vector<std::optional<Pose>> with_none(std::vector<Pose> poses) {
+  return {poses.begin(), poses.end()};
+}
+
+TEST(Tick, AJumpIsNoSlidingWithAndWithoutACoupling) {
+  for (const bool coupled : {false, true}) {
+    TickRun run(true);
+    if (coupled) run.scene.coupling.emplace();
+    // 5.5 mm aside at once, into the block where the burr has never been, the spindle standing.
+    Burr still = burr();
+    still.speed_rad_per_s = 0.0;
+    const TickContext context{run.scene, still, kNear};
+    run.workpiece = Workpiece(test::block({160, 64, 64}, kVoxel, {0, 0, 0}, {160, 64, 32}));
+    SilentDevice device({test::upright({-2.5e-3, 0, 0.1e-3}), test::upright({3.0e-3, 0, -0.1e-3})});
+    const auto step = [&] { return tick(context, device, run.workpiece, run.state, run.scratch); };
+    step();
+    for (int i = 0; i < 2; ++i) {
+      const TickRecord jumped = step();
+      EXPECT_EQ((jumped.faults & kFaultDeviceJumped) != 0, i == 0);
+      EXPECT_EQ(jumped.removed, 0u);
+      EXPECT_EQ(run.state.removal->work_J, 0.0) << "nothing has slid";
+      EXPECT_EQ(vector(run.scratch.cutting.tangential_force_N), Vector3d(0, 0, 0));
+    }
+    if (!coupled) {
+      EXPECT_GT(run.scratch.contact.contacts.size(), 0u) << "it was in contact";
+    }
+  }
+}
+
+TEST(Tick, AStepOf4MmIntoTheBlockIsToldAndOneInAirIsNot) {
+  TickRun run(false);
+  run.workpiece = Workpiece(test::block({160, 64, 64}, kVoxel, {0, 0, 0}, {160, 64, 32}));
+  SilentDevice device({test::upright({-2e-3, 0, 2e-3}), test::upright({2e-3, 0, 2e-3}),
+                       test::upright({2e-3, 0, 0.01e-3}), test::upright({2e-3, 0, -0.2e-3}),
+                       test::upright({1.8e-3, 0, -0.2e-3})});
+  std::vector<std::uint64_t> told;
+  for (int i = 0; i < 5; ++i) told.push_back(run.step(device).faults);
+  const std::vector<std::uint64_t> expected{0, 0, 0, kFaultStepTooLong, 0};
+  EXPECT_EQ(told, expected) << "4 voxels deeper at once; along the surface as far as it likes";
+}
+
+TEST(Tick, AWallOfOneVoxelIsNotCrossedInSilenceAtAnySpeed) {
+  for (const double speed_m_per_s : {10e-3, 0.1, 1.0, 3.0}) {
+    TickRun run(false);
+    run.workpiece = Workpiece(test::block({64, 64, 64}, kVoxel, {0, 0, 32}, {64, 64, 33}));
+    std::vector<Pose> poses;
+    const double step_m = speed_m_per_s * 1e-3;
+    for (double z = 1.5e-3; z > -2.5e-3; z -= step_m) poses.push_back(test::upright({0, 0, z}));
+    ListDevice device(poses);
+    std::uint64_t told = 0;
+    for (const TickRecord& r : run.steps(device, static_cast<int>(poses.size()))) told |= r.faults;
+    EXPECT_NE(told & (kFaultStepTooLong | kFaultToolInside), 0u) << speed_m_per_s;
+  }
+}
+
+TEST(Tick, AToolPutIntoTheMiddleOfABlockIsToldThatItIsInside) {
+  TickRun run(false);
+  run.workpiece = Workpiece(test::block({64, 64, 64}, kVoxel, {0, 0, 0}, {64, 64, 48}));
+  SilentDevice device({test::upright({0, 0, -0.4e-3})});
+  EXPECT_EQ(run.step(device).faults, kFaultToolInside);
+}
+
+TEST(Tick, AFreeSlideFasterThanTheCouplingsStepsIsTold) {
+  // 4 steps of half a voxel of 50 um: 100 mm/s.
+  for (const double speed_m_per_s : {20e-3, 60e-3, 150e-3, 400e-3}) {
+    TickRun run(false);
+    run.scene.coupling.emplace();
+    run.scene.tissues[0].stiffness_N_per_m *= 10.0;
+    run.workpiece = Workpiece(test::block({320, 64, 64}, kVoxel, {0, 0, 0}, {320, 64, 32}));
+    std::vector<Pose> poses;
+    for (int i = 0; i < 200; ++i) poses.push_back(test::upright({-7e-3, 0, 0.05e-3 - i * 1e-6}));
+    const double step_m = speed_m_per_s * 1e-3;
+    for (double x = -7e-3; x < 6e-3; x += step_m) poses.push_back(test::upright({x, 0, -0.15e-3}));
+    ListDevice device(poses);
+    int told = 0;
+    for (const TickRecord& r : run.steps(device, static_cast<int>(poses.size()))) {
+      told += (r.faults & kFaultStepTooLong) != 0 ? 1 : 0;
+    }
+    EXPECT_EQ(told > 0, speed_m_per_s > 100e-3) << speed_m_per_s << ": " << told;
+  }
+}
+
+TEST(Tick, ASilentDeviceGoesOnCuttingFor20MsAndNoLonger) {
+  for (const bool coupled : {false, true}) {
+    TickRun run(true);
+    run.scene.spindle.emplace();
+    if (coupled) {
+      run.scene.coupling.emplace();
+      run.scene.tissues[0].stiffness_N_per_m *= 10.0;
+    }
+    run.scene.tissues[0].specific_energy_J_per_m3 = 0.5e9;
+    run.state = initial_state(run.scene, run.workpiece.grid());
+    std::vector<std::optional<Pose>> poses = with_none(path(61));
+    poses.push_back(std::nullopt);
+    SilentDevice device(poses);
+    for (int i = 0; i < 61; ++i) run.step(device);
+    std::uint32_t bridged = 0, after = 0;
+    for (int i = 0; i < 20; ++i) bridged += run.step(device).removed;
+    const Pose stood = run.state.tool;
+    const double work_J = run.state.removal->work_J;
+    for (int i = 0; i < 200; ++i) {
+      const TickRecord silent = run.step(device);
+      after += silent.removed;
+      EXPECT_TRUE(silent.faults & kFaultDeviceSilent);
+      EXPECT_EQ(vector(silent.tool_position_m), stood.position);
+      EXPECT_EQ(run.scratch.cutting.spindle_rad_per_s, 0.0);
+      EXPECT_EQ(run.scratch.cutting.tick, silent.tick);
+      EXPECT_EQ(vector(run.scratch.cutting.tangential_force_N), Vector3d(0, 0, 0));
+    }
+    EXPECT_GT(bridged, 0u);
+    EXPECT_EQ(after, 0u);
+    EXPECT_EQ(run.state.removal->work_J, work_J);
+    EXPECT_EQ(*run.state.spindle_rad_per_s, 0.0);
+
+    // It comes back elsewhere: that way is none that it has slid, and then the spindle runs up.
+    device.poses.back() = test::upright({-0.1e-3, 0.1e-3, -0.2e-3});
+    const TickRecord back = run.step(device);
+    EXPECT_EQ(back.removed, 0u);
+    EXPECT_EQ(run.state.removal->work_J, work_J);
+    for (int i = 0; i < 30; ++i) run.step(device);
+    EXPECT_GT(*run.state.spindle_rad_per_s, 0.0);
+    EXPECT_GT(run.state.removal->work_J, work_J);
+  }
+}
+
+TEST(Tick, AForceThatIsNotFiniteCutsNothingAndLeavesTheBooksAsTheyWere) {
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  TickRun run(true);
+  run.scene.spindle.emplace();
+  run.state = initial_state(run.scene, run.workpiece.grid());
+  ListDevice device(path(200));
+  run.steps(device, 100);
+  ASSERT_GT(run.edits.size(), 0u);
+  const std::uint64_t volume = run.workpiece.hash();
+  const RemovalState before = *run.state.removal;
+  const double spindle = *run.state.spindle_rad_per_s;
+  run.scene.tissues[0].stiffness_N_per_m = kInf;
+  const TickRecord r = run.step(device);
+  EXPECT_TRUE(r.faults & kFaultNotFinite);
+  EXPECT_EQ(r.removed, 0u);
+  EXPECT_EQ(run.workpiece.hash(), volume);
+  EXPECT_EQ(run.state.removal->hash(), before.hash());
+  EXPECT_EQ(*run.state.spindle_rad_per_s, spindle);
+  EXPECT_EQ(vector(r.force_N), Vector3d(0, 0, 0));
+  EXPECT_TRUE(vector(run.scratch.cutting.tangential_force_N).allFinite());
+}
+
+TEST(Tick, APowerThatIsNotFiniteCutsNothing) {
+  // The forces are finite, and what they do is too much for a float.
+  TickRun run(true);
+  Burr fast = burr();
+  fast.speed_rad_per_s = 1e30;
+  const TickContext context{run.scene, burr(), kNear}, too_fast{run.scene, fast, kNear};
+  ListDevice device(path(200));
+  for (int i = 0; i < 100; ++i) tick(context, device, run.workpiece, run.state, run.scratch);
+  const std::uint64_t volume = run.workpiece.hash(), books = run.state.removal->hash();
+  const TickRecord r = tick(too_fast, device, run.workpiece, run.state, run.scratch);
+  EXPECT_TRUE(r.faults & kFaultNotFinite);
+  EXPECT_EQ(run.workpiece.hash(), volume);
+  EXPECT_EQ(run.state.removal->hash(), books);
+  EXPECT_EQ(vector(r.force_N), Vector3d(0, 0, 0));
+}
+
+TEST(Tick, BeforeTheFirstPoseTheToolIsWhereItIsToStart) {
+  TickRun run(false);
+  const Pose start = test::upright({1e-3, 2e-3, 3e-3});
+  run.state = initial_state(run.scene, run.workpiece.grid(), start);
+  SilentDevice device({std::nullopt});
+  const TickRecord r = run.step(device);
+  EXPECT_EQ(vector(r.tool_position_m), start.position);
+  EXPECT_EQ(vector(r.device_position_m), start.position);
+  EXPECT_EQ(r.tool_orientation[0], start.orientation.w());
+  EXPECT_EQ(r.contacts, 0u);
+}
+
 TEST(Tick, WhetherItIsTimedChangesNoResult) {
   TickRun timed(true), plain(true);
   static std::uint64_t now = 0;

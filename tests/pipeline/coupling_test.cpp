@@ -54,9 +54,10 @@ class Coupled : public ::testing::Test {
 
 TEST_F(Coupled, AHandPressesAndTheToolStaysOutAtAnyPaceWithTheSameBits) {
   const nlohmann::json summary = run(kPressScene, "fast");
-  EXPECT_EQ(summary["device"]["silent_ticks"], 41);
+  EXPECT_EQ(summary["device"]["silent_ticks"], 21);
+  EXPECT_EQ(summary["device"]["bridged_ticks"], 20);
   EXPECT_GT(summary["coupling"]["evaluations"]["mean"].get<double>(), 1.0);
-  EXPECT_EQ(summary["faults"]["device_silent"], 41);
+  EXPECT_EQ(summary["faults"]["device_silent"], 21);
   EXPECT_EQ(summary["buzz_ticks"], 0);
 
   const RecordingReader reader(scratch_.path("fast/recording.h5"));

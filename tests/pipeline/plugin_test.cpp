@@ -43,6 +43,8 @@ struct Sent {
   unsigned long long writes = 0;
   double largest_N = -1.0, last_N = -1.0;
   int last = -1;
+  double step_N = 1e9, torque_step_Nm = 1e9;
+  unsigned long long falling = 0;
 };
 
 class Plugin : public ::testing::Test {
@@ -70,11 +72,24 @@ class Plugin : public ::testing::Test {
   Sent sent() const {
     Sent sent;
     const std::string text = test::read_file(scratch_.path("sent.txt"));
-    EXPECT_EQ(std::sscanf(text.c_str(), "writes %llu largest_N %lf last_N %lf last %d",
-                          &sent.writes, &sent.largest_N, &sent.last_N, &sent.last),
-              4)
+    EXPECT_EQ(std::sscanf(text.c_str(),
+                          "writes %llu largest_N %lf last_N %lf last %d step_N %lf torque_step_Nm "
+                          "%lf falling %llu",
+                          &sent.writes, &sent.largest_N, &sent.last_N, &sent.last, &sent.step_N,
+                          &sent.torque_step_Nm, &sent.falling),
+              7)
         << text;
     return sent;
+  }
+  /// What the device was sent came down to zero, by no step longer than its interface says.
+  void expect_faded() const {
+    const Sent all = sent();
+    EXPECT_EQ(all.last_N, 0.0);
+    EXPECT_EQ(all.last, 1);
+    EXPECT_GT(all.largest_N, 0.5) << "it had a force";
+    EXPECT_LE(all.step_N, 0.5 * (1 + 1e-6));
+    EXPECT_LE(all.torque_step_Nm, 0.02 * (1 + 1e-6));
+    EXPECT_GE(all.falling, 50u);
   }
   void expect_verified(const std::string& name) {
     const auto verified = sulcus_command("replay --verify " + scratch_.path(name) + "/recording.h5",
@@ -145,11 +160,32 @@ TEST_F(Plugin, WhatIsNoPoseEndsTheRunWithZeroForce) {
     expect_named(result, {"device plug-in 'faulty' gave what is no pose at tick 300"});
     EXPECT_EQ(summary(fault)["faults"]["not_finite"], 1);
     EXPECT_EQ(summary(fault)["ticks"], 301);
-    EXPECT_GT(sent().largest_N, 0.5);
-    EXPECT_EQ(sent().last_N, 0.0);
-    EXPECT_EQ(sent().last, 1);
+    EXPECT_EQ(force_N(recording(fault).ticks().back()), 0.0) << "its tick has zero force";
+    expect_faded();
+    EXPECT_EQ(sent().writes, 300u + 50u) << "the fall began in the tick of the fault";
     expect_verified(fault);
   }
+}
+
+TEST_F(Plugin, AtTheEndOfARunTheForceFallsIn50MsAndThatIsInNoRecord) {
+  for (const char* options : {"--duration 0.5", "--duration 0.5 --pace real"}) {
+    SCOPED_TRACE(options);
+    const auto result = run_faulty("none", 0, options);
+    EXPECT_EQ(result.status, 0) << result.err;
+    expect_faded();
+    EXPECT_EQ(sent().writes, 500u + 50u);
+    EXPECT_EQ(summary("none")["ticks"], 500);
+    EXPECT_GT(force_N(recording("none").ticks().back()), 0.5);
+    expect_verified("none");
+  }
+}
+
+TEST_F(Plugin, AStoppedRunTakesTheForceOffToo) {
+  // Stops the program by itself, as Ctrl-C would.
+  const auto result = run_faulty("interrupt", 300, "--pace real");
+  expect_named(result, {"stopped on request"});
+  expect_faded();
+  EXPECT_LT(summary("interrupt")["ticks"], 400);
 }
 
 TEST_F(Plugin, ADeviceThatIsGoneEndsTheRunOnceTheForceHasFaded) {
@@ -170,7 +206,7 @@ TEST_F(Plugin, ADeviceThatIsGoneEndsTheRunOnceTheForceHasFaded) {
     ASSERT_GT(ticks.size(), 301u);
     EXPECT_GT(force_N(ticks[299]), 0.5);
     EXPECT_EQ(force_N(ticks.back()), 0.0);
-    EXPECT_LT(ticks.size(), 340u);
+    EXPECT_LT(ticks.size(), 380u) << "20 ms are bridged, 50 ms the force falls";
     EXPECT_EQ(sent().writes, c.writes) << "it was called after it was gone";
     expect_verified(c.fault);
   }
@@ -179,14 +215,16 @@ TEST_F(Plugin, ADeviceThatIsGoneEndsTheRunOnceTheForceHasFaded) {
 TEST_F(Plugin, WhileADeviceIsSilentTheForceFadesAndItComesBack) {
   const auto result = run_faulty("silent", 300);
   EXPECT_EQ(result.status, 0) << result.err;
-  expect_named(result, {"gave no pose in 50 ticks"});
-  EXPECT_EQ(summary("silent")["device"]["silent_ticks"], 50);
+  expect_named(result, {"gave no pose in 100 ticks"});
+  EXPECT_EQ(summary("silent")["device"]["silent_ticks"], 80);
+  EXPECT_EQ(summary("silent")["device"]["bridged_ticks"], 20);
   const auto ticks = recording("silent").ticks();
   EXPECT_GT(force_N(ticks[299]), 0.5);
-  EXPECT_EQ(force_N(ticks[330]), 0.0);
-  EXPECT_GT(force_N(ticks[500]), 0.5);
-  EXPECT_EQ(sent().last_N, 0.0);
-  EXPECT_EQ(sent().last, 1);
+  EXPECT_NEAR(force_N(ticks[319]), force_N(ticks[299]), 0.05 * force_N(ticks[299])) << "bridged";
+  EXPECT_GT(force_N(ticks[345]), 0.1) << "it falls";
+  EXPECT_EQ(force_N(ticks[372]), 0.0);
+  EXPECT_GT(force_N(ticks[550]), 0.5);
+  expect_faded();
   expect_verified("silent");
 }
 
@@ -226,6 +264,10 @@ TEST_F(Plugin, ADeviceThatBeginsInsideTheToothIsWaitedFor) {
   EXPECT_EQ(summary("inside")["device"]["silent_ticks"], 20);
   const auto ticks = recording("inside").ticks();
   EXPECT_EQ(ticks[19].contacts, 0u);
+  for (const TickRecord& row : {ticks[0], ticks[19]}) {
+    EXPECT_EQ(row.tool_position_m[2], 1.5e-3) << "where the scene has it start";
+    EXPECT_EQ(row.device_position_m[2], 1.5e-3);
+  }
   EXPECT_GT(force_N(ticks[400]), 0.5);
   expect_verified("inside");
 }

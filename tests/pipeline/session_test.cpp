@@ -1,6 +1,10 @@
 // The threads of a run with what they share: for ThreadSanitizer as much as for the result.
 #include "app/session.hpp"
 
+#include <chrono>
+#include <new>
+#include <thread>
+
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
@@ -11,6 +15,7 @@
 #include "engine/scene/trajectory.hpp"
 #include "engine/shapes/build_shape.hpp"
 #include "tests/pipeline/small_scenes.hpp"
+#include "tests/support/failing_memory.hpp"
 #include "tests/support/scratch_folder.hpp"
 
 namespace sulcus {
@@ -76,6 +81,74 @@ TEST(SessionThreads, StopRequestEndsTheRunWithAllOnDisk) {
   EXPECT_TRUE(run.result.interrupted);
   EXPECT_EQ(run.result.statistics.ticks, 0u);
 }
+
+/// A burr that goes through a block, cutting, with a hand on it: from a tick on some threads find
+/// no memory.
+class FailingDevice final : public Device {
+ public:
+  FailingDevice(const Trajectory& trajectory, double rate_hz, test::NoMemory whose)
+      : script_(trajectory, rate_hz), whose_(whose) {}
+  std::optional<Pose> pose(std::uint64_t tick) noexcept override {
+    if (tick == kFrom) {
+      test::mark_this_thread();
+      test::set_no_memory(whose_);
+    }
+    return script_.pose(tick);
+  }
+  void apply(const Wrench&) noexcept override { ++applied; }
+  bool fade() noexcept override {
+    EXPECT_FALSE(released);
+    return ++fades < 5;
+  }
+  void release() noexcept override { released = true; }
+
+  static constexpr std::uint64_t kFrom = 150;
+  std::uint64_t applied = 0;
+  int fades = 0;
+  bool released = false;
+
+ private:
+  ScriptedDevice script_;
+  test::NoMemory whose_;
+};
+
+class FailingThreads : public ::testing::TestWithParam<test::NoMemory> {};
+
+TEST_P(FailingThreads, EndTheRunWithoutForceAndWithWhatWasRecorded) {
+  const ScratchFolder scratch;
+  const Scene scene = parse_scene(test::kCutScene, "test.toml");
+  const Trajectory trajectory = make_trajectory(scene.trajectory);
+  Simulation simulation(scene, build_shape(scene), {},
+                        make_burr(scene.burr, scene.workpiece.voxel_m));
+  FailingDevice device(trajectory, scene.haptics.rate_hz, GetParam());
+  SessionOptions options;
+  options.folder = scratch.path("out");
+  options.pace = Pace::kReal;
+  options.ticks = 1'000'000;
+  // It takes nothing: the haptic thread's queue to it is full after ten seconds' ticks.
+  if (GetParam() == test::NoMemory::kMarkedThreads) {
+    options.pace = Pace::kFast;
+    options.watch = [](Feed& feed, PieceFeed*) {
+      while (!feed.ended) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    };
+  }
+  std::thread([&] {
+    test::mark_this_thread();
+    EXPECT_THROW(run_session(simulation, device, options), std::bad_alloc);
+    test::set_no_memory(test::NoMemory::kNobody);
+  }).join();
+  EXPECT_TRUE(device.released);
+  EXPECT_EQ(device.fades, 5);
+  EXPECT_GT(device.applied, FailingDevice::kFrom);
+  EXPECT_LT(device.applied, options.ticks);
+  const RecordingReader reader(scratch.path("out/recording.h5"));
+  EXPECT_GE(reader.tick_count(), FailingDevice::kFrom / 2);
+}
+
+// The haptic thread; those that take the reports and record.
+INSTANTIATE_TEST_SUITE_P(Each, FailingThreads,
+                         ::testing::Values(test::NoMemory::kMarkedThreads,
+                                           test::NoMemory::kOtherThreads));
 
 }  // namespace
 }  // namespace sulcus

@@ -73,8 +73,9 @@ TEST(DeviceEdge, IfAnythingIsNotFiniteNothingIsSent) {
   for (const Wrench& wanted : broken) {
     Edge edge;
     edge.limits.torque_Nm = 0.1;
-    edge.send({Vector3d(0.1, 0, 0), Vector3d(0.01, 0, 0)}, 200);
-    ASSERT_EQ(edge.sent.torque_Nm.x(), 0.01);
+    edge.send({Vector3d(3.0, 0, 0), Vector3d(0.09, 0, 0)}, 200);
+    ASSERT_EQ(edge.sent.force_N.x(), 3.0) << "many steps of the limit";
+    ASSERT_EQ(edge.sent.torque_Nm.x(), 0.09);
     edge.send(wanted);
     EXPECT_EQ(edge.sent.force_N, Vector3d::Zero().eval());
     EXPECT_EQ(edge.sent.torque_Nm, Vector3d::Zero().eval());
@@ -137,20 +138,20 @@ TEST(DeviceEdge, TheRampIsAsLongAtAnotherRate) {
   EXPECT_NEAR(edge.sent.force_N.x(), 1.0, 1e-9);
 }
 
-TEST(DeviceEdge, WithoutAnAnswerTheForceFallsIn20MsAndThenRisesAgain) {
+TEST(DeviceEdge, WithoutAnAnswerTheForceFallsIn50MsAndThenRisesAgain) {
   Edge edge = running();
   edge.send(force(0.4), 10);
   ASSERT_EQ(edge.sent.force_N.x(), 0.4);
   edge.largest_step_N = 0.0;
-  edge.send(force(0.4), 11, false);
+  edge.send(force(0.4), 26, false);
   EXPECT_NEAR(edge.sent.force_N.x(), 0.2, 1e-9) << "half way";
-  edge.send(force(0.4), 10, false);
+  edge.send(force(0.4), 25, false);
   EXPECT_NEAR(edge.sent.force_N.x(), 0.0, 1e-9);
   edge.send(force(0.4), 500, false);
   EXPECT_NEAR(edge.sent.force_N.x(), 0.0, 1e-9);
   edge.send(force(0.4), 51);
   EXPECT_NEAR(edge.sent.force_N.x(), 0.2, 1e-9) << "half way up";
-  EXPECT_LE(edge.largest_step_N, 0.4 / 20 + 1e-9) << "nothing jumps";
+  EXPECT_LE(edge.largest_step_N, 0.4 / 50 + 1e-9) << "nothing jumps";
 }
 
 TEST(DeviceEdge, OneLostAnswerIsHardlyFelt) {
@@ -209,6 +210,11 @@ TEST(DeviceEdge, WhateverIsWantedWhatIsSentIsFiniteAndWithinAllLimits) {
     edge.send(wanted, 1, i % 500 > 20, i % 1700 == 0);
     ASSERT_LE(edge.sent.force_N.norm(), 3.3 * (1 + 1e-12));
     ASSERT_LE(edge.sent.torque_Nm.norm(), 0.1 * (1 + 1e-12));
+    if (i % 97 == 0) {
+      ASSERT_EQ(edge.sent.force_N, Vector3d::Zero().eval());
+      ASSERT_EQ(edge.sent.torque_Nm, Vector3d::Zero().eval());
+      continue;
+    }
     ASSERT_LE((edge.sent.force_N - before.force_N).norm(), 0.5 * (1 + 1e-12));
     ASSERT_LE((edge.sent.torque_Nm - before.torque_Nm).norm(), 0.02 * (1 + 1e-12));
   }

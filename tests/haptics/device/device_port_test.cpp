@@ -42,33 +42,94 @@ class DevicePort : public testing::Test {
   std::uint32_t faults_ = 0;
 };
 
+TEST_F(DevicePort, NoPoseIsBridgedFor20MsAtAnyRateAndThenTheForceFalls) {
+  for (const double rate_hz : {300.0, 1000.0, 4000.0}) {
+    state_ = {};
+    scene_.haptics.rate_hz = rate_hz;
+    scene_.device.emplace();
+    device_.next = Pose{{1e-3, 0, 0}};
+    const auto ticks_of = [&](double time_s) { return static_cast<int>(time_s * rate_hz + 1e-6); };
+    for (int i = 0; i < ticks_of(0.2); ++i) render(read(), {1, 0, 0});
+    ASSERT_EQ(state_.edge.sent.force_N.x(), 1.0);
+    device_.next.reset();
+    for (int i = 0; i < ticks_of(0.02); ++i) {
+      const DeviceReading bridged = read();
+      EXPECT_EQ(bridged.faults, kFaultPoseBridged);
+      EXPECT_FALSE(bridged.silent);
+      EXPECT_TRUE(bridged.slides);
+      EXPECT_EQ(bridged.pose.position.x(), 1e-3);
+      render(bridged, {1, 0, 0});
+      EXPECT_EQ(state_.edge.sent.force_N.x(), 1.0);
+    }
+    // Falls from the tick after the first silent one on: never by more than its part of 50 ms.
+    double last_N = 1.0;
+    for (int i = 0; i <= ticks_of(0.05) + 1; ++i) {
+      const DeviceReading silent = read();
+      EXPECT_EQ(silent.faults, kFaultDeviceSilent);
+      EXPECT_TRUE(silent.silent);
+      EXPECT_FALSE(silent.slides);
+      render(silent, {1, 0, 0});
+      const double now_N = state_.edge.sent.force_N.x();
+      EXPECT_LE(last_N - now_N, 1.0 / (0.05 * rate_hz) + 1e-9);
+      last_N = now_N;
+    }
+    EXPECT_NEAR(last_N, 0.0, 1e-9);
+    // What comes next is no way that the tool has slid.
+    device_.next = Pose{{2e-3, 0, 0}};
+    const DeviceReading back = read();
+    EXPECT_FALSE(back.silent);
+    EXPECT_FALSE(back.slides);
+    EXPECT_EQ(back.faults, 0u);
+    EXPECT_TRUE(read().slides);
+  }
+}
+
+TEST_F(DevicePort, BeforeTheFirstPoseThereIsNothingToBridge) {
+  device_.next.reset();
+  const DeviceReading silent = read();
+  EXPECT_TRUE(silent.silent);
+  EXPECT_EQ(silent.faults, kFaultDeviceSilent);
+}
+
 TEST_F(DevicePort, ADeviceThatDoesNotAnswerKeepsItsPoseAndLosesItsForce) {
   scene_.device.emplace();
   device_.next = Pose{{1e-3, 0, 0}};
   for (int i = 0; i < 200; ++i) render(read(), {1, 0, 0});
   EXPECT_EQ(state_.edge.sent.force_N.x(), 1.0);
   device_.next.reset();
-  for (int i = 0; i < 30; ++i) {
+  for (int i = 0; i < 72; ++i) {
     const DeviceReading silent = read();
     EXPECT_EQ(silent.pose.position.x(), 1e-3);
-    EXPECT_EQ(silent.faults, kFaultDeviceSilent);
+    EXPECT_EQ(silent.faults, i < 20 ? kFaultPoseBridged : kFaultDeviceSilent);
     render(silent, {1, 0, 0});
   }
   EXPECT_EQ(state_.edge.sent.force_N.x(), 0.0);
 }
 
-TEST_F(DevicePort, AJumpIsOneOfADeviceOnlyAndStartsTheForceAnew) {
-  const Pose far{{50e-3, 0, 0}};
-  read();
-  device_.next = far;
-  EXPECT_FALSE(read().jumped) << "a trajectory may go where it likes";
-  scene_.device.emplace();
-  device_.next = Pose{};
-  const DeviceReading jumped = read();
-  EXPECT_TRUE(jumped.jumped);
-  EXPECT_EQ(jumped.faults, kFaultDeviceJumped);
-  device_.next = Pose{{4.9e-3, 0, 0}};
-  EXPECT_FALSE(read().jumped) << "fast, but a hand's";
+TEST_F(DevicePort, MoreThan5MmInATickIsAJumpAtAnyRateWhateverGivesThePoses) {
+  burr_.head_length_m = 4e-3;
+  for (const double rate_hz : {300.0, 1000.0, 4000.0}) {
+    for (const bool is_device : {false, true}) {
+      state_ = {};
+      scene_.haptics.rate_hz = rate_hz;
+      scene_.device.reset();
+      if (is_device) scene_.device.emplace();
+      device_.next = Pose{};
+      EXPECT_FALSE(read().jumped) << "the first";
+      device_.next = Pose{{0, 0, 5.1e-3}};
+      const DeviceReading jumped = read();
+      EXPECT_TRUE(jumped.jumped);
+      EXPECT_FALSE(jumped.slides);
+      EXPECT_EQ(jumped.faults, kFaultDeviceJumped);
+      device_.next = Pose{{0, 0, 0.2e-3}};
+      const DeviceReading fast = read();
+      EXPECT_FALSE(fast.jumped) << "fast, but a hand's";
+      EXPECT_TRUE(fast.slides);
+      // Turned about: the tip stays, the head's other end goes 8 mm.
+      device_.next->orientation = Eigen::Quaterniond(0, 0, 0, 1);
+      EXPECT_TRUE(read().jumped);
+    }
+  }
 }
 
 TEST_F(DevicePort, APoseThatIsNotFiniteIsAFaultAndTheLastOneStands) {
@@ -102,6 +163,25 @@ TEST_F(DevicePort, TheObserverIsAlwaysThereAndTheControllerWhereItIsAskedFor) {
     }
     EXPECT_GT(state_.passivity.given_out_J(), controller ? -1.0 : 1e-5);
     EXPECT_EQ(state_.passivity.damped_ticks > 0, controller);
+  }
+}
+
+TEST_F(DevicePort, BehindADeviceWhatIsNotFiniteIsZeroForceAtOnce) {
+  scene_.device.emplace();
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  for (int kind = 0; kind < 2; ++kind) {
+    state_ = {};
+    faults_ = 0;
+    device_.next = Pose{};
+    for (int i = 0; i < 200; ++i) render(read(), {3, 0, 0});
+    ASSERT_EQ(state_.edge.sent.force_N.x(), 3.0);
+    if (kind == 1) device_.next->position.x() = kNan;
+    const DeviceReading reading = read();
+    faults_ |= reading.faults;
+    const Wrench sent = render(reading, {kind == 0 ? kNan : 3.0, 0, 0});
+    EXPECT_TRUE(sent.force_N.isZero(0.0)) << kind;
+    EXPECT_TRUE(state_.edge.sent.force_N.isZero(0.0)) << kind;
+    EXPECT_EQ(faults_ & kFaultNotFinite, kFaultNotFinite);
   }
 }
 

@@ -196,6 +196,22 @@ TEST(SimulatedDevice, TheHandPushesFromTheFirstForceFeltAndByARamp) {
   }
 }
 
+TEST(SimulatedDevice, AFaintForceThatLastsSetsTheHandPushingToo) {
+  for (const double force_N : {0.5e-3, 2e-3, 5e-3}) {
+    DeviceSettings d = bare();
+    d.hand.push_N = 2.0;
+    d.hand.push_direction = -Vector3d::UnitZ();
+    Rig rig(d);
+    rig.run(90, force(force_N, 0, 0));
+    EXPECT_FALSE(rig.state().pushing);
+    rig.run(91);  // it lets go
+    rig.run(91 + 99, force(force_N, 0, 0));
+    EXPECT_FALSE(rig.state().pushing);
+    rig.run(91 + 300, force(force_N, 0, 0));
+    EXPECT_EQ(rig.state().pushing, force_N > 1e-3) << force_N;
+  }
+}
+
 TEST(SimulatedDevice, AtHalfOfTheRampItPushesHalf) {
   DeviceSettings d = bare();
   d.hand.push_N = 2.0;
