@@ -133,16 +133,19 @@ std::uint32_t faults_of_way(const TickContext& context, const Workpiece& workpie
                             const ContactResult& contact) noexcept {
   const Eigen::Vector3d from = middle_of_head(context.burr, before);
   const Eigen::Vector3d to = middle_of_head(context.burr, state.tool);
+  // What jumped has been told of.
+  const bool steps = step_of(context.burr, before, state.tool) <= kLongestStep_m;
   std::uint32_t faults = 0;
   const auto add = [&](const VoxelModel& body, const Pose& world_from_grid) {
-    if (goes_through(body, world_from_grid, from, to)) faults |= kFaultStepTooLong;
+    if (steps && goes_through(body, world_from_grid, from, to)) faults |= kFaultStepTooLong;
     if (is_inside(body, world_from_grid, to)) faults |= kFaultToolInside;
   };
   add(workpiece.model(), {});
   for (const Neighbour& n : state.neighbours) add(n.solid.model(), n.world_from_grid);
   const Eigen::Vector3d normal_force_N = contact.wrench.force_N - contact.tangential.force_N;
   const double deeper = -normal_force_N.dot(to - from);  // as a way, times the force
-  if (!context.scene.coupling && deeper > workpiece.grid().voxel_m * normal_force_N.norm()) {
+  if (steps && !context.scene.coupling &&
+      deeper > workpiece.grid().voxel_m * normal_force_N.norm()) {
     faults |= kFaultStepTooLong;
   }
   return faults;

@@ -194,7 +194,8 @@ constexpr std::array kDevice{
     boolean("passivity_controller", "false",
             "takes energy that was given out back out of the motion [Hannaford and Ryu 2002]"),
     rows("late_s", 2, "time_s, by_s", {0, 1e6}, "ticks whose force comes late"),
-    rows("silent_s", 2, "from_s, to_s", {0, 1e6}, "when the device does not answer"),
+    rows("silent_s", 2, "from_s, to_s", {0, 1e6},
+         "when the device does not answer: bridged for 20 ms, then tool and spindle stand"),
     rows("jump_s_mm", 4, "time_s, x_mm, y_mm, z_mm", {-1e6, 1e6},
          "its pose is off by so much from then on"),
 };

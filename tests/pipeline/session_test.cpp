@@ -1,7 +1,6 @@
 // The threads of a run with what they share: for ThreadSanitizer as much as for the result.
 #include "app/session.hpp"
 
-#include <chrono>
 #include <new>
 #include <thread>
 
@@ -86,10 +85,11 @@ TEST(SessionThreads, StopRequestEndsTheRunWithAllOnDisk) {
 /// no memory.
 class FailingDevice final : public Device {
  public:
-  FailingDevice(const Trajectory& trajectory, double rate_hz, test::NoMemory whose)
-      : script_(trajectory, rate_hz), whose_(whose) {}
+  FailingDevice(const Trajectory& trajectory, double rate_hz, test::NoMemory whose,
+                std::uint64_t from)
+      : script_(trajectory, rate_hz), whose_(whose), from_(from) {}
   std::optional<Pose> pose(std::uint64_t tick) noexcept override {
-    if (tick == kFrom) {
+    if (tick == from_) {
       test::mark_this_thread();
       test::set_no_memory(whose_);
     }
@@ -100,9 +100,11 @@ class FailingDevice final : public Device {
     EXPECT_FALSE(released);
     return ++fades < 5;
   }
-  void release() noexcept override { released = true; }
+  void release() noexcept override {
+    released = true;
+    test::set_no_memory(test::NoMemory::kNobody);
+  }
 
-  static constexpr std::uint64_t kFrom = 150;
   std::uint64_t applied = 0;
   int fades = 0;
   bool released = false;
@@ -110,39 +112,35 @@ class FailingDevice final : public Device {
  private:
   ScriptedDevice script_;
   test::NoMemory whose_;
+  std::uint64_t from_;
 };
 
 class FailingThreads : public ::testing::TestWithParam<test::NoMemory> {};
 
 TEST_P(FailingThreads, EndTheRunWithoutForceAndWithWhatWasRecorded) {
   const ScratchFolder scratch;
-  const Scene scene = parse_scene(test::kCutScene, "test.toml");
+  // The haptic thread needs some when it is told for the first time what has come loose.
+  const bool haptic = GetParam() == test::NoMemory::kMarkedThreads;
+  const std::uint64_t from = haptic ? 20 : 150;
+  const Scene scene = parse_scene(haptic ? test::kPostScene : test::kCutScene, "test.toml");
   const Trajectory trajectory = make_trajectory(scene.trajectory);
   Simulation simulation(scene, build_shape(scene), {},
                         make_burr(scene.burr, scene.workpiece.voxel_m));
-  FailingDevice device(trajectory, scene.haptics.rate_hz, GetParam());
+  FailingDevice device(trajectory, scene.haptics.rate_hz, GetParam(), from);
   SessionOptions options;
   options.folder = scratch.path("out");
   options.pace = Pace::kReal;
-  options.ticks = 1'000'000;
-  // It takes nothing: the haptic thread's queue to it is full after ten seconds' ticks.
-  if (GetParam() == test::NoMemory::kMarkedThreads) {
-    options.pace = Pace::kFast;
-    options.watch = [](Feed& feed, PieceFeed*) {
-      while (!feed.ended) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    };
-  }
+  options.ticks = 100'000;
   std::thread([&] {
     test::mark_this_thread();
     EXPECT_THROW(run_session(simulation, device, options), std::bad_alloc);
-    test::set_no_memory(test::NoMemory::kNobody);
   }).join();
   EXPECT_TRUE(device.released);
   EXPECT_EQ(device.fades, 5);
-  EXPECT_GT(device.applied, FailingDevice::kFrom);
+  EXPECT_GT(device.applied, from);
   EXPECT_LT(device.applied, options.ticks);
   const RecordingReader reader(scratch.path("out/recording.h5"));
-  EXPECT_GE(reader.tick_count(), FailingDevice::kFrom / 2);
+  EXPECT_GE(reader.tick_count(), from / 2);
 }
 
 // The haptic thread; those that take the reports and record.
