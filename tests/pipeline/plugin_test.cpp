@@ -243,7 +243,7 @@ TEST_F(Plugin, ALateAnswerIsNone) {
   const auto result = run_faulty("slow", 300, "--pace real");
   EXPECT_EQ(result.status, 0) << result.err;
   expect_named(result, {"took longer than 20 ms to read in"});
-  EXPECT_GE(summary("slow")["device"]["silent_ticks"], 3);
+  EXPECT_GE(summary("slow")["device"]["bridged_ticks"], 3);
   EXPECT_GE(summary("slow")["missed_ticks"], 3);
   expect_verified("slow");
 }
