@@ -448,7 +448,6 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
   if (loop.failure()) failure = loop.failure();
   result.wall_seconds = 1e-9 * static_cast<double>(steady_ns() - begin);
   progress.emplace("finishing");
-  result.interrupted = stop_requested();
   result.missed_ticks = loop.missed();
   result.dropped_rows = loop.dropped_rows();
   result.refused.insert(result.refused.end(), loop.refused().begin(), loop.refused().end());
@@ -484,6 +483,7 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
     outcome_s += reports.outcome_seconds() + 1e-9 * static_cast<double>(steady_ns() - end_begin);
     result.parts.push_back({"outcome", outcome_s, reports.outcome()->memory_bytes()});
   }
+  result.interrupted = stop_requested();  // which costs pictures also where it came after the ticks
   result.failure = failure;
   return result;
 }

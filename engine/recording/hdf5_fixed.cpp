@@ -1,18 +1,16 @@
 #include "engine/recording/hdf5_fixed.hpp"
 
 #include <algorithm>
+#include <span>
+
+#include "engine/recording/hdf5_storage.hpp"
 
 namespace sulcus {
 namespace {
 
-// Deflate makes at most 1032 bytes of one [RFC 1951: 258 bytes from 2 bits], so small chunks
-// bound what a hostile one can inflate to before HDF5 sees that it is too long.
+// Small, as readers want packed ones (hdf5_storage.hpp).
 constexpr hsize_t kChunkBytes = 64 * 1024;
-constexpr std::uint64_t kDeflateRatio = 1032;
 constexpr unsigned kDeflateLevel = 4;
-
-/// Deflate never adds more than this to what it cannot compress [zlib, compressBound].
-constexpr hsize_t deflate_bound(hsize_t bytes) { return bytes + bytes / 1000 + 64; }
 
 Hdf5Handle text_type(std::size_t bytes) {
   auto type = hdf5_checked(H5Tcopy(H5T_C_S1), H5Tclose, "text type");
@@ -102,39 +100,11 @@ FixedRows::FixedRows(const Hdf5Handle& group, const char* name, hid_t type, hsiz
   }
   rows_ = dims[0];
   if (rows_ > max_rows) throw Hdf5Error(name_ + ": more rows than there can be");
-  const std::size_t value_bytes = H5Tget_size(type);
-  if (rows_ * columns * value_bytes > file_bytes * kDeflateRatio) {
-    throw Hdf5Error(name_ + ": more rows than the file has room for");
-  }
-  if (rows_ > 0) check_storage(columns, value_bytes);
-}
-
-void FixedRows::check_storage(hsize_t columns, std::size_t value_bytes) const {
-  const auto properties =
-      hdf5_checked(H5Dget_create_plist(dataset_), H5Pclose, "data set properties");
-  const int rank = columns == 1 ? 1 : 2;
-  hsize_t chunk[2] = {0, 1};
-  if (H5Pget_layout(properties) != H5D_CHUNKED || H5Pget_chunk(properties, rank, chunk) != rank ||
-      chunk[1] != columns || chunk[0] * columns * value_bytes > kChunkBytes) {
-    throw Hdf5Error(name_ + ": another layout");
-  }
-  for (int i = 0; i < H5Pget_nfilters(properties); ++i) {
-    unsigned flags = 0, config = 0;
-    std::size_t values = 0;
-    const auto filter =
-        H5Pget_filter2(properties, i, &flags, &values, nullptr, 0, nullptr, &config);
-    if (filter != H5Z_FILTER_DEFLATE && filter != H5Z_FILTER_SHUFFLE) {
-      throw Hdf5Error(name_ + ": another compression");
-    }
-  }
-  for (hsize_t row = 0; row < rows_; row += chunk[0]) {
-    const hsize_t offset[2] = {row, 0};
-    hsize_t bytes = 0;
-    hdf5_check(H5Dget_chunk_storage_size(dataset_, offset, &bytes), name_.c_str());
-    if (bytes == 0 || bytes > deflate_bound(chunk[0] * columns * value_bytes)) {
-      throw Hdf5Error(name_ + ": a chunk of a size that cannot be");
-    }
-  }
+  if (rows_ == 0) return;
+  const Hdf5Storage stored =
+      storage_of(dataset_, name_, std::span(dims).first(static_cast<std::size_t>(rank)),
+                 H5Tget_size(type), file_bytes);
+  if (stored.rows < rows_) throw Hdf5Error(name_ + ": more rows than the file has room for");
 }
 
 void FixedRows::read(void* values) const {

@@ -37,8 +37,6 @@ class FixedRows {
   void read(void* values) const;
 
  private:
-  void check_storage(hsize_t columns, std::size_t value_bytes) const;
-
   std::string name_;
   Hdf5Handle type_;
   Hdf5Handle dataset_;

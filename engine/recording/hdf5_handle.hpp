@@ -16,6 +16,12 @@ class Hdf5Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// What is stored in a way that is not read: no damage.
+class UnreadLayout : public Hdf5Error {
+ public:
+  using Hdf5Error::Hdf5Error;
+};
+
 /// Owns one HDF5 identifier.
 class Hdf5Handle {
  public:

@@ -9,6 +9,7 @@
 #include "engine/core/hash.hpp"
 #include "engine/recording/hdf5_fixed.hpp"
 #include "engine/recording/hdf5_handle.hpp"
+#include "engine/recording/hdf5_storage.hpp"
 #include "engine/recording/recording_format.hpp"
 #include "engine/recording/recording_workpiece.hpp"
 
@@ -22,8 +23,6 @@ constexpr std::uint64_t kMaxShortText = 4096;
 /// double from 1 ns, so that a damaged one costs about a millisecond with the system's own delays.
 constexpr unsigned kReadAttempts = 16;
 
-constexpr hsize_t kMaxChunkBytes = 1 << 20;
-
 /// An extensible data set of the file, checked before memory is taken for it.
 template <class Row>
 class StoredTable {
@@ -34,18 +33,15 @@ class StoredTable {
     dataset_ = hdf5_checked(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose, name);
     const auto stored_type = hdf5_checked(H5Dget_type(dataset_), H5Tclose, name);
     if (H5Tequal(stored_type, type_) <= 0) throw Hdf5Error(name_ + ": rows of other fields");
-    const auto properties = hdf5_checked(H5Dget_create_plist(dataset_), H5Pclose, name);
-    if (H5Pget_layout(properties) != H5D_CHUNKED || H5Pget_nfilters(properties) != 0 ||
-        H5Pget_chunk(properties, 1, &chunk_rows_) != 1 || chunk_rows_ == 0 ||
-        chunk_rows_ > kMaxChunkBytes / sizeof(Row)) {
-      throw Hdf5Error(name_ + ": another layout");
-    }
     const auto space = hdf5_checked(H5Dget_space(dataset_), H5Sclose, name);
     if (H5Sget_simple_extent_ndims(space) != 1 ||
         H5Sget_simple_extent_dims(space, &announced_, nullptr) != 1) {
       throw Hdf5Error(name_ + ": another shape");
     }
-    rows_ = std::min<hsize_t>(announced_, file_bytes / sizeof(Row));
+    const Hdf5Storage stored =
+        storage_of(dataset_, name_, std::span(&announced_, 1), sizeof(Row), file_bytes);
+    chunk_rows_ = stored.chunk_rows;
+    rows_ = stored.rows;
   }
 
   /// Rows that the file says it has; and how many of them it has room for.
@@ -143,11 +139,12 @@ Hdf5Handle open_file(const std::string& path) {
   }
   // The file of a killed writer opens in this mode only; one that was closed opens too.
   Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access), H5Fclose);
-  if (!file.valid()) {
-    throw InputError(path, "", "a damaged or unfinished HDF5 file (" + hdf5_reason() + ")",
-                     "a recording");
-  }
-  return file;
+  if (file.valid()) return file;
+  const std::string why = hdf5_reason();
+  // A copy made by another program is of an older format of HDF5, which has no such mode.
+  Hdf5Handle copy(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access), H5Fclose);
+  if (copy.valid()) return copy;
+  throw InputError(path, "", "a damaged or unfinished HDF5 file (" + why + ")", "a recording");
 }
 
 void check_format(const std::string& path, const Hdf5Handle& file) {
@@ -425,6 +422,9 @@ struct RecordingReader::File {
     silence_hdf5();
     try {
       return step();
+    } catch (const UnreadLayout& error) {
+      throw InputError(path, "", std::string("a layout that is not read (") + error.what() + ")",
+                       "a recording as it was written, or packed by gzip");
     } catch (const Hdf5Error& error) {
       throw InputError(path, "", std::string("a damaged recording (") + error.what() + ")",
                        "a whole one");

@@ -442,7 +442,7 @@ TEST_F(Recording, SigtermEndsARunAsCtrlCDoes) {
     kill(child, signal);
     int status = 0;
     ASSERT_EQ(waitpid(child, &status, 0), child);
-    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 128 + signal) << status;
     const RecordingReader reader(folder + "/recording.h5");
     EXPECT_EQ(reader.missing(), "");
     EXPECT_GT(reader.tick_count(), 20u);

@@ -157,7 +157,8 @@ TEST(Run, StopsCleanlyOnRequest) {
       " --pace real --duration 60 -o " + out +
       " >/dev/null 2>&1 & for i in $(seq 600); do test -s " + out +
       "/recording.h5 && break; sleep 0.05; done; sleep 0.5; kill -INT $!; wait $!";
-  ASSERT_EQ(std::system(command.c_str()), 0);
+  const int ended = std::system(command.c_str());
+  ASSERT_EQ(WEXITSTATUS(ended), 130);
   ASSERT_TRUE(std::filesystem::exists(out + "/summary.json"));
   const auto summary = summary_of(out);
   EXPECT_TRUE(summary["interrupted"]);
