@@ -1,6 +1,8 @@
 #include <csignal>
 #include <exception>
 #include <new>
+#include <string>
+#include <vector>
 
 #include "app/build_info.hpp"
 #include "app/commands.hpp"
@@ -8,6 +10,21 @@
 #include "app/terminal.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/stop.hpp"
+
+namespace {
+
+int refuse_arguments(const CLI::App& program, int argc, char** argv, const CLI::ParseError& error) {
+  const std::vector<CLI::App*> named = program.get_subcommands();
+  if (named.empty() && argc > 1 && argv[1][0] != '-') {
+    sulcus::say_error("sulcus: no command '%s' (see sulcus --help)\n", argv[1]);
+  } else {
+    const std::string command = named.empty() ? "" : " " + named.front()->get_name();
+    sulcus::say_error("sulcus: %s (see sulcus%s --help)\n", error.what(), command.c_str());
+  }
+  return 2;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   sulcus::watch_for_stop();
@@ -33,8 +50,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::Success& success) {  // --help, --version
     return program.exit(success);
   } catch (const CLI::ParseError& error) {
-    sulcus::say_error("sulcus: %s (see sulcus --help)\n", error.what());
-    return 2;
+    return refuse_arguments(program, argc, argv, error);
   } catch (const sulcus::InputError& error) {
     sulcus::say_error("sulcus: %s\n", error.what());
     return 2;

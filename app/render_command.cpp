@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
@@ -18,11 +17,10 @@
 #include "app/progress.hpp"
 #include "app/recorded_film.hpp"
 #include "app/review_page.hpp"
+#include "app/section_range.hpp"
 #include "app/terminal.hpp"
 #include "app/video_writer.hpp"
 #include "engine/core/error.hpp"
-#include "engine/core/units.hpp"
-#include "engine/graphics/drawn_surface.hpp"
 #include "engine/graphics/renderer.hpp"
 
 namespace sulcus {
@@ -91,28 +89,6 @@ std::vector<std::size_t> rows_to_draw(const RecordedFilm& film, const RenderOpti
   return rows;
 }
 
-/// A plane beside all that is drawn leaves all of it, or nothing.
-void check_section(const Section& section, const RecordedFilm& film, const std::string& text) {
-  Eigen::AlignedBox3d solid;
-  for (const RenderedBody& body : film.bodies()) {
-    for (const Eigen::AlignedBox3d& slab : solid_slabs(body.model)) {
-      for (int c = 0; c < 8; ++c) {
-        const auto corner = static_cast<Eigen::AlignedBox3d::CornerType>(c);
-        solid.extend(body.world_from_grid.point(slab.corner(corner)));
-      }
-    }
-  }
-  const double low_mm = solid.min()[section.axis] / kMillimetre;
-  const double high_mm = solid.max()[section.axis] / kMillimetre;
-  const double at_mm = section.at_m / kMillimetre;
-  if (at_mm > low_mm && at_mm < high_mm) return;
-  const std::string axis(1, "xyz"[section.axis]);
-  std::array<char, 64> range{};
-  std::snprintf(range.data(), range.size(), "=%.4g to %.4g, where there is something to cut open",
-                low_mm, high_mm);
-  throw InputError("", "--section", "'" + text + "'", axis + range.data());
-}
-
 RenderSettings render_settings(const RecordedFilm& film, const RenderOptions& options) {
   RenderSettings settings = film.scene().render.value_or(RenderSettings{});
   if (!options.size.empty()) {
@@ -133,7 +109,7 @@ RenderSettings render_settings(const RecordedFilm& film, const RenderOptions& op
     if (!settings.section) {
       throw InputError("", "--section", "'" + options.section + "'", kSectionForm);
     }
-    check_section(*settings.section, film, options.section);
+    check_section(*settings.section, film.bodies(), options.section);
   }
   return settings;
 }

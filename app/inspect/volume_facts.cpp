@@ -51,6 +51,19 @@ std::string triple(const Eigen::Vector3d& p) {
   return "[" + short_number(p.x()) + ", " + short_number(p.y()) + ", " + short_number(p.z()) + "]";
 }
 
+/// A tissue for each value of a label map, as TOML; empty of a mask, which has one alone.
+std::string tissues_of(const std::vector<LabelCount>& labels) {
+  std::string tissues;
+  int count = 0;
+  for (const LabelCount& label : labels) {
+    if (label.value <= 0) continue;
+    const std::string value = std::to_string(label.value);
+    tissues += (++count > 1 ? ", {name = \"label_" : "{name = \"label_") + value +
+               "\", label = " + value + "}";
+  }
+  return count > 1 ? tissues : "";
+}
+
 }  // namespace
 
 std::string short_number(double value) {
@@ -110,6 +123,9 @@ std::string cutting_command(const MedicalVolume& volume, const VolumeFacts& fact
                            facts.histogram.edge(facts.histogram.counts.size() + 1))));
     settings.emplace_back("workpiece.rotation_deg=[0, 0, 0]");
   } else {
+    if (const std::string tissues = tissues_of(facts.labels); !tissues.empty()) {
+      settings.push_back("tissue=[" + tissues + "]");
+    }
     settings.emplace_back("cutting={}");
     settings.emplace_back("record={}");
   }

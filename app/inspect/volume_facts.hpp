@@ -38,7 +38,8 @@ struct VolumeFacts {
 VolumeFacts volume_facts(const MedicalVolume& volume);
 
 /// The command that cuts it, to be given to a shell as it is: the shipped scene for a volume, a
-/// grid that just holds the solid, and a way for the burr, down on its highest place.
+/// tissue for each value of a label map, a grid that just holds the solid, and a way for the burr,
+/// down on its highest place.
 std::string cutting_command(const MedicalVolume& volume, const VolumeFacts& facts);
 
 /// A number to five digits, as it is printed and as commands take it.

@@ -149,6 +149,32 @@ TEST(Inspect, TellsTheLabelsOfAMap) {
   EXPECT_EQ(out.find("percentiles"), std::string::npos) << out;
 }
 
+TEST(Inspect, ProposesATissueForEachValueOfAMap) {
+  const ScratchFolder scratch;
+  constexpr int kEdge = 24;
+  std::string voxels(kEdge * kEdge * kEdge, '\0');
+  for (int z = 4; z < 20; ++z) {
+    for (int y = 4; y < 20; ++y) {
+      for (int x = 4; x < 20; ++x) voxels[x + kEdge * (y + kEdge * z)] = z < 10 ? 3 : 7;
+    }
+  }
+  const std::string file =
+      scratch.write("map.nrrd",
+                    "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 24 24 24\nencoding: raw\n"
+                    "spacings: 0.2 0.2 0.2\n\n" +
+                        voxels);
+  const std::string said = sulcus_command("inspect " + file, scratch.path("err")).out;
+  std::smatch match;
+  ASSERT_TRUE(std::regex_search(said, match, std::regex("to cut it +sulcus (.*)"))) << said;
+  const std::string out = scratch.path("out");
+  const auto run =
+      sulcus_command(std::string(match[1]) + " --duration 0.01 -o " + out, scratch.path("err"));
+  ASSERT_EQ(run.status, 0) << match[1] << ": " << run.err;
+  const std::string summary = test::read_file(out + "/summary.json");
+  EXPECT_NEAR(number(summary, "\"label_3\": *([0-9.]+)"), 1536 * 0.008, 0.2);
+  EXPECT_NEAR(number(summary, "\"label_7\": *([0-9.]+)"), 2560 * 0.008, 0.2);
+}
+
 TEST(Inspect, DrawsAVolumeInTrueProportion) {
   const ScratchFolder scratch;
   const std::string file = scratch.path("scan.png");

@@ -7,6 +7,7 @@
 
 #include "app/build_info.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/stop.hpp"
 #include "tools/sulcus_lab/frames_command.hpp"
 #include "tools/sulcus_lab/normals_command.hpp"
 #include "tools/sulcus_lab/pareto_command.hpp"
@@ -16,7 +17,10 @@
 #include "tools/sulcus_lab/ticks_command.hpp"
 
 int main(int argc, char** argv) {
-  std::signal(SIGPIPE, SIG_IGN);  // gnuplot that goes away is an error, not an end
+  sulcus::watch_for_stop();
+  // As in the program: errors, not ends.
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
 
   CLI::App program("Sulcus's measuring program: speed and accuracy, one against the other");
   program.name("sulcus-lab");

@@ -21,6 +21,7 @@
 #include "app/recorded_state.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/realtime.hpp"
+#include "engine/core/stop.hpp"
 #include "tools/sulcus_lab/samples.hpp"
 
 extern char** environ;  // NOLINT(readability-redundant-declaration): not in every header
@@ -70,6 +71,7 @@ class ProgramRun {
         posix_spawn(&child_, setting.program.c_str(), &files, nullptr, pointers.data(), environ);
     posix_spawn_file_actions_destroy(&files);
     if (failed != 0) throw std::runtime_error(setting.program + ": " + std::strerror(failed));
+    kill_when_stopped(child_);
   }
   ~ProgramRun() { wait(); }
   ProgramRun(const ProgramRun&) = delete;
@@ -90,8 +92,12 @@ class ProgramRun {
   }
   /// Its exit status; below 0: a signal.
   int wait() {
+    if (child_ <= 0) return status_;
+    siginfo_t info{};
+    waitid(P_PID, static_cast<id_t>(child_), &info, WEXITED | WNOWAIT);
+    leave_when_stopped(child_);
     int ended = 0;
-    if (child_ > 0 && waitpid(child_, &ended, 0) == child_) {
+    if (waitpid(child_, &ended, 0) == child_) {
       status_ = WIFEXITED(ended) ? WEXITSTATUS(ended) : -WTERMSIG(ended);
     }
     child_ = 0;
@@ -469,7 +475,8 @@ std::vector<TrialRow> trial_of_soak(const TrialSetting& setting, const std::stri
   return {{"soak", "minutes", lasted, {}},
           {"soak", "ticks", static_cast<double>(reader.tick_count()), {}},
           {"soak", "removed voxels", static_cast<double>(reader.edit_count()), {}},
-          {"soak", "exit status", static_cast<double>(status), 0.0},
+          {"soak", "exit status beside that of SIGINT", static_cast<double>(status - 128 - SIGINT),
+           0.0},
           {"soak", "fault bits", static_cast<double>(faults), 0.0},
           {"soak", "resident_MiB after a minute", first_MiB, {}},
           {"soak", "resident_MiB after half of it", half_MiB, {}},

@@ -4,16 +4,15 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <numeric>
 #include <sstream>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "app/build_info.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/whole_file.hpp"
 #include "engine/import/build_workpiece.hpp"
 #include "engine/scene/device_presets.hpp"
 #include "engine/scene/scene_file.hpp"
@@ -238,10 +237,7 @@ class StabilityRun {
     const std::string page = results_.table("stability.html");
     const std::vector<std::string> remarks{"Measured by sulcus-lab stability, build " +
                                            std::string(build_info()) + "."};
-    std::ofstream out(page);
-    out << stability_page(rows_, pictures_, remarks);
-    out.close();
-    if (!out) throw std::runtime_error(page + ": cannot be written");
+    write_whole_file(page, stability_page(rows_, pictures_, remarks));
     results_.print();
     return static_cast<int>(std::ranges::count_if(rows_, [](const StabilityRow& row) {
       return row.method == ContactMethod::kCoupling && !row.pass();
