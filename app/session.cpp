@@ -137,7 +137,8 @@ class HapticLoop {
       refused_ = request_realtime();
       (void)lock_memory();  // this thread's stack as well; what is refused was said before
     }
-    for (; done_ < options_.ticks && !stopped(); ++done_) {
+    // One at least: a recording of no tick is none.
+    for (; done_ < options_.ticks && (done_ == 0 || !stopped()); ++done_) {
       wait_out_pause();
       const float late_us =
           options_.pace == Pace::kReal ? pacer_.wait([&] { simulation_.rehearse(); }) : 0.0f;

@@ -35,7 +35,7 @@ struct Ended {
   int status = -1;  // as a shell has it
   bool stopped = false;
   bool before_main = false;  // by the system: its libraries were still being loaded
-  Seconds took{};  // from the signal, or in all
+  Seconds took{};            // from the signal, or in all
   std::string err;
 };
 
@@ -182,7 +182,9 @@ INSTANTIATE_TEST_SUITE_P(
     Each, Stopping,
     testing::Values(
         Stopped{"verify", {"replay", "--verify", "{}/run/recording.h5"}, ""},
-        Stopped{"pictures", {"render", "{}/run/recording.h5", "--fps", "2", "-o", "p"}, ""},
+        Stopped{"pictures",
+                {"render", "{}/run/recording.h5", "--fps", "2", "--size", "320x240", "-o", "p"},
+                ""},
         Stopped{"video",
                 {"render", "{}/run/recording.h5", "--fps", "5", "--size", "320x240", "--video",
                  "v.mp4"},
