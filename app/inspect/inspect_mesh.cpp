@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -12,44 +10,36 @@
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
 #include "engine/import/mesh_file.hpp"
+#include "engine/import/mesh_shells.hpp"
 #include "engine/import/voxelise_mesh.hpp"
 
 namespace sulcus {
 
 namespace {
 
-/// Parts that share no vertex: read_mesh has welded those at one place.
-std::size_t count_shells(const TriangleMesh& mesh) {
-  std::vector<std::uint32_t> parent(mesh.positions.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto root = [&](std::uint32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
-  std::size_t shells = mesh.positions.size();  // each has a triangle
-  for (const auto& t : mesh.triangles) {
-    for (const std::uint32_t other : {t[1], t[2]}) {
-      const std::uint32_t a = root(t[0]), b = root(other);
-      if (a == b) continue;
-      parent[a] = b;
-      --shells;
-    }
-  }
-  return shells;
-}
-
-/// What is solid of it where a scene voxelises it, m^3; a hundred voxels along the longest side.
-/// NaN: nothing.
-double solid_volume_m3(const TriangleMesh& mesh, const Eigen::Vector3d& size_m, double& voxel_m) {
+/// What is solid of it where a scene voxelises it, in a hundred voxels along the longest side.
+void print_solid(const TriangleMesh& mesh, const MeshShells& shells,
+                 const Eigen::AlignedBox3d& box) {
   constexpr double kAlong = 100.0;
-  voxel_m = size_m.maxCoeff() / kAlong;
+  const double voxel_m = box.sizes().maxCoeff() / kAlong;
   const Eigen::Vector3i leaves =
-      (((size_m / voxel_m).array() + 2.0) / kLeafEdge).ceil().cast<int>();
+      (((box.sizes() / voxel_m).array() + 2.0) / kLeafEdge).ceil().cast<int>();
+  const VoxelGrid grid{leaves * kLeafEdge, voxel_m};
+  std::vector<Eigen::Vector3d> positions_index;
+  for (const Eigen::Vector3f& p : mesh.positions) {
+    positions_index.push_back(grid.index_from_world(p.cast<double>() - box.center()));
+  }
+  if (const auto conflict = find_shell_conflict(mesh, shells, grid, positions_index)) {
+    say("solid            not clear: %s\n", describe(*conflict, mesh, shells, voxel_m).c_str());
+    return;
+  }
   try {
-    const VoxelModel model = voxelise_mesh(mesh, VoxelGrid{leaves * kLeafEdge, voxel_m}, {});
-    return static_cast<double>(model.solid_count()) * voxel_m * voxel_m * voxel_m;
+    const VoxelModel model = voxelise_mesh(mesh, grid, {});
+    say("solid            %.3f mm3 by winding number, in voxels of %.3g mm\n",
+        static_cast<double>(model.solid_count()) * model.grid.voxel_volume_m3() * 1e9,
+        voxel_m / kMillimetre);
   } catch (const InputError&) {
-    return std::nan("");
+    say("solid            none by winding number: too open, or too thin\n");
   }
 }
 
@@ -88,15 +78,9 @@ void inspect_mesh(const std::string& file) {
     shared += end - i > 2 ? 1 : 0;
   }
   say("crowded edges    %zu of more than two triangles\n", shared);
-  say("shells           %zu\n", count_shells(mesh));
-  double voxel_m = 0.0;
-  const double solid_m3 = solid_volume_m3(mesh, box.sizes().cast<double>(), voxel_m);
-  if (std::isnan(solid_m3)) {
-    say("solid            none by winding number: too open, or too thin\n");
-  } else {
-    say("solid            %.3f mm3 by winding number, in voxels of %.3g mm\n", solid_m3 * 1e9,
-        voxel_m / kMillimetre);
-  }
+  const MeshShells shells = find_shells(mesh);
+  say("shells           %zu\n", shells.count);
+  print_solid(mesh, shells, box.cast<double>());
 }
 
 }  // namespace sulcus

@@ -8,18 +8,21 @@
 
 namespace sulcus {
 
-/// Reads STL (binary or text), OBJ or PLY through assimp. Lengths in the file are mm, positions
-/// here are metres. Polygons are cut into triangles; vertices at the same place are welded, which
-/// STL needs to have any neighbours at all; triangles that lose a corner by it are dropped. No
-/// vertex is without a triangle.
+/// Reads STL (binary or text), OBJ or PLY (read_stl, read_obj, read_ply say what of them). Lengths
+/// in the file are mm, positions here are metres. Polygons are cut into triangles, concave ones
+/// too; vertices at the same place are welded, which STL needs to have any neighbours at all;
+/// triangles that lose a corner by it are dropped. No vertex is without a triangle.
 /// Announced counts are compared with the length of the file and with the limits before memory is
 /// taken. No other file is opened: materials, textures and what a format may refer to are not read.
-/// @throws InputError: missing, empty, not of its format, truncated, a position that is not
-/// finite, an index out of range, fewer than 4 triangles, no area, more than the limits allow.
+/// @throws InputError, with the line, row or triangle: missing, empty, not of its format, cut
+/// short, longer than its counts say, a corner that is not finite or beyond 1 km, an index out of
+/// range, fewer than 4 triangles, no area, more than the limits allow.
 TriangleMesh read_mesh(const std::string& path, const InputLimits& limits = {});
 
-/// Writes a mesh in metres as .stl (binary), .obj or .ply (binary) in mm, through assimp.
-/// @throws InputError for another extension; std::runtime_error where it cannot be written.
+/// Writes a mesh in metres as .stl (binary), .obj or .ply (binary, little endian) in mm, to the
+/// nearest float.
+/// @throws InputError for another extension; std::runtime_error where it cannot be written whole:
+/// then nothing is left of it.
 void write_mesh(const std::string& path, const TriangleMesh& mesh);
 
 }  // namespace sulcus

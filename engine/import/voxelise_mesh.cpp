@@ -6,13 +6,17 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iomanip>
 #include <memory>
+#include <sstream>
 #include <vector>
 
 #include <Eigen/Geometry>
 #include <tbb/parallel_for.h>
 
 #include "engine/core/error.hpp"
+#include "engine/core/units.hpp"
+#include "engine/import/mesh_shells.hpp"
 #include "engine/import/placement.hpp"
 #include "engine/import/ray_votes.hpp"
 #include "engine/import/winding_number.hpp"
@@ -160,12 +164,24 @@ class OpenVoxels {
   std::vector<std::uint8_t> touched_;
 };
 
+/// Refuses shells that cancel where they overlap: a hole nobody asked for.
+void check_shells(const TriangleMesh& mesh, const VoxelGrid& grid,
+                  const std::vector<Eigen::Vector3d>& positions_index, const std::string& file) {
+  const MeshShells shells = find_shells(mesh);
+  const auto conflict = find_shell_conflict(mesh, shells, grid, positions_index);
+  if (!conflict) return;
+  throw InputError(file, "", describe(*conflict, mesh, shells, grid.voxel_m),
+                   "shells turned alike, or a cavity wholly within another: turn its faces round "
+                   "in a mesh editor");
+}
+
 /// Fills a mesh into the leaves of an empty model; `file` for messages.
 void fill(const TriangleMesh& mesh, const Eigen::Affine3d& world_from_file, const std::string& file,
           VoxelModel& model) {
   const VoxelGrid& grid = model.grid;
   const std::vector<Eigen::Vector3d> positions_index =
       positions_in_index(mesh, grid, world_from_file);
+  check_shells(mesh, grid, positions_index, file);
   const std::array<RayVotes, 3> votes = {cast_rays(grid, 0, positions_index, mesh.triangles),
                                          cast_rays(grid, 1, positions_index, mesh.triangles),
                                          cast_rays(grid, 2, positions_index, mesh.triangles)};
@@ -178,8 +194,12 @@ void fill(const TriangleMesh& mesh, const Eigen::Affine3d& world_from_file, cons
     if (open != LeafBits{}) open_voxels.decide(leaf, open, model.leaves[leaf]);
   });
   if (model.solid_count() == 0) {
-    throw InputError(file, "", "a mesh with no voxel of the grid inside",
-                     "a closed one that reaches into the grid");
+    Eigen::AlignedBox3d box_file;
+    extend(box_file, mesh);
+    std::ostringstream found;
+    found << std::setprecision(3) << "a mesh " << box_file.sizes().maxCoeff() / kMillimetre
+          << " mm long with no voxel of the grid inside";
+    throw InputError(file, "", found.str(), "a closed one, in mm, that reaches into the grid");
   }
 }
 

@@ -16,7 +16,8 @@ namespace sulcus {
 /// Fills a closed or slightly open mesh: solid is every voxel whose centre has a generalised
 /// winding number of more than 0.5 either way, so that it does not matter which way round the
 /// triangles are, as long as they agree. Overlapping parts are one solid; a shell inside another,
-/// turned the other way, is a cavity.
+/// turned the other way, is a cavity. One that is turned the other way and only half inside is
+/// neither, and refused (find_shell_conflict).
 ///
 /// Lines along the three axes decide where at least two of them are sound (they leave as often as
 /// they enter) and none that is disagrees. That is everywhere for a closed mesh; beside holes the
@@ -27,7 +28,8 @@ namespace sulcus {
 /// beyond the grid. There are no labels: a mesh is of one tissue.
 ///
 /// Parallel (oneTBB); the result does not depend on the number of threads.
-/// @throws InputError: no voxel inside (too small, too open, or beside the grid).
+/// @throws InputError: no voxel inside (too small, too open, or beside the grid); shells that
+/// cancel where they overlap.
 VoxelModel voxelise_mesh(const TriangleMesh& mesh, const VoxelGrid& grid,
                          const WorkpieceSettings& settings);
 
@@ -45,7 +47,7 @@ Eigen::Affine3d world_from_surfaces(std::span<const TissueSurface> surfaces,
 /// Fills several meshes, each as `voxelise_mesh` does: solid is what lies within any of them, and
 /// a voxel is of the last one that it lies within. They are placed by `world_from_surfaces`. One
 /// alone has no labels. There must be one.
-/// @throws InputError: one of them encloses no voxel.
+/// @throws InputError: one of them encloses no voxel, or has shells as above.
 VoxelModel voxelise_surfaces(std::span<const TissueSurface> surfaces, const VoxelGrid& grid,
                              const WorkpieceSettings& settings);
 

@@ -179,8 +179,8 @@ TEST(VoxeliseSurfaces, OneThatEnclosesNoVoxelIsNamed) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_EQ(std::string(error.what()),
-              "chamber.stl: found a mesh with no voxel of the grid inside, expected a closed one "
-              "that reaches into the grid");
+              "chamber.stl: found a mesh 0.002 mm long with no voxel of the grid inside, expected a "
+              "closed one, in mm, that reaches into the grid");
   }
 }
 

@@ -75,9 +75,9 @@ TEST(BadFiles, AreRefusedByRunAndInspectInTheSameLine) {
        "them"},
       {"few.stl", stl(1, 1), "found 1 triangles, expected at least 4"},
       {"nan.stl", stl(4, 4, false, nan),
-       "face 1: found a coordinate of nan, expected a finite one within 1 km"},
+       "triangle 1: found a coordinate of nan, expected a finite one within 1 km"},
       {"range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\nf 1 2 3\nf 1 2 3\nf 1 2 3\n",
-       "found unreadable contents (OBJ: vertex index out of range), expected a whole obj mesh"},
+       "line 4: found vertex 9, expected 1 to 3 or -1 to -3"},
       {"overflow.nrrd", nrrd("4294967296 4294967296 4294967297", ""),
        "sizes: found 4294967296 x 4294967296 x 4294967297 voxels, expected at most 1073741824 "
        "(--limit-gib)"},
