@@ -18,26 +18,18 @@ namespace sulcus {
 namespace {
 
 /// What is solid of it where a scene voxelises it, in a hundred voxels along the longest side.
-void print_solid(const TriangleMesh& mesh, const MeshShells& shells,
-                 const Eigen::AlignedBox3d& box) {
-  constexpr double kAlong = 100.0;
-  const double voxel_m = box.sizes().maxCoeff() / kAlong;
-  const Eigen::Vector3i leaves =
-      (((box.sizes() / voxel_m).array() + 2.0) / kLeafEdge).ceil().cast<int>();
-  const VoxelGrid grid{leaves * kLeafEdge, voxel_m};
-  std::vector<Eigen::Vector3d> positions_index;
-  for (const Eigen::Vector3f& p : mesh.positions) {
-    positions_index.push_back(grid.index_from_world(p.cast<double>() - box.center()));
-  }
+void print_solid(const TriangleMesh& mesh, const MeshShells& shells) {
+  const auto [grid, positions_index] = lattice_about(mesh);
   if (const auto conflict = find_shell_conflict(mesh, shells, grid, positions_index)) {
-    say("solid            not clear: %s\n", describe(*conflict, mesh, shells, voxel_m).c_str());
+    say("solid            not clear: %s\n",
+        describe(*conflict, mesh, shells, grid.voxel_m).c_str());
     return;
   }
   try {
     const VoxelModel model = voxelise_mesh(mesh, grid, {});
     say("solid            %.3f mm3 by winding number, in voxels of %.3g mm\n",
         static_cast<double>(model.solid_count()) * model.grid.voxel_volume_m3() * 1e9,
-        voxel_m / kMillimetre);
+        grid.voxel_m / kMillimetre);
   } catch (const InputError&) {
     say("solid            none by winding number: too open, or too thin\n");
   }
@@ -65,7 +57,10 @@ void inspect_mesh(const std::string& file) {
   const Eigen::Vector3d size_mm = box.sizes().cast<double>() / kMillimetre;
   say("mesh             %zu triangles, %zu vertices\n", mesh.triangles.size(),
       mesh.positions.size());
-  say("size             %.3f x %.3f x %.3f mm\n", size_mm.x(), size_mm.y(), size_mm.z());
+  // Of a tooth in metres; none in mm is as small.
+  constexpr double kSmall_mm = 0.3;
+  say("size             %.3f x %.3f x %.3f mm%s\n", size_mm.x(), size_mm.y(), size_mm.z(),
+      size_mm.maxCoeff() < kSmall_mm ? ", as mm: is the file in metres?" : "");
   say("volume           %.3f mm3\n", volume_m3 * 1e9);
   say("open edges       %td%s\n", open, open == 0 ? " (closed)" : "");
   std::vector<std::pair<std::uint32_t, std::uint32_t>> sides;
@@ -80,7 +75,7 @@ void inspect_mesh(const std::string& file) {
   say("crowded edges    %zu of more than two triangles\n", shared);
   const MeshShells shells = find_shells(mesh);
   say("shells           %zu\n", shells.count);
-  print_solid(mesh, shells, box.cast<double>());
+  print_solid(mesh, shells);
 }
 
 }  // namespace sulcus

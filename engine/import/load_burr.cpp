@@ -5,6 +5,7 @@
 
 #include "engine/cache/cached_field.hpp"
 #include "engine/import/mesh_file.hpp"
+#include "engine/import/mesh_shells.hpp"
 #include "engine/tool/burr_mesh.hpp"
 
 namespace sulcus {
@@ -44,8 +45,10 @@ Burr load_burr(const Scene& scene, LoadCache* cache) {
     };
   }
   if (settings.shape != BurrShape::kFile) return make_burr(settings, voxel_m, scene.file, source);
-  return make_burr(settings, voxel_m, tool_from_file(read_mesh(settings.file, scene.limits)),
-                   scene.file, source);
+  const TriangleMesh mesh = read_mesh(settings.file, scene.limits);
+  const auto [grid, positions_index] = lattice_about(mesh);
+  check_shells(mesh, grid, positions_index, settings.file);
+  return make_burr(settings, voxel_m, tool_from_file(mesh), scene.file, source);
 }
 
 }  // namespace sulcus

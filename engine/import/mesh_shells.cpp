@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 #include <tbb/parallel_sort.h>
 
+#include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
 #include "engine/import/line_crossings.hpp"
 
@@ -184,6 +185,33 @@ std::string describe(const ShellConflict& conflict, const TriangleMesh& mesh,
        << ") mm, turned against shell " << conflict.other + 1
        << " and half over it: " << overlap_mm3 << " mm3 of both would be a hole";
   return text.str();
+}
+
+void check_shells(const TriangleMesh& mesh, const VoxelGrid& grid,
+                  const std::vector<Eigen::Vector3d>& positions_index, const std::string& file) {
+  const MeshShells shells = find_shells(mesh);
+  const auto conflict = find_shell_conflict(mesh, shells, grid, positions_index);
+  if (!conflict) return;
+  throw InputError(file, "", describe(*conflict, mesh, shells, grid.voxel_m),
+                   "shells turned alike, or a cavity wholly within another: turn its faces round "
+                   "in a mesh editor");
+}
+
+MeshLattice lattice_about(const TriangleMesh& mesh) {
+  constexpr double kAlong = 100.0;
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3f& p : mesh.positions) box.extend(p.cast<double>());
+  MeshLattice lattice;
+  lattice.grid.voxel_m = box.sizes().maxCoeff() / kAlong;
+  const Eigen::Vector3i leaves =
+      (((box.sizes() / lattice.grid.voxel_m).array() + 2.0) / kLeafEdge).ceil().cast<int>();
+  lattice.grid.cells = leaves * kLeafEdge;
+  lattice.positions_index.reserve(mesh.positions.size());
+  for (const Eigen::Vector3f& p : mesh.positions) {
+    lattice.positions_index.push_back(
+        lattice.grid.index_from_world(p.cast<double>() - box.center()));
+  }
+  return lattice;
 }
 
 }  // namespace sulcus

@@ -37,6 +37,18 @@ std::optional<ShellConflict> find_shell_conflict(
     const TriangleMesh& mesh, const MeshShells& shells, const VoxelGrid& grid,
     const std::vector<Eigen::Vector3d>& positions_index);
 
+/// @throws InputError that describes the conflict, where there is one. `file` for the message.
+void check_shells(const TriangleMesh& mesh, const VoxelGrid& grid,
+                  const std::vector<Eigen::Vector3d>& positions_index, const std::string& file);
+
+/// A grid of a hundred voxels along the longest side of a mesh, with the middle of its box in the
+/// middle, where no scene gives one.
+struct MeshLattice {
+  VoxelGrid grid;
+  std::vector<Eigen::Vector3d> positions_index;  // the mesh's
+};
+MeshLattice lattice_about(const TriangleMesh& mesh);
+
 /// "shell 2 of 3, about (1, 2, 3) mm, turned against ...", in the mesh's own space.
 std::string describe(const ShellConflict& conflict, const TriangleMesh& mesh,
                      const MeshShells& shells, double voxel_m);

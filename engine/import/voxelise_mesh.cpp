@@ -164,17 +164,6 @@ class OpenVoxels {
   std::vector<std::uint8_t> touched_;
 };
 
-/// Refuses shells that cancel where they overlap: a hole nobody asked for.
-void check_shells(const TriangleMesh& mesh, const VoxelGrid& grid,
-                  const std::vector<Eigen::Vector3d>& positions_index, const std::string& file) {
-  const MeshShells shells = find_shells(mesh);
-  const auto conflict = find_shell_conflict(mesh, shells, grid, positions_index);
-  if (!conflict) return;
-  throw InputError(file, "", describe(*conflict, mesh, shells, grid.voxel_m),
-                   "shells turned alike, or a cavity wholly within another: turn its faces round "
-                   "in a mesh editor");
-}
-
 /// Fills a mesh into the leaves of an empty model; `file` for messages.
 void fill(const TriangleMesh& mesh, const Eigen::Affine3d& world_from_file, const std::string& file,
           VoxelModel& model) {

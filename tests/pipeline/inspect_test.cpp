@@ -263,13 +263,13 @@ TEST(Inspect, TakesAMeshAsABurr) {
   EXPECT_GT(find(test::read_png(scratch.path("b.png")), kBlack).count, 300);
 }
 
-TEST(Inspect, TellsShellsAndWhatIsSolidOfAMesh) {
-  // Two boxes of 2 mm that overlap by half: 16 mm3 of triangles, 12 mm3 of solid.
-  const ScratchFolder scratch;
+/// Two boxes of 2 mm that overlap by half, the second one's faces turned out or in.
+std::string two_boxes(bool inwards, double scale = 1.0) {
   std::ostringstream obj;
   for (const int x : {0, 1}) {
     for (int c = 0; c < 8; ++c) {
-      obj << "v " << x + 2 * (c & 1) << ' ' << 2 * (c >> 1 & 1) << ' ' << 2 * (c >> 2) << '\n';
+      obj << "v " << scale * (x + 2 * (c & 1)) << ' ' << scale * (2 * (c >> 1 & 1)) << ' '
+          << scale * (2 * (c >> 2)) << '\n';
     }
   }
   const int quads[6][4] = {{1, 3, 4, 2}, {5, 6, 8, 7}, {1, 2, 6, 5},
@@ -277,16 +277,49 @@ TEST(Inspect, TellsShellsAndWhatIsSolidOfAMesh) {
   for (const int first : {0, 8}) {
     for (const auto& quad : quads) {
       obj << 'f';
-      for (const int v : quad) obj << ' ' << first + v;
+      for (int c = 0; c < 4; ++c) obj << ' ' << first + quad[inwards && first > 0 ? 3 - c : c];
       obj << '\n';
     }
   }
-  const std::string out =
-      sulcus_command("inspect " + scratch.write("two.obj", obj.str()), scratch.path("err")).out;
+  return obj.str();
+}
+
+TEST(Inspect, TellsShellsAndWhatIsSolidOfAMesh) {
+  // 16 mm3 of triangles, 12 mm3 of solid.
+  const ScratchFolder scratch;
+  const auto inspected = [&](const std::string& contents) {
+    return sulcus_command("inspect " + scratch.write("two.obj", contents), scratch.path("err")).out;
+  };
+  std::string out = inspected(two_boxes(false));
   EXPECT_NE(out.find("volume           16.000 mm3"), std::string::npos) << out;
   EXPECT_NE(out.find("shells           2\n"), std::string::npos) << out;
   EXPECT_NE(out.find("crowded edges    0 "), std::string::npos) << out;
   EXPECT_NEAR(number(out, "solid +([0-9.]+) mm3"), 12.0, 0.5) << out;
+  EXPECT_EQ(out.find("metres"), std::string::npos) << out;
+  out = inspected(two_boxes(false, 0.001));
+  EXPECT_NE(out.find("0.003 x 0.002 x 0.002 mm, as mm: is the file in metres?"), std::string::npos)
+      << out;
+}
+
+TEST(Inspect, ShellsTurnedAgainstEachOtherAreToldAndNoWorkpieceNorBurr) {
+  const ScratchFolder scratch;
+  const std::string file = scratch.write("two.obj", two_boxes(true));
+  const std::string out = sulcus_command("inspect " + file, scratch.path("err")).out;
+  EXPECT_NE(
+      out.find("shells           2\nsolid            not clear: shell 2 of 2, about (2, 1, 1) "
+               "mm, turned against shell 1 and half over it: "),
+      std::string::npos)
+      << out;
+  EXPECT_NEAR(number(out, "over it: ([0-9.]+) mm3 of both would be a hole"), 4.0, 0.3) << out;
+  const std::string scene = scratch.write("s.toml", test::kProbeScene);
+  for (const std::string& as : {"--set workpiece.file=" + file, "--set burr.file=" + file}) {
+    const auto run = sulcus_command("run " + scene + " " + as + " -o " + scratch.path("out"),
+                                    scratch.path("err"));
+    EXPECT_EQ(run.status, 2) << as;
+    EXPECT_NE(run.err.find("two.obj: found shell 2 of 2, about (2, 1, 1) mm, turned against"),
+              std::string::npos)
+        << run.err;
+  }
 }
 
 TEST(Inspect, RefusesPicturesOfWhatItDoesNotDraw) {
