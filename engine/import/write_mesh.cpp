@@ -3,16 +3,15 @@
 #include <charconv>
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <stdexcept>
 #include <string>
-#include <system_error>
 
 #include <Eigen/Geometry>
 
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
+#include "engine/core/whole_file.hpp"
 #include "engine/import/mesh_file.hpp"
 
 namespace sulcus {
@@ -93,8 +92,8 @@ void write_mesh(const std::string& path, const TriangleMesh& mesh) {
   if (!is_mesh_file(path)) {
     throw InputError(path, "", "the extension \"" + extension + "\"", ".stl, .obj or .ply");
   }
-  std::ofstream out(path, std::ios::binary);
-  if (!out) throw std::runtime_error(path + ": cannot be written");
+  WholeFile file(path);
+  std::ofstream out(file.beside(), std::ios::binary);
   if (extension == ".stl") {
     write_stl(out, mesh);
   } else if (extension == ".obj") {
@@ -103,11 +102,8 @@ void write_mesh(const std::string& path, const TriangleMesh& mesh) {
     write_ply(out, mesh);
   }
   out.close();
-  if (!out) {
-    std::error_code ignored;
-    std::filesystem::remove(path, ignored);
-    throw std::runtime_error(path + ": cannot be written whole");
-  }
+  if (!out) throw std::runtime_error(path + ": cannot be written");
+  file.finish();
 }
 
 }  // namespace sulcus
