@@ -13,7 +13,6 @@ namespace {
 
 TEST(Renderer, APieceWhereItWasLooksAsBeforeItCameLoose) {
   const auto renderer = make_renderer(small(false));
-  if (!renderer) GTEST_SKIP() << "no OpenGL here";
   FrameState state = burr_out_of_sight();
   const CapOfBall parts;
   renderer->remove(0, parts.kerf);
@@ -35,7 +34,6 @@ TEST(Renderer, AMovedPieceShowsAtItsNewPlaceAndNotAtTheOld) {
   RenderSettings settings = small(false);
   settings.camera = Camera::kBuccal;
   const auto renderer = make_renderer(settings);
-  if (!renderer) GTEST_SKIP() << "no OpenGL here";
   const CapOfBall parts;
   renderer->remove(0, parts.kerf);
   renderer->add_piece(parts.cap);
@@ -72,7 +70,6 @@ TEST(Renderer, PiecesWithoutAPoseAreNotDrawnAndTheOrderOfCallsDoesNotMatter) {
   poses[1].position = {0, 0, 1e-3};
 
   const auto renderer = make_renderer(small(false));
-  if (!renderer) GTEST_SKIP() << "no OpenGL here";
   FrameState state = burr_out_of_sight();
   state.pieces = poses;  // more than there are pieces
   renderer->remove(0, parts.kerf);

@@ -33,7 +33,6 @@ TissueMap core_tissues(const VoxelModel& model) {
 
 TEST(Renderer, DrawsTheSolidInTheMiddleAndTheSameBytesTwice) {
   const auto first = make_renderer(small(true));
-  if (!first) GTEST_SKIP() << "no OpenGL here";
   FrameState state;
   state.title = "ball";
   state.world_from_tool.position = {0, 0, 2.5e-3};
@@ -63,7 +62,6 @@ TEST(Renderer, DrawsTheSolidInTheMiddleAndTheSameBytesTwice) {
 
 TEST(Renderer, RemovedVoxelsAreGoneAndTheOrderOfCallsDoesNotMatter) {
   const auto renderer = make_renderer(small(false));
-  if (!renderer) GTEST_SKIP() << "no OpenGL here";
   FrameState state;
   state.world_from_tool.position = {0, 0, 0.1};  // out of sight
   const std::size_t before = red_pixels(renderer->draw(state));
@@ -84,7 +82,6 @@ TEST(Renderer, RemovedVoxelsAreGoneAndTheOrderOfCallsDoesNotMatter) {
 
 TEST(Renderer, WhatIsTakenBackLooksAsItDid) {
   const auto renderer = make_renderer(small(false));
-  if (!renderer) GTEST_SKIP() << "no OpenGL here";
   FrameState state;
   state.world_from_tool.position = {0, 0, 0.1};
   const Image whole = renderer->draw(state);
@@ -111,12 +108,8 @@ TEST(Renderer, ASectionShowsWhatIsInside) {
   two.tissues = std::make_shared<TissueMap>(core_tissues(two));
   std::vector<RenderedBody> bodies;
   bodies.push_back({two, {{"red", {0.8f, 0.05f, 0.05f}}, {"blue", {0.05f, 0.05f, 0.8f}}}, {}});
-  std::unique_ptr<Renderer> renderer;
-  try {
-    renderer = std::make_unique<Renderer>(small(false), std::move(bodies), tetrahedron(), 1e-3);
-  } catch (const std::runtime_error& error) {
-    GTEST_SKIP() << "no OpenGL here";
-  }
+  const auto renderer =
+      std::make_unique<Renderer>(small(false), std::move(bodies), tetrahedron(), 1e-3);
   FrameState state;
   state.world_from_tool.position = {0, 0, 0.1};
   const auto blue = [](const Image& image) {
@@ -146,7 +139,6 @@ TEST(Renderer, ASectionShowsWhatIsInside) {
 
 TEST(Renderer, WhatWasCutIsColouredByItsTimeWhereThatIsAsked) {
   const auto plain = make_renderer(small(false)), by_time = make_renderer(small(false));
-  if (!plain) GTEST_SKIP() << "no OpenGL here";
   by_time->colour_by_time(2.0);
   FrameState state;
   state.world_from_tool.position = {0, 0, 0.1};
@@ -176,7 +168,6 @@ TEST(Renderer, WhatWasCutIsColouredByItsTimeWhereThatIsAsked) {
 
 TEST(Renderer, FiguresStandAtTheEdgesOnly) {
   const auto with = make_renderer(small(true));
-  if (!with) GTEST_SKIP() << "no OpenGL here";
   const auto without = make_renderer(small(false));
   FrameState state;
   state.title = "A title";
@@ -194,7 +185,6 @@ TEST(Renderer, FiguresStandAtTheEdgesOnly) {
 
 TEST(Renderer, CameraSizeAndBurrMatter) {
   const auto renderer = make_renderer(small(false));
-  if (!renderer) GTEST_SKIP() << "no OpenGL here";
   FrameState state;
   state.world_from_tool.position = {0, -6e-3, 0};
   const Image review = renderer->draw(state);
@@ -211,7 +201,6 @@ TEST(Renderer, CameraSizeAndBurrMatter) {
 }
 
 TEST(Renderer, NothingSolidIsABackground) {
-  if (!make_renderer(small(false))) GTEST_SKIP() << "no OpenGL here";
   VoxelModel model;
   model.grid = {{8, 8, 8}, 1e-4};
   model.leaves.resize(1);

@@ -1,5 +1,7 @@
 #include "engine/normals/normal_choice.hpp"
 
+#include <algorithm>
+#include <array>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -21,71 +23,75 @@ HapticsSettings haptics_of(const NormalChoice& choice) {
   return settings;
 }
 
-bool same(const NormalChoice& a, const NormalChoice& b) {
-  return a.method == b.method && a.neighbourhood == b.neighbourhood && a.trace == b.trace;
-}
+/// A rod aslant, curved one way only: not among the shapes that the table was made from.
+class Rod {
+ public:
+  Rod(const Vector3d& axis, double radius)
+      : axis_(axis.normalized()),
+        radius_(radius),
+        solid_(test::make_model({80, 80, 80}, 1e-4,
+                                [&](const Cell& c) { return from_axis(c).norm() <= radius; })),
+        cells_(test::inner_surface(solid_, 16)) {}
 
-TEST(NormalChoice, DifferentErrorsPickDifferentSettings) {
-  const auto fine = choose_normals(1.5), middle = choose_normals(2.5), coarse = choose_normals(4.0);
-  ASSERT_TRUE(fine && middle && coarse);
-  EXPECT_FALSE(same(*fine, *middle));
-  EXPECT_FALSE(same(*middle, *coarse));
-  EXPECT_FALSE(same(*fine, *coarse));
-}
-
-TEST(NormalChoice, WhatIsPickedPromisesWhatWasAsked) {
-  std::optional<NormalChoice> last;
-  for (double error = 0.5; error < 90.0; error += 0.05) {
-    const auto choice = choose_normals(error);
-    if (!choice) {
-      EXPECT_LT(error, most_accurate_normals().error_deg);
-      continue;
-    }
-    EXPECT_LE(choice->error_deg, error);
-    // Asking for less never gets more.
-    if (last) {
-      EXPECT_GE(choice->error_deg, last->error_deg);
-    }
-    last = choice;
+  test::NormalErrors errors_of(const NormalChoice& choice) const {
+    const HapticsSettings settings = haptics_of(choice);
+    return test::measure_errors(
+        cells_, [&](const Cell& c) { return estimate_surface(solid_, c, settings); },
+        [&](const Cell& c) {
+          return test::SurfaceTruth{from_axis(c).normalized(), radius_ - from_axis(c).norm()};
+        });
   }
-  ASSERT_TRUE(last);
-  EXPECT_EQ(last->neighbourhood, 1) << "the cheapest, where anything will do";
+
+ private:
+  Vector3d from_axis(const Cell& c) const {
+    const Vector3d p = c.cast<double>() - Vector3d(39.6, 40.2, 39.9);
+    return p - p.dot(axis_) * axis_;
+  }
+
+  Vector3d axis_;
+  double radius_;
+  Workpiece solid_;
+  std::vector<Cell> cells_;
+};
+
+TEST(NormalChoice, WhatIsPromisedIsMetOnRodsAndWhatIsCheaperIsWorse) {
+  // Of the finest radius that is promised for, and a larger one.
+  const std::array<Rod, 2> rods = {Rod({0.5, -0.3, 0.7}, 12.0), Rod({0.2, 0.9, -0.4}, 16.0)};
+  double last_mean_deg = 90.0;
+  int last_neighbourhood = 0;
+  std::size_t picks = 0;
+  for (double asked_deg = 10.0; asked_deg > 0.5; asked_deg -= 0.05) {
+    const auto choice = choose_normals(asked_deg);
+    if (!choice) break;
+    const bool as_before = picks > 0 && choice->neighbourhood == last_neighbourhood;
+    if (as_before && choice->method == NormalMethod::kLdmFast) continue;
+    SCOPED_TRACE(asked_deg);
+    double mean_deg = 0.0, worst_deg = 0.0;
+    for (const Rod& rod : rods) {
+      const test::NormalErrors found = rod.errors_of(*choice);
+      EXPECT_GT(found.voxels, 2000);
+      EXPECT_EQ(found.undefined, 0);
+      mean_deg += found.mean_deg / rods.size();
+      worst_deg = std::max(worst_deg, found.mean_deg);
+    }
+    EXPECT_LE(worst_deg, asked_deg);
+    // The molar's fissures set the promises; a rod is easier, but not by this much.
+    EXPECT_GT(worst_deg, asked_deg / 10.0) << "the cheapest that does is asked for";
+    EXPECT_LT(mean_deg, last_mean_deg);
+    last_mean_deg = mean_deg;
+    last_neighbourhood = choice->neighbourhood;
+    if (choice->method == NormalMethod::kLdm) break;
+    ++picks;
+  }
+  EXPECT_EQ(picks, 6u);
 }
 
-TEST(NormalChoice, TheBestIsPickedAtItsOwnErrorAndNothingBelow) {
+TEST(NormalChoice, NothingIsPromisedBelowTheBest) {
   const NormalChoice best = most_accurate_normals();
-  const auto at = choose_normals(best.error_deg);
-  ASSERT_TRUE(at);
-  EXPECT_TRUE(same(*at, best));
+  ASSERT_TRUE(choose_normals(best.error_deg));
+  EXPECT_EQ(choose_normals(best.error_deg)->method, best.method);
   EXPECT_FALSE(choose_normals(best.error_deg - 1e-6));
   EXPECT_FALSE(choose_normals(0.0));
-}
-
-// A rod aslant, curved one way only: not among the shapes that the table was made from.
-TEST(NormalChoice, ItIsMetOnAnotherShape) {
-  const Vector3d axis = Vector3d(0.5, -0.3, 0.7).normalized(), through(39.6, 40.2, 39.9);
-  const double radius = 16.0;
-  const auto from_axis = [&](const Cell& c) -> Vector3d {
-    const Vector3d p = c.cast<double>() - through;
-    return p - p.dot(axis) * axis;
-  };
-  const Workpiece rod(test::make_model(
-      {80, 80, 80}, 1e-4, [&](const Cell& c) { return from_axis(c).norm() <= radius; }));
-  std::vector<Cell> cells = test::inner_surface(rod, 16);
-  ASSERT_GT(cells.size(), 2000u);
-  double last = 0.0;
-  for (const double error : {1.5, 2.5, 4.0}) {
-    const HapticsSettings settings = haptics_of(*choose_normals(error));
-    const test::NormalErrors found = test::measure_errors(
-        cells, [&](const Cell& c) { return estimate_surface(rod, c, settings); },
-        [&](const Cell& c) {
-          return test::SurfaceTruth{from_axis(c).normalized(), radius - from_axis(c).norm()};
-        });
-    EXPECT_EQ(found.undefined, 0);
-    EXPECT_LE(found.mean_deg, error);
-    EXPECT_GT(found.mean_deg, last) << "no more accurate than it need be";
-    last = found.mean_deg;
-  }
 }
 
 }  // namespace
