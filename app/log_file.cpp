@@ -8,6 +8,8 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "engine/core/error.hpp"
+
 namespace sulcus {
 namespace {
 
@@ -20,7 +22,11 @@ namespace {
 LogFile::LogFile(std::string path)
     : path_(std::move(path)),
       file_(::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)) {
-  if (file_ < 0) fail(path_, errno);
+  if (file_ >= 0) return;
+  if (errno == ENOSPC || errno == EDQUOT) fail(path_, errno);
+  throw InputError(path_, "",
+                   std::string("that it cannot be written (") + std::strerror(errno) + ")",
+                   "a file to write");
 }
 
 LogFile::~LogFile() { ::close(file_); }

@@ -1,8 +1,12 @@
 #include <csignal>
+#include <cstdio>
 #include <exception>
 #include <new>
 #include <string>
 #include <vector>
+
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "app/build_info.hpp"
 #include "app/commands.hpp"
@@ -24,14 +28,8 @@ int refuse_arguments(const CLI::App& program, int argc, char** argv, const CLI::
   return 2;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  sulcus::watch_for_stop();
-  // A chart or video program that goes away, and a file that may not grow, are errors, not ends.
-  std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGXFSZ, SIG_IGN);
-
+/// The exit status.
+int run(int argc, char** argv) {
   CLI::App program("Sulcus: a real-time dental cutting simulator");
   program.name("sulcus");
   program.set_version_flag("--version", sulcus::build_info());
@@ -62,4 +60,25 @@ int main(int argc, char** argv) {
     return 1;
   }
   return sulcus::stop_requested() ? sulcus::stop_status() : 0;
+}
+
+/// Whether all that was said is where standard output goes. Who closes a pipe wants no more of it.
+bool has_said_all() {
+  const bool failed = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
+  struct stat output {};
+  return !failed || ::fstat(STDOUT_FILENO, &output) != 0 || S_ISFIFO(output.st_mode) ||
+         S_ISSOCK(output.st_mode);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  sulcus::watch_for_stop();
+  // A chart or video program that goes away, and a file that may not grow, are errors, not ends.
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+  const int status = run(argc, argv);
+  if (has_said_all() || status != 0) return status;
+  sulcus::say_error("sulcus: standard output: cannot be written\n");
+  return 1;
 }

@@ -13,6 +13,7 @@
 #include "app/build_info.hpp"
 #include "app/force_chart.hpp"
 #include "app/log_file.hpp"
+#include "app/output_file.hpp"
 #include "app/summary.hpp"
 #include "app/terminal.hpp"
 #include "engine/core/error.hpp"
@@ -26,19 +27,14 @@ std::string default_folder(const std::string& file, const std::string& suffix) {
 }
 
 void open_log(const std::string& folder) {
-  try {
-    std::filesystem::create_directories(folder);
-    const std::string path = folder + "/log.txt";
-    auto file = std::make_shared<LogFile>(path);
-    file->set_formatter(one_line_formatter("[%Y-%m-%d %H:%M:%S.%e] [%l] %*"));
-    auto terminal = std::make_shared<spdlog::sinks::stderr_sink_mt>();
-    terminal->set_level(spdlog::level::warn);
-    terminal->set_formatter(one_line_formatter("sulcus: %*"));
-    spdlog::set_default_logger(
-        std::make_shared<spdlog::logger>("sulcus", spdlog::sinks_init_list{file, terminal}));
-  } catch (const std::exception&) {
-    throw InputError(folder, "", "no folder that can be written", "one for the results, -o DIR");
-  }
+  make_output_folder("-o", folder);
+  auto file = std::make_shared<LogFile>(folder + "/log.txt");
+  file->set_formatter(one_line_formatter("[%Y-%m-%d %H:%M:%S.%e] [%l] %*"));
+  auto terminal = std::make_shared<spdlog::sinks::stderr_sink_mt>();
+  terminal->set_level(spdlog::level::warn);
+  terminal->set_formatter(one_line_formatter("sulcus: %*"));
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("sulcus", spdlog::sinks_init_list{file, terminal}));
   spdlog::info("{}", build_info());
 }
 

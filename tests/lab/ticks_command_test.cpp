@@ -1,4 +1,5 @@
 #include <filesystem>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -24,6 +25,18 @@ TEST(TicksCommand, BadOptionsAreOneLineAndStatus2) {
     EXPECT_EQ(result.err_lines(), 1) << result.err;
     EXPECT_NE(result.err.find(bad.named), std::string::npos) << result.err;
     EXPECT_FALSE(std::filesystem::exists(scratch.path("out")));
+  }
+}
+
+/// Signals are its main's, whatever it measures.
+TEST(TicksCommand, IsStoppedAtOnce) {
+  const ScratchFolder scratch;
+  for (const auto& [signal, status] : {std::pair{"INT", 130}, {"TERM", 143}}) {
+    const auto result = test::program_command(
+        std::string("timeout --preserve-status -s ") + signal + " 1 " SULCUS_LAB_PROGRAM,
+        "ticks -o " + scratch.path("out"), scratch.path("err"));
+    EXPECT_EQ(result.status, status);
+    EXPECT_EQ(result.err, "sulcus: stopped\n");
   }
 }
 

@@ -187,6 +187,20 @@ TEST_F(FullDiskOfARun, AFrameThatCannotBeWrittenIsTold) {
   EXPECT_TRUE(fs::exists(scratch_.path("out/summary.json")));
 }
 
+TEST_F(FullDiskOfARun, WhatIsSaidIsWhole) {
+  for (const char* arguments :
+       {"help scene", "--help", "inspect " SULCUS_SOURCE_DIR "/scenes/minimal.toml"}) {
+    const CommandResult result =
+        test::sulcus_command(std::string(arguments) + " >/dev/full", scratch_.path("stderr"));
+    EXPECT_EQ(result.status, 1) << arguments;
+    EXPECT_EQ(result.err, "sulcus: standard output: cannot be written\n");
+    // Who closes a pipe has had enough of it.
+    const CommandResult closed =
+        test::sulcus_command(std::string(arguments) + " | true", scratch_.path("stderr"));
+    EXPECT_EQ(closed.err, "");
+  }
+}
+
 TEST_F(FullDiskOfARun, ALogThatCannotBeWrittenIsTold) {
   fs::create_directories(scratch_.path("out"));
   fs::create_symlink("/dev/full", scratch_.path("out/log.txt"));
