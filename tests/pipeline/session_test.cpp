@@ -1,6 +1,7 @@
 // The threads of a run with what they share: for ThreadSanitizer as much as for the result.
 #include "app/session.hpp"
 
+#include <exception>
 #include <new>
 #include <thread>
 
@@ -133,7 +134,9 @@ TEST_P(FailingThreads, EndTheRunWithoutForceAndWithWhatWasRecorded) {
   options.ticks = 100'000;
   std::thread([&] {
     test::mark_this_thread();
-    EXPECT_THROW(run_session(simulation, device, options), std::bad_alloc);
+    const SessionResult result = run_session(simulation, device, options);
+    ASSERT_TRUE(result.failure);
+    EXPECT_THROW(std::rethrow_exception(result.failure), std::bad_alloc);
   }).join();
   EXPECT_TRUE(device.released);
   EXPECT_EQ(device.fades, 5);
