@@ -5,22 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "engine/core/input_limits.hpp"
-
 namespace sulcus {
 
-// The seam to ITK, in plain types: ITK brings an Eigen of its own, which cannot meet ours in one
-// source file. Everybody else reads and writes through medical_volume.hpp.
-
-/// A scalar volume as ITK reads it; the fields are those of MedicalVolume.
-struct ItkVolume {
-  std::array<int, 3> sizes{};
-  std::array<double, 3> spacing_m{};
-  bool spacing_known = true;
-  std::array<double, 3> origin_m{};
-  std::array<std::array<double, 3>, 3> axes{};  // axes[d]: unit vector along index d
-  std::vector<float> values;                    // x fastest
-};
+// The seam to ITK's writers, in plain types: ITK brings an Eigen of its own, which cannot meet ours
+// in one source file. Everybody else writes through write_volume.hpp.
 
 /// A uint8 volume to be written.
 struct ItkMask {
@@ -31,8 +19,6 @@ struct ItkMask {
   std::vector<std::uint8_t> voxels;             // x fastest
 };
 
-/// @throws InputError, see read_medical_volume.
-ItkVolume read_volume_with_itk(const std::string& path, const InputLimits& limits);
 /// Its name decides the format. @throws std::runtime_error where the file cannot be written.
 void write_volume_with_itk(const std::string& path, const ItkMask& mask);
 

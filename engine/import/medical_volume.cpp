@@ -2,20 +2,104 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
-#include <utility>
+#include <new>
 
 #include <Eigen/LU>
 
+#include "engine/core/ascii.hpp"
 #include "engine/core/error.hpp"
-#include "engine/import/itk_volume_io.hpp"
+#include "engine/import/dicom_volume.hpp"
+#include "engine/import/meta_image_volume.hpp"
+#include "engine/import/nifti_volume.hpp"
+#include "engine/import/nrrd_volume.hpp"
+#include "engine/import/png_volume.hpp"
+#include "engine/import/slice_order.hpp"
+#include "engine/import/tiff_volume.hpp"
 
 namespace sulcus {
 namespace {
 
+namespace fs = std::filesystem;
+
+constexpr const char* kFormats =
+    ".nrrd, .nhdr, .mha, .mhd, .nii, .nii.gz, .hdr, .img, .tif, .tiff, .dcm or a folder of slices";
+
+std::string lower_extension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  if (lower_case(extension) == ".gz") extension = path.stem().extension().string() + extension;
+  return lower_case(extension);
+}
+
+bool is_tiff(const fs::path& path) {
+  const std::string extension = lower_extension(path);
+  return extension == ".tif" || extension == ".tiff";
+}
+
+MedicalVolume read_tiff_file(const std::string& path, const InputLimits& limits) {
+  return read_tiff_volume({&path, 1}, limits);
+}
+MedicalVolume read_dicom_file(const std::string& path, const InputLimits& limits) {
+  return read_dicom_volume(path, {&path, 1}, limits);
+}
+
+struct Format {
+  MedicalVolume (*read)(const std::string& path, const InputLimits& limits);
+  const char* name;
+};
+
+Format format_of(const std::string& path) {
+  const std::string extension = lower_extension(path);
+  const auto is_one_of = [&](std::initializer_list<const char*> names) {
+    return std::ranges::find(names, extension) != names.end();
+  };
+  if (is_one_of({".nrrd", ".nhdr"})) return {read_nrrd_volume, "an NRRD file"};
+  if (is_one_of({".mha", ".mhd"})) return {read_meta_image_volume, "a MetaImage file"};
+  if (is_one_of({".nii", ".nii.gz", ".hdr", ".hdr.gz", ".img", ".img.gz"})) {
+    return {read_nifti_volume, "a NIfTI file"};
+  }
+  if (is_tiff(path)) return {read_tiff_file, "a TIFF file"};
+  if (is_one_of({".dcm", ".dicom"})) return {read_dicom_file, "a DICOM file"};
+  throw InputError(path, "", "the extension \"" + extension + "\"", kFormats);
+}
+
+MedicalVolume read_file(const std::string& path, const InputLimits& limits) {
+  const Format format = format_of(path);
+  if (!fs::is_regular_file(path)) throw InputError(path, "", "no regular file", format.name);
+  if (fs::file_size(path) == 0) throw InputError(path, "", "an empty file", format.name);
+  return format.read(path, limits);
+}
+
+MedicalVolume read_folder(const std::string& folder, const InputLimits& limits) {
+  std::vector<std::string> tiffs, pngs, others;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    const std::string file = entry.path().string();
+    (is_tiff(file) ? tiffs : lower_extension(file) == ".png" ? pngs : others).push_back(file);
+  }
+  std::ranges::sort(others);  // a folder has no order of its own
+  const std::vector<std::string> dicom = dicom_slices(others);
+  const auto full = [](const std::vector<std::string>& files) { return files.empty() ? 0 : 1; };
+  if (full(tiffs) + full(pngs) + full(dicom) > 1) {
+    throw InputError(folder, "", "slices of more than one of TIFF, PNG and DICOM",
+                     "slices of one format");
+  }
+  if (!dicom.empty()) return read_dicom_volume(folder, dicom, limits);
+  if (tiffs.empty() && pngs.empty()) {
+    throw InputError(folder, "", "no DICOM series and no .tif or .png slices",
+                     "a folder of slices");
+  }
+  const SliceOrder order = slice_order(folder, tiffs.empty() ? pngs : tiffs);
+  MedicalVolume volume = (tiffs.empty() ? read_png_volume : read_tiff_volume)(order.files, limits);
+  volume.warnings.insert(volume.warnings.end(), order.warnings.begin(), order.warnings.end());
+  return volume;
+}
+
 void check_placement(const MedicalVolume& volume) {
+  constexpr double kFlat = 1e-3;
   if (!volume.origin_m.allFinite() || !volume.direction.allFinite() ||
-      std::abs(volume.direction.determinant()) < 1e-3) {
+      std::abs(volume.direction.determinant()) < kFlat) {
     throw InputError(volume.file, "direction", "axes that span no volume or are not finite",
                      "three independent axes");
   }
@@ -42,20 +126,21 @@ void replace_non_finite(MedicalVolume& volume) {
 }  // namespace
 
 MedicalVolume read_medical_volume(const std::string& path, const InputLimits& limits) {
-  ItkVolume read = read_volume_with_itk(path, limits);
-  MedicalVolume volume;
-  volume.file = path;
-  volume.spacing_known = read.spacing_known;
-  for (int d = 0; d < 3; ++d) {
-    volume.sizes[d] = read.sizes[d];
-    volume.spacing_m[d] = read.spacing_m[d];
-    volume.origin_m[d] = read.origin_m[d];
-    volume.direction.col(d) = Eigen::Vector3d(read.axes[d].data());
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) throw InputError(path, "", "no such file", "a volume");
+  try {
+    MedicalVolume volume =
+        fs::is_directory(status) ? read_folder(path, limits) : read_file(path, limits);
+    volume.file = path;
+    check_placement(volume);
+    replace_non_finite(volume);
+    return volume;
+  } catch (const std::bad_alloc&) {
+    throw InputError(path, "sizes", "more voxels than memory", "a smaller volume");
+  } catch (const fs::filesystem_error& file_error) {
+    throw InputError(path, "", "no access (" + file_error.code().message() + ")", "a volume");
   }
-  volume.values = std::move(read.values);
-  check_placement(volume);
-  replace_non_finite(volume);
-  return volume;
 }
 
 }  // namespace sulcus

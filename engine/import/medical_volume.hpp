@@ -20,8 +20,10 @@ struct MedicalVolume {
   Eigen::Vector3d spacing_m = Eigen::Vector3d::Constant(1e-3);
   bool spacing_known = true;  // false: the file does not say
   Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d direction = Eigen::Matrix3d::Identity();  // columns: the lattice's axes
+  Eigen::Matrix3d direction = Eigen::Matrix3d::Identity();  // columns: unit steps along the axes,
+                                                            // not always at right angles
   std::vector<float> values;                                // sizes.prod(), x fastest; all finite
+  std::vector<std::string> warnings;  // for the user, a line each: what was not as it should be
 
   std::size_t index(int i, int j, int k) const {
     return static_cast<std::size_t>(i) +
@@ -32,16 +34,15 @@ struct MedicalVolume {
   float at(int i, int j, int k) const { return values[index(i, j, k)]; }
 };
 
-/// Reads NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd; both with one data file), NIfTI-1 (.nii,
-/// .nii.gz, .hdr, .img), TIFF (.tif, .tiff: a stack of grey pages packed without loss, or a folder
-/// of slices in the order of their numbers), PNG (a folder of grey slices of 8 or 16 bits) and
-/// DICOM (.dcm, or a folder that holds one series; grey values rescaled). Lengths in the file are
-/// mm unless an NRRD names its `space units`; TIFF, PNG and a header without spacing leave
-/// `spacing_known` false. Values that are not finite become the smallest finite one. Announced
-/// sizes are checked, and compared with the length of the file, before memory is taken.
+/// Reads NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), NIfTI (.nii, .nii.gz, .hdr, .img), TIFF
+/// (.tif, .tiff: a stack of grey pages, or a folder of slices in the order of their numbers), PNG
+/// (a folder of grey slices) and DICOM (.dcm, or a folder that holds one series; grey values
+/// rescaled). What a header states is read or refused, never changed: see the reader of each
+/// format. What it does not state leaves `spacing_known` false. Lengths are mm where a format has
+/// no unit. Values that are not finite become the smallest finite one. Announced sizes are checked,
+/// and compared with the length of the file, before memory is taken.
 /// @throws InputError: missing, not of its format, truncated, not 3-dimensional, not scalar, larger
 /// than the limits allow, spacing not positive.
-/// Not to be called from two threads at once: it silences `std::cerr` while ITK reads.
 MedicalVolume read_medical_volume(const std::string& path, const InputLimits& limits = {});
 
 }  // namespace sulcus

@@ -10,7 +10,7 @@
 #include <png.h>
 
 #include "engine/core/error.hpp"
-#include "engine/import/volume_header.hpp"
+#include "engine/import/volume_checks.hpp"
 
 namespace sulcus {
 namespace {
@@ -24,8 +24,10 @@ struct PngForm {
   int bits = 0;
 
   bool operator==(const PngForm&) const = default;
-  std::uint64_t row_bytes() const {
-    return std::uint64_t{width} * static_cast<std::uint64_t>(bits / 8);
+  /// Of numbers below a byte each in a byte of its own.
+  std::uint64_t row_bytes() const { return std::uint64_t{width} * (bits == 16 ? 2u : 1u); }
+  std::uint64_t stored_bytes() const {
+    return (std::uint64_t{width} * static_cast<std::uint64_t>(bits) + 7) / 8 * height;
   }
 };
 
@@ -53,18 +55,14 @@ class PngFile {
     if (colours != PNG_COLOR_TYPE_GRAY) {
       throw InputError(name_, "colour type", std::to_string(colours), "0: grey alone");
     }
-    if (depth != 8 && depth != 16) {
-      throw InputError(name_, "bit depth", std::to_string(depth), "8 or 16");
-    }
-    if (png_get_interlace_type(png_, info_) != PNG_INTERLACE_NONE) {
-      throw InputError(name_, "interlace", "Adam7", "none");
-    }
     return {png_get_image_width(png_, info_), png_get_image_height(png_, info_), depth};
   }
 
   /// All rows, big-endian; called once.
   void read(const PngForm& form, std::vector<std::uint8_t>& bytes) {
-    if (!read_rows(bytes.data(), form.row_bytes(), form.height)) {
+    std::vector<std::uint8_t*> rows(form.height);
+    for (std::size_t r = 0; r < rows.size(); ++r) rows[r] = bytes.data() + r * form.row_bytes();
+    if (!read_rows(rows.data())) {
       throw InputError(name_, "data", "pixels that cannot be read", "a whole PNG file");
     }
   }
@@ -80,9 +78,10 @@ class PngFile {
     png_read_info(png_, info_);
     return true;
   }
-  bool read_rows(std::uint8_t* row, std::uint64_t row_bytes, std::uint32_t rows) {
+  bool read_rows(std::uint8_t** rows) {
     if (setjmp(png_jmpbuf(png_)) != 0) return false;  // NOLINT(cert-err52-cpp)
-    for (std::uint32_t r = 0; r < rows; ++r) png_read_row(png_, row + r * row_bytes, nullptr);
+    png_set_packing(png_);
+    png_read_image(png_, rows);
     png_read_end(png_, nullptr);
     return true;
   }
@@ -95,7 +94,7 @@ class PngFile {
 
 }  // namespace
 
-ItkVolume read_png_volume(std::span<const std::string> files, const InputLimits& limits) {
+MedicalVolume read_png_volume(std::span<const std::string> files, const InputLimits& limits) {
   PngForm form;
   for (std::size_t f = 0; f < files.size(); ++f) {
     const PngForm here = PngFile(files[f]).form();
@@ -106,20 +105,18 @@ ItkVolume read_png_volume(std::span<const std::string> files, const InputLimits&
     const std::array<std::int64_t, 3> sizes{form.width, form.height,
                                             static_cast<std::int64_t>(files.size())};
     checked_voxel_count(files[f], "sizes", sizes, limits);
-    const std::uint64_t least = form.row_bytes() * form.height / kMaxPngRatio;
+    const std::uint64_t least = form.stored_bytes() / kMaxPngRatio;
     if (const std::uint64_t held = std::filesystem::file_size(files[f]); held < least) {
       throw InputError(files[f], "data", std::to_string(held) + " bytes",
                        "at least " + std::to_string(least));
     }
   }
-  ItkVolume volume;
+  MedicalVolume volume;
+  volume.file = files.front();
   volume.spacing_known = false;  // what a PNG says is the size of a pixel on a page
-  volume.spacing_m = {1e-3, 1e-3, 1e-3};
-  volume.sizes = {static_cast<int>(form.width), static_cast<int>(form.height),
-                  static_cast<int>(files.size())};
-  for (std::size_t d = 0; d < 3; ++d) volume.axes[d][d] = 1.0;
+  set_sizes(volume, std::array<std::int64_t, 3>{form.width, form.height,
+                                                static_cast<std::int64_t>(files.size())});
   const std::size_t pixels = std::size_t{form.width} * form.height;
-  volume.values.resize(pixels * files.size());
   std::vector<std::uint8_t> bytes(form.row_bytes() * form.height);
   float* value = volume.values.data();
   for (const std::string& file : files) {
@@ -128,8 +125,8 @@ ItkVolume read_png_volume(std::span<const std::string> files, const InputLimits&
     if (png.form() != form) throw InputError(file, "", "a slice that changed", "a whole PNG file");
     png.read(form, bytes);
     for (std::size_t p = 0; p < pixels; ++p) {
-      *value++ = form.bits == 8 ? static_cast<float>(bytes[p])
-                                : static_cast<float>(bytes[2 * p] << 8 | bytes[2 * p + 1]);
+      *value++ = form.bits != 16 ? static_cast<float>(bytes[p])
+                                 : static_cast<float>(bytes[2 * p] << 8 | bytes[2 * p + 1]);
     }
   }
   return volume;

@@ -3,16 +3,16 @@
 #include <span>
 #include <string>
 
-#include "engine/core/input_limits.hpp"
-#include "engine/import/itk_volume_io.hpp"
+#include "engine/import/medical_volume.hpp"
 
 namespace sulcus {
 
-/// The pages of TIFF files, one file after another, as a volume of unknown spacing: grey values of
-/// 8, 16 or 32 bits (whole, signed or float), in strips, of a compression without loss. Every page
-/// has the form of the first. Through libtiff itself: ITK 5.2 takes all pages for what the first
-/// one says, and reads and writes past the end of its buffers where another is smaller.
-/// @throws InputError.
-ItkVolume read_tiff_volume(std::span<const std::string> files, const InputLimits& limits);
+/// Reads the pages of TIFF files (BigTIFF, too), one behind the other, as the slices of a volume:
+/// grey, of up to 64 bits, in strips or tiles, packed without loss, turned by their orientation.
+/// Values stay as they are stored where 0 is white, which is a matter of display. Only ImageJ and
+/// OME write how large a voxel is; what else a TIFF has is the size of a print.
+/// @throws InputError: damaged or of another form, pages that are not alike, larger than the limits
+/// allow.
+MedicalVolume read_tiff_volume(std::span<const std::string> files, const InputLimits& limits);
 
 }  // namespace sulcus

@@ -11,7 +11,7 @@
 #include "engine/core/ascii.hpp"
 #include "engine/core/error.hpp"
 #include "engine/import/itk_volume_io.hpp"
-#include "engine/import/volume_header.hpp"
+#include "engine/import/volume_checks.hpp"
 
 namespace sulcus {
 namespace {

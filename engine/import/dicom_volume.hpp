@@ -1,0 +1,27 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "engine/import/medical_volume.hpp"
+
+namespace sulcus {
+
+/// Reads the frames of DICOM files of one series, plain and enhanced [DICOM PS3.3, C.7.6.2,
+/// C.7.6.16]. Each frame lies where the file puts it: by a position of its own, else by
+/// GridFrameOffsetVector or SpacingBetweenSlices along the normal. They are put in order along the
+/// normal, upward, and where they lie is the third axis, sheared where a gantry was tilted. Grey
+/// values are rescaled, of each frame by its own slope; MONOCHROME1 is a matter of display.
+///
+/// What is not said leaves `spacing_known` false: PixelSpacing; how far frames lie apart, where
+/// they go by InstanceNumber. `name`: file or folder, for messages.
+/// @throws InputError: damaged, several series, frames that are not alike or do not lie in even
+/// steps, of each which one and where.
+MedicalVolume read_dicom_volume(const std::string& name, std::span<const std::string> files,
+                                const InputLimits& limits);
+
+/// The slices among the files of a folder. What is no DICOM file, holds no pixels or is a directory
+/// of others is left out. @throws InputError: a file named .dcm that is none.
+std::vector<std::string> dicom_slices(std::span<const std::string> files);
+
+}  // namespace sulcus

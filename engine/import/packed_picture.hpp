@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace sulcus {
+
+// Grey pictures as DICOM packs them, unpacked to one number of 32 bits a pixel, row by row. Each
+// gives an empty vector where the bytes are damaged, or are of another size than `columns` times
+// `rows`, which is looked at before memory is taken.
+
+/// DICOM's run lengths, a plane of bytes each [DICOM PS3.5, annex G].
+std::vector<std::int32_t> unpack_rle(std::span<const std::byte> packed, std::uint32_t columns,
+                                     std::uint32_t rows, unsigned bytes_each);
+/// JPEG of 8 bits, baseline or extended.
+std::vector<std::int32_t> unpack_jpeg(std::span<const std::byte> packed, std::uint32_t columns,
+                                      std::uint32_t rows);
+/// JPEG-LS, lossless or not.
+std::vector<std::int32_t> unpack_jpeg_ls(std::span<const std::byte> packed, std::uint32_t columns,
+                                         std::uint32_t rows);
+/// A JPEG 2000 codestream.
+std::vector<std::int32_t> unpack_jpeg_2000(std::span<const std::byte> packed, std::uint32_t columns,
+                                           std::uint32_t rows);
+
+}  // namespace sulcus
