@@ -1,5 +1,6 @@
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "app/progress.hpp"
 #include "app/shipped_scene.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/units.hpp"
 #include "engine/import/mesh_file.hpp"
 #include "engine/recording/recording_extension.hpp"
 
@@ -19,8 +21,15 @@ namespace {
 struct InspectOptions {
   std::string file, picture;
   std::vector<std::string> overrides;
+  std::vector<double> spacing_mm;
   bool as_burr = false;
 };
+
+/// None: that of the file.
+std::optional<Eigen::Vector3d> spacing_of(const InspectOptions& options) {
+  if (options.spacing_mm.empty()) return std::nullopt;
+  return Eigen::Vector3d(options.spacing_mm.data()) * kMillimetre;
+}
 
 void inspect(const InspectOptions& options) {
   const std::string file = scene_file_of(options.file);
@@ -41,6 +50,9 @@ void inspect(const InspectOptions& options) {
   if (mesh && !options.as_burr && !options.picture.empty()) {
     throw InputError(file, "--picture", "a mesh", "--as-burr beside it, or a scene or a volume");
   }
+  if (!options.spacing_mm.empty() && (scene || mesh || recording)) {
+    throw InputError(file, "--spacing-mm", "no volume", "a volume, whose voxels have that size");
+  }
   if (!options.picture.empty()) check_output("--picture", options.picture, {".png"});
   const Progress progress("reading");
   if (scene) {
@@ -52,7 +64,7 @@ void inspect(const InspectOptions& options) {
   } else if (mesh) {
     inspect_mesh(file);
   } else {
-    inspect_volume(file, options.picture);
+    inspect_volume(file, spacing_of(options), options.picture);
   }
 }
 
@@ -67,6 +79,13 @@ void add_inspect_command(CLI::App& program) {
       ->add_option("--picture", options->picture,
                    "Draw a volume's sections and histogram, or a scene's burr, into a PNG file")
       ->type_name("FILE");
+  constexpr double kLeast_mm = 1e-4, kMost_mm = 100.0;
+  command
+      ->add_option("--spacing-mm", options->spacing_mm,
+                   "Size of a volume's voxels, where its file does not say it")
+      ->type_name("X Y Z")
+      ->expected(3)
+      ->check(CLI::Range(kLeast_mm, kMost_mm));
   command->add_flag("--as-burr", options->as_burr, "A mesh as the burr that it would be");
   add_set_option(*command, options->overrides, "Change a key of a scene; repeatable");
   command->callback([options] { inspect(*options); });

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
+
+#include <Eigen/Core>
 
 namespace sulcus {
 
@@ -20,7 +23,9 @@ void inspect_mesh(const std::string& file);
 /// A mesh as the burr of a scene that says no more of it; pictured as a scene's burr is.
 void inspect_burr(const std::string& file_mesh, const std::string& picture_png);
 /// Size, place, grey values with the thresholds they suggest, and the command that cuts it; of a
-/// mask or a label map each value with its box. Pictured: three sections and the histogram.
-void inspect_volume(const std::string& file, const std::string& picture_png);
+/// mask or a label map each value with its box and its middle. Pictured: three sections and the
+/// histogram. `spacing_m`: in place of the file's, which may say none; then there are no lengths.
+void inspect_volume(const std::string& file, const std::optional<Eigen::Vector3d>& spacing_m,
+                    const std::string& picture_png);
 
 }  // namespace sulcus

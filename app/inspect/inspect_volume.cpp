@@ -1,12 +1,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <stdexcept>
+
+#include <Eigen/LU>
 
 #include "app/inspect/inspect.hpp"
 #include "app/inspect/volume_facts.hpp"
 #include "app/inspect/volume_picture.hpp"
 #include "app/terminal.hpp"
+#include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
 #include "engine/import/medical_volume.hpp"
 
@@ -21,14 +25,27 @@ void print_place(const MedicalVolume& volume) {
   const Eigen::Matrix3d& d = volume.direction;
   say("volume           %d x %d x %d voxels\n", volume.sizes.x(), volume.sizes.y(),
       volume.sizes.z());
-  say("spacing          %g x %g x %g mm%s\n", mm.x(), mm.y(), mm.z(),
-      volume.spacing_known ? "" : " (not said by the file)");
-  say("extent           %g x %g x %g mm\n", extent.x(), extent.y(), extent.z());
+  if (volume.spacing_known) {
+    say("spacing          %g x %g x %g mm\n", mm.x(), mm.y(), mm.z());
+    say("extent           %g x %g x %g mm\n", extent.x(), extent.y(), extent.z());
+  } else {
+    say("spacing          not said by the file: --spacing-mm here, spacing_mm in a scene\n");
+  }
   say("origin           %g, %g, %g mm\n", origin.x(), origin.y(), origin.z());
-  say("directions       (%g %g %g), (%g %g %g), (%g %g %g)\n", d(0, 0), d(1, 0), d(2, 0), d(0, 1),
-      d(1, 1), d(2, 1), d(0, 2), d(1, 2), d(2, 2));
+  constexpr double kSeen = 1e-3;
+  const bool sheared = std::abs(std::abs(d.determinant()) - 1.0) > kSeen;
+  say("directions       (%g %g %g), (%g %g %g), (%g %g %g)%s\n", d(0, 0), d(1, 0), d(2, 0), d(0, 1),
+      d(1, 1), d(2, 1), d(0, 2), d(1, 2), d(2, 2), sheared ? ", not at right angles" : "");
   say("memory           %.1f MiB when read\n",
       static_cast<double>(volume.values.size() * InputLimits::kVoxelBytes) / kMebibyte);
+}
+
+/// " (12.3 mm3)", or nothing where the file does not say how large a voxel is.
+std::string volume_text(const MedicalVolume& volume, double voxels) {
+  if (!volume.spacing_known) return {};
+  char text[64];
+  std::snprintf(text, sizeof text, " (%.3f mm3)", voxels * voxel_volume_mm3(volume));
+  return text;
 }
 
 /// A dozen rows, each a bar by the root of its count, so that little tissue is seen beside much
@@ -60,18 +77,28 @@ void print_histogram(const GreyHistogram& histogram) {
   }
 }
 
+/// Each value with its box along the lattice, from the corner, and its middle in the file's space.
 void print_labels(const MedicalVolume& volume, const std::vector<LabelCount>& labels) {
-  const Eigen::Vector3d mm = volume.spacing_m / kMillimetre;
+  const Eigen::Vector3d unit = volume.spacing_known
+                                   ? Eigen::Vector3d(volume.spacing_m / kMillimetre)
+                                   : Eigen::Vector3d::Ones();
   for (const LabelCount& label : labels) {
     const Eigen::Vector3i low(label.low), high(label.high);
-    const Eigen::Vector3d size = (high - low).cast<double>() + Eigen::Vector3d::Ones();
-    const Eigen::Vector3d from = low.cast<double>().cwiseProduct(mm);
-    const Eigen::Vector3d to = (low.cast<double>() + size).cwiseProduct(mm);
-    say("value %-10d %llu voxels (%.3f mm3), %.4g to %.4g, %.4g to %.4g, %.4g to %.4g mm "
-        "from the corner\n",
-        label.value, static_cast<unsigned long long>(label.voxels),
-        static_cast<double>(label.voxels) * mm.prod(), from.x(), to.x(), from.y(), to.y(), from.z(),
-        to.z());
+    const Eigen::Vector3d from = low.cast<double>().cwiseProduct(unit);
+    const Eigen::Vector3d to = (high.cast<double>() + Eigen::Vector3d::Ones()).cwiseProduct(unit);
+    say("value %-10d %llu voxels%s, %.4g to %.4g, %.4g to %.4g, %.4g to %.4g %s", label.value,
+        static_cast<unsigned long long>(label.voxels),
+        volume_text(volume, static_cast<double>(label.voxels)).c_str(), from.x(), to.x(), from.y(),
+        to.y(), from.z(), to.z(),
+        volume.spacing_known ? "mm from the corner" : "voxels from the corner");
+    if (volume.spacing_known) {
+      const Eigen::Vector3d middle_mm =
+          (volume.origin_m +
+           volume.direction * Eigen::Vector3d(label.middle).cwiseProduct(volume.spacing_m)) /
+          kMillimetre;
+      say(", middle at (%.4f, %.4f, %.4f) mm", middle_mm.x(), middle_mm.y(), middle_mm.z());
+    }
+    say("\n");
   }
 }
 
@@ -87,16 +114,23 @@ void print_thresholds(const VolumeFacts& facts) {
 
 }  // namespace
 
-void inspect_volume(const std::string& file, const std::string& picture_png) {
-  const MedicalVolume volume = read_medical_volume(file);
+void inspect_volume(const std::string& file, const std::optional<Eigen::Vector3d>& spacing_m,
+                    const std::string& picture_png) {
+  MedicalVolume volume = read_medical_volume(file);
+  if (spacing_m) {
+    volume.spacing_m = *spacing_m;
+    volume.spacing_known = true;
+  }
+  if (!volume.spacing_known && !picture_png.empty()) {
+    throw InputError(file, "spacing", "none in the file", "--spacing-mm beside --picture");
+  }
   const VolumeFacts facts = volume_facts(volume);
   const auto [least, most] = std::minmax_element(volume.values.begin(), volume.values.end());
   const auto above =
       std::count_if(volume.values.begin(), volume.values.end(), [](float v) { return v > 0.0f; });
-  const double voxel_mm3 = (volume.spacing_m / kMillimetre).prod();
   print_place(volume);
   say("values           %g to %g\n", static_cast<double>(*least), static_cast<double>(*most));
-  say("voxels above 0   %td (%.3f mm3)\n", above, static_cast<double>(above) * voxel_mm3);
+  say("voxels above 0   %td%s\n", above, volume_text(volume, static_cast<double>(above)).c_str());
   if (facts.labels.empty()) {
     print_histogram(facts.histogram);
     print_thresholds(facts);
@@ -104,16 +138,23 @@ void inspect_volume(const std::string& file, const std::string& picture_png) {
     print_labels(volume, facts.labels);
   }
   if (facts.solid) {
-    const Eigen::Vector3d size = facts.solid->box_file_m.sizes() / kMillimetre;
-    say("solid            %llu voxels (%.3f mm3)%s, %.4g x %.4g x %.4g mm\n",
-        static_cast<unsigned long long>(facts.solid->voxels),
-        static_cast<double>(facts.solid->voxels) * voxel_mm3,
+    say("solid            %llu voxels%s%s", static_cast<unsigned long long>(facts.solid->voxels),
+        volume_text(volume, static_cast<double>(facts.solid->voxels)).c_str(),
         facts.solid->parts == 1 ? ", in one part"
         : facts.labels.empty()
             ? (", the largest of " + std::to_string(facts.solid->parts) + " parts").c_str()
-            : (", in " + std::to_string(facts.solid->parts) + " parts").c_str(),
-        size.x(), size.y(), size.z());
-    say("to cut it        %s\n", cutting_command(volume, facts).c_str());
+            : (", in " + std::to_string(facts.solid->parts) + " parts").c_str());
+    if (volume.spacing_known) {
+      const Eigen::Vector3d size = facts.solid->box_file_m.sizes() / kMillimetre;
+      say(", %.4g x %.4g x %.4g mm\n", size.x(), size.y(), size.z());
+      say("to cut it        %s\n", cutting_command(volume, facts, spacing_m.has_value()).c_str());
+    } else {
+      say("\n");
+      say("to cut it        say how large its voxels are: --spacing-mm X Y Z\n");
+    }
+  }
+  for (const std::string& warning : volume.warnings) {
+    say("warning          %s\n", warning.c_str());
   }
   if (picture_png.empty()) return;
   if (!draw_volume(volume, facts, picture_png)) {

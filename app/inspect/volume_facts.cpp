@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include <Eigen/LU>
+
 #include "engine/core/units.hpp"
 #include "engine/core/user_text.hpp"
 #include "engine/import/solid_components.hpp"
@@ -72,6 +74,10 @@ std::string short_number(double value) {
   return text;
 }
 
+double voxel_volume_mm3(const MedicalVolume& volume) {
+  return (volume.spacing_m / kMillimetre).prod() * std::abs(volume.direction.determinant());
+}
+
 VolumeFacts volume_facts(const MedicalVolume& volume) {
   VolumeFacts facts;
   const int sizes[3] = {volume.sizes.x(), volume.sizes.y(), volume.sizes.z()};
@@ -94,7 +100,8 @@ VolumeFacts volume_facts(const MedicalVolume& volume) {
   return facts;
 }
 
-std::string cutting_command(const MedicalVolume& volume, const VolumeFacts& facts) {
+std::string cutting_command(const MedicalVolume& volume, const VolumeFacts& facts,
+                            bool spacing_told) {
   if (!facts.solid) return {};
   const Eigen::AlignedBox3d& box = facts.solid->box_file_m;
   const Eigen::Vector3d size_mm = box.sizes() / kMillimetre;
@@ -112,7 +119,7 @@ std::string cutting_command(const MedicalVolume& volume, const VolumeFacts& fact
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
 
   std::vector<std::string> settings{string_override("workpiece.file", volume.file)};
-  if (!volume.spacing_known) {
+  if (spacing_told) {
     settings.push_back("workpiece.spacing_mm=" + triple(volume.spacing_m / kMillimetre));
   }
   if (facts.solid_above) {

@@ -34,13 +34,17 @@ struct VolumeFacts {
   double outline() const { return solid_above.value_or(0.5); }
 };
 
+/// Of a voxel, whose axes may be sheared.
+double voxel_volume_mm3(const MedicalVolume& volume);
+
 /// Parallel nowhere; a volume of 512^3 takes seconds.
 VolumeFacts volume_facts(const MedicalVolume& volume);
 
 /// The command that cuts it, to be given to a shell as it is: the shipped scene for a volume, a
 /// tissue for each value of a label map, a grid that just holds the solid, and a way for the burr,
-/// down on its highest place.
-std::string cutting_command(const MedicalVolume& volume, const VolumeFacts& facts);
+/// down on its highest place. `spacing_told`: it is not the file's, and has to be told again.
+std::string cutting_command(const MedicalVolume& volume, const VolumeFacts& facts,
+                            bool spacing_told);
 
 /// A number to five digits, as it is printed and as commands take it.
 std::string short_number(double value);

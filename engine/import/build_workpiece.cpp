@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -11,6 +12,7 @@
 
 #include "engine/cache/cached_model.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/units.hpp"
 #include "engine/import/input_files.hpp"
 #include "engine/import/medical_volume.hpp"
 #include "engine/import/mesh_file.hpp"
@@ -39,6 +41,20 @@ VoxelModel import_meshes(const Scene& scene, const VoxelGrid& grid, ImportNotes&
   return voxelise_surfaces(surfaces, grid, scene.workpiece);
 }
 
+/// Says where a solid lies that is not where the scene puts it.
+void warn_of_place(const VolumeImportReport& report, const WorkpieceSettings& settings,
+                   ImportNotes& notes) {
+  constexpr double kSeen = 0.01;  // of a voxel
+  const Eigen::Vector3d beside_mm = report.beside_m / kMillimetre;
+  if (report.beside_m.cwiseAbs().maxCoeff() < kSeen * settings.voxel_m) return;
+  std::ostringstream text;
+  text.precision(4);
+  text
+      << "the solid lies (" << beside_mm.x() << ", " << beside_mm.y() << ", " << beside_mm.z()
+      << ") mm beside where position_mm puts its middle, so that its voxels stay those of the file";
+  notes.warnings.push_back(text.str());
+}
+
 VoxelModel import_volume(const Scene& scene, const VoxelGrid& grid, ImportNotes& notes) {
   const WorkpieceSettings& w = scene.workpiece;
   MedicalVolume volume = read_medical_volume(w.file, scene.limits);
@@ -47,12 +63,19 @@ VoxelModel import_volume(const Scene& scene, const VoxelGrid& grid, ImportNotes&
   input.spacing_m = w.spacing_m.value_or(volume.spacing_m);
   input.origin_m = volume.origin_m;
   input.direction = volume.direction;
+  notes.warnings = volume.warnings;
   std::optional<MedicalVolume> labels;
-  if (!w.labels.empty()) labels = read_medical_volume(w.labels, scene.limits);
+  if (!w.labels.empty()) {
+    labels = read_medical_volume(w.labels, scene.limits);
+    for (const std::string& warning : labels->warnings) {
+      notes.warnings.push_back("labels: " + warning);
+    }
+  }
   volume =
       take_part(std::move(volume), labels ? &*labels : nullptr, w, scene.tissues, notes.warnings);
   VolumeImportReport report;
   VoxelModel model = voxelise_volume(volume, grid, w, scene.tissues, &report);
+  warn_of_place(report, w, notes);
   input.file_from_world = report.file_from_world;
   notes.input = input;
   return model;

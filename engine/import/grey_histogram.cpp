@@ -107,8 +107,8 @@ std::vector<LabelCount> label_counts(std::span<const float> values, const int (&
         if (!label || static_cast<float>(label->value) != v) {
           if (v != std::floor(v) || std::abs(v) > 1e6f) return {};
           const int value = static_cast<int>(v);
-          label =
-              &counts.try_emplace(value, LabelCount{value, 0, {i, j, k}, {i, j, k}}).first->second;
+          label = &counts.try_emplace(value, LabelCount{value, 0, {i, j, k}, {i, j, k}, {}})
+                       .first->second;
           if (counts.size() > most) return {};
         }
         ++label->voxels;
@@ -116,13 +116,17 @@ std::vector<LabelCount> label_counts(std::span<const float> values, const int (&
         for (int d = 0; d < 3; ++d) {
           label->low[d] = std::min(label->low[d], p[d]);
           label->high[d] = std::max(label->high[d], p[d]);
+          label->middle[d] += p[d];  // a sum, until all are known
         }
       }
     }
   }
   std::vector<LabelCount> all;
   all.reserve(counts.size());
-  for (const auto& [value, count] : counts) all.push_back(count);
+  for (auto& [value, count] : counts) {
+    for (double& middle : count.middle) middle /= static_cast<double>(count.voxels);
+    all.push_back(count);
+  }
   return all;
 }
 

@@ -42,6 +42,7 @@ struct LabelCount {
   int value = 0;
   std::uint64_t voxels = 0;
   int low[3] = {0, 0, 0}, high[3] = {0, 0, 0};  // box of voxel indices, both inside
+  double middle[3] = {0.0, 0.0, 0.0};           // mean of voxel indices
 };
 
 /// What a mask or a label map holds, by value; empty where the values are not whole, or are more

@@ -84,6 +84,43 @@ void check_lattice(const MedicalVolume& volume, const MedicalVolume& labels,
   }
 }
 
+/// Which of the labels' axes runs along each of the volume's, and in which sense: a matrix of 0, 1
+/// and -1; none: no axis of the one is one of the other.
+std::optional<Eigen::Matrix3i> turn_of(const MedicalVolume& labels, const MedicalVolume& volume) {
+  const Eigen::Matrix3d turn = volume.direction.inverse() * labels.direction;
+  const Eigen::Matrix3i whole = turn.array().round().cast<int>();
+  const Eigen::Matrix3i sizes = whole.cwiseAbs();
+  const bool one_each = sizes.rowwise().sum().isOnes() && sizes.colwise().sum().isOnes();
+  return one_each ? std::optional(whole) : std::nullopt;
+}
+
+/// The same labels at the same places, their axes in the order and sense of the volume's.
+MedicalVolume turned(const MedicalVolume& labels, const Eigen::Matrix3i& turn) {
+  MedicalVolume result;
+  result.file = labels.file;
+  result.spacing_known = labels.spacing_known;
+  result.sizes = turn.cwiseAbs() * labels.sizes;
+  // p_labels = back * p_result + first.
+  const Eigen::Matrix3i back = turn.transpose();
+  const Eigen::Vector3i last = labels.sizes - Eigen::Vector3i::Ones();
+  const Eigen::Vector3i first =
+      (back.rowwise().sum().array() < 0).select(last, Eigen::Vector3i::Zero());
+  result.spacing_m = turn.cast<double>().cwiseAbs() * labels.spacing_m;
+  result.direction = labels.direction * back.cast<double>();
+  result.origin_m =
+      labels.origin_m + labels.direction * labels.spacing_m.cwiseProduct(first.cast<double>());
+  result.values.reserve(labels.values.size());
+  for (int k = 0; k < result.sizes.z(); ++k) {
+    for (int j = 0; j < result.sizes.y(); ++j) {
+      for (int i = 0; i < result.sizes.x(); ++i) {
+        const Eigen::Vector3i p = back * Eigen::Vector3i(i, j, k) + first;
+        result.values.push_back(labels.at(p.x(), p.y(), p.z()));
+      }
+    }
+  }
+  return result;
+}
+
 /// Indices [low, high) that a box reaches, within the lattice; by its corners along the file's
 /// axes, so that of an oblique lattice it is more than the box.
 struct IndexBox {
@@ -235,7 +272,12 @@ MedicalVolume take_part(MedicalVolume volume, const MedicalVolume* labels,
                         const WorkpieceSettings& settings, std::span<const TissueSettings> tissues,
                         std::vector<std::string>& warnings) {
   if (!names_a_part(settings, tissues)) return volume;
-  if (labels) check_lattice(volume, *labels, settings);
+  std::optional<MedicalVolume> in_order;
+  if (labels) {
+    const std::optional<Eigen::Matrix3i> turn = turn_of(*labels, volume);
+    if (turn && !turn->isIdentity()) labels = &in_order.emplace(turned(*labels, *turn));
+    check_lattice(volume, *labels, settings);
+  }
   const Eigen::Affine3d lattice =
       file_from_lattice(volume, settings.spacing_m.value_or(volume.spacing_m));
   IndexBox reach{Eigen::Vector3i::Zero(), volume.sizes};

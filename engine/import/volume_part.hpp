@@ -21,9 +21,10 @@ bool names_a_part(const WorkpieceSettings& settings, std::span<const TissueSetti
 /// All others that would be solid become air (of a mask or a label map: 0), and no value is
 /// changed into another but that. Lattice spacing: `settings.spacing_m`, else the file's.
 ///
-/// `labels` has to lie on the lattice of `volume`: the same sizes, no corner further off than a
-/// tenth of a voxel; where a file knows no spacing only its sizes can be compared.
-/// `warnings`: values of a label map that no tissue has, which are left out.
+/// `labels` has to lie on the lattice of `volume`, whatever the order and sense of its own axes:
+/// the same sizes, no corner further off than a tenth of a voxel; where a file knows no spacing
+/// only its directions and sizes can be compared. `warnings`: values of a label map that no tissue
+/// has, which are left out.
 /// @throws InputError: another lattice, a label that is not there, a box without a voxel.
 MedicalVolume take_part(MedicalVolume volume, const MedicalVolume* labels,
                         const WorkpieceSettings& settings, std::span<const TissueSettings> tissues,

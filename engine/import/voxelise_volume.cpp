@@ -375,7 +375,11 @@ VoxelModel voxelise_volume(const MedicalVolume& volume, const VoxelGrid& grid,
   CutFromIndex map;
   map.linear = cut_from_file * file_from_world.linear() * grid.voxel_m;
   map.offset = cut_from_file * (file_from_world * grid.world_from_index(Eigen::Vector3d::Zero()));
+  const CutFromIndex asked = map;
   found.resampled = !snap_to_lattice(map);
+  if (!found.resampled) {
+    found.beside_m = -(map.linear.inverse() * (map.offset - asked.offset)) * grid.voxel_m;
+  }
 
   {
     // By the rounded map, not by the placement that was asked for: the result lies over the file.

@@ -19,6 +19,8 @@ struct VolumeImportReport {
   std::uint32_t dropped_components = 0;  // specks beside the largest one
   std::uint64_t dropped_voxels = 0;
   bool resampled = true;  // false: the grid's voxels are the file's
+  // From where `settings` put it to where it lies, since voxels of the file stay whole; m.
+  Eigen::Vector3d beside_m = Eigen::Vector3d::Zero();
   // Rigid; the file's space is that of `origin_m`, its spacing what was used.
   Eigen::Affine3d file_from_world = Eigen::Affine3d::Identity();
 };
@@ -35,7 +37,9 @@ struct VolumeImportReport {
 ///   smoothed by the same kernel (edges round within one voxel of the file), a finer one is
 ///   interpolated linearly; the surface is where either says 0.5.
 /// - Where the file's voxels are the grid's own (size and axes), nothing is resampled, and the
-///   placement is rounded to whole voxels, so that an exported volume comes back as it was.
+///   placement is rounded to whole voxels, so that an exported volume comes back as it was. A solid
+///   of an odd number of them along an axis lies half a voxel beside the middle of a grid:
+///   `beside_m` tells.
 ///
 /// The centre of the solid's bounding box, along the file's axes, comes to the scene's origin; then
 /// the solid is turned by `settings.rotation` and moved by `settings.position_m`. `clipped` is set

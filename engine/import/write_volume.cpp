@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <numbers>
+#include <sstream>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -55,6 +58,31 @@ void place(const Eigen::Affine3d& space_from_lattice, const Eigen::Vector3i& siz
 
 Eigen::Affine3d world_from_index(const VoxelGrid& grid) {
   return Eigen::Scaling(grid.voxel_m) * Eigen::Translation3d(-grid.origin_index());
+}
+
+/// Refuses a lattice that the format cannot hold: NIfTI's rotation and MetaImage's know right
+/// angles only (other programs make them so when they read), NIfTI-1's sizes are of 16 bits.
+void check_holds(const std::string& path, const Eigen::Affine3d& space_from_lattice,
+                 const Eigen::Vector3i& sizes) {
+  const std::string name = lower_case(path);
+  if (name.ends_with(".nrrd")) return;
+  if (name.ends_with(".nii.gz") && sizes.maxCoeff() > std::numeric_limits<std::int16_t>::max()) {
+    throw InputError(path, "sizes", std::to_string(sizes.maxCoeff()) + " voxels along an axis",
+                     ".nrrd or .mha for more than 32767");
+  }
+  const Eigen::Matrix3d steps = space_from_lattice.linear();
+  for (int a = 0; a < 3; ++a) {
+    const int b = (a + 1) % 3;
+    const double cosine = steps.col(a).normalized().dot(steps.col(b).normalized());
+    // By how much of a voxel the last one would lie beside its place.
+    constexpr double kSeen = 0.05;
+    if (std::abs(cosine) * std::max(sizes[a], sizes[b]) < kSeen) continue;
+    std::ostringstream found;
+    found.precision(4);
+    found << "axes at " << std::acos(cosine) * 180.0 / std::numbers::pi << " degrees to each other";
+    throw InputError(path, "geometry", found.str(),
+                     ".nrrd, which holds them, or --geometry file, of axes at right angles");
+  }
 }
 
 /// Fills one voxel of the input's lattice from the grid's voxels in it.
@@ -134,8 +162,10 @@ void write_volume(const std::string& path, const VoxelModel& model, VolumeConten
 void write_volume_in_file_space(const std::string& path, const VoxelModel& model,
                                 VolumeContent content, const InputGeometry& input) {
   check_volume_name(path);
+  const Eigen::Affine3d file_from_index = input.file_from_world * world_from_index(model.grid);
+  check_holds(path, file_from_index, model.grid.cells);
   ItkMask volume;
-  place(input.file_from_world * world_from_index(model.grid), model.grid.cells, volume);
+  place(file_from_index, model.grid.cells, volume);
   volume.voxels = voxels_of(model, content);
   write_volume_with_itk(path, volume);
 }
@@ -148,6 +178,7 @@ void write_volume_on_input(const std::string& path, const VoxelModel& model, Vol
   }
   const Eigen::Vector3i n = input.sizes;
   const std::array<std::int64_t, 3> sizes{n.x(), n.y(), n.z()};
+  check_holds(path, input.file_from_lattice(), n);
   ItkMask volume;
   place(input.file_from_lattice(), n, volume);
   volume.voxels.assign(checked_voxel_count(path, "sizes", sizes, limits), 0);

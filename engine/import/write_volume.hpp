@@ -19,7 +19,8 @@ enum class VolumeContent : std::uint8_t {
 void check_volume_name(const std::string& path);
 
 // All write uint8, compressed, 0 where empty, lengths in mm; the name decides the format.
-// @throws InputError: another ending; std::runtime_error where the file cannot be written.
+// @throws InputError: another ending, a lattice that the format cannot hold (sheared axes, in all
+// but .nrrd); std::runtime_error where the file cannot be written.
 
 /// The voxels of `model`, the file's coordinates the scene's. Read back as a binary mask it holds
 /// as many voxels.

@@ -155,5 +155,40 @@ TEST(VolumeHeaders, OfOtherWritersAreReadRightlyOrRefused) {
   EXPECT_GE(refused, 45);
 }
 
+/// The phantom of the shared cases, and the same under a tilted gantry.
+Truth shared_truth(const std::string& name, bool tilted, double slope = 1.0) {
+  Truth truth{.verdict = "read", .name = name, .text = {}, .slope = slope, .labels = {}};
+  if (tilted) {
+    truth.labels = {{{{-4.847, 8.633, 102.873}, 114.984},
+                     {{-0.25, 7.898, 101.974}, 8.346},
+                     {{-7.45, 12.341, 101.283}, 18.778}}};
+  } else {
+    truth.labels = {{{{-4.847, 8.761, 103.847}, 119.04},
+                     {{-0.25, 8.0, 102.75}, 8.64},
+                     {{-7.45, 12.6, 103.25}, 19.44}}};
+  }
+  return truth;
+}
+
+TEST(VolumeHeaders, OfTheSharedCasesAreReadRightlyOrRefused) {
+  const std::string folder = SULCUS_SOURCE_DIR "/../shared/cases";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no " << folder;
+  std::vector<Truth> cases{shared_truth("tilt", true), shared_truth("sheared.nrrd", true),
+                           shared_truth("enhanced_interleaved.dcm", false),
+                           shared_truth("monochrome1", false, 100.0)};
+  cases.push_back(shared_truth("no_pixel_spacing", false));
+  cases.back().verdict = "ask";
+  cases.back().spacing_mm = {0.3, 0.4, 0.5};
+  cases.push_back(
+      {.verdict = "refuse", .name = "missing_three", .text = "3 slices are absent", .labels = {}});
+  cases.push_back(
+      {.verdict = "refuse", .name = "zero_tail.mha", .text = "data: found", .labels = {}});
+  for (const Truth& truth : cases) {
+    std::string wrong;
+    std::cout << truth.name << ": " << verdict_on(folder, truth, wrong) << "\n";
+    EXPECT_EQ(wrong, "") << truth.name;
+  }
+}
+
 }  // namespace
 }  // namespace sulcus

@@ -1,9 +1,12 @@
 #include "engine/import/volume_part.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 #include <vector>
 
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include "engine/core/error.hpp"
@@ -181,6 +184,66 @@ TEST(VolumePart, LabelsOnAnotherLatticeAreRefused) {
               v.values.resize(40 * 30 * 15);
             }),
             "labels.nrrd: sizes: found 40, 30, 15, expected 40, 30, 16, those of bars.nrrd");
+}
+
+/// `labels` on its own lattice with other axes: axis d runs along `axes[d]`, where `down[d]` the
+/// other way; values by place, one after the other.
+MedicalVolume with_axes(const MedicalVolume& labels, const std::array<int, 3>& axes,
+                        const std::array<bool, 3>& down) {
+  MedicalVolume turned = labels;
+  turned.values.clear();
+  turned.origin_m = labels.origin_m;
+  for (int d = 0; d < 3; ++d) {
+    const int axis = axes[d];
+    turned.sizes[d] = labels.sizes[axis];
+    turned.spacing_m[d] = labels.spacing_m[axis];
+    turned.direction.col(d) = labels.direction.col(axis) * (down[d] ? -1.0 : 1.0);
+    if (down[d]) {
+      turned.origin_m +=
+          labels.direction.col(axis) * labels.spacing_m[axis] * (labels.sizes[axis] - 1);
+    }
+  }
+  for (int k = 0; k < turned.sizes.z(); ++k) {
+    for (int j = 0; j < turned.sizes.y(); ++j) {
+      for (int i = 0; i < turned.sizes.x(); ++i) {
+        const Eigen::Vector3d p_file =
+            turned.origin_m +
+            turned.direction * Eigen::Vector3d(i, j, k).cwiseProduct(turned.spacing_m);
+        const Eigen::Vector3d p = (labels.direction.inverse() * (p_file - labels.origin_m))
+                                      .cwiseQuotient(labels.spacing_m);
+        turned.values.push_back(labels.at(static_cast<int>(std::lround(p.x())),
+                                          static_cast<int>(std::lround(p.y())),
+                                          static_cast<int>(std::lround(p.z()))));
+      }
+    }
+  }
+  return turned;
+}
+
+TEST(VolumePart, LabelsWhoseAxesAreTurnedAreMatchedByPlace) {
+  WorkpieceSettings settings = above(800);
+  settings.label = 19;
+  MedicalVolume volume = bars(), labels = bars({18, 19, 20});
+  for (MedicalVolume* v : {&volume, &labels}) {
+    v->spacing_m = {2e-4, 2e-4, 2e-4};
+    v->direction = test::oblique_direction();
+  }
+  // No symmetry hides a wrong turn: one corner of the second bar is another's.
+  labels.values[labels.index(16, 6, 5)] = 20;
+  const Result expected = taken(volume, settings, kOneTissue, &labels);
+  ASSERT_EQ(expected.report.solid_voxels, kBarVoxels - 1);
+  std::array<int, 3> axes{0, 1, 2};
+  do {
+    for (int senses = 0; senses < 8; ++senses) {
+      const std::array<bool, 3> down{(senses & 1) != 0, (senses & 2) != 0, (senses & 4) != 0};
+      MedicalVolume turned = with_axes(labels, axes, down);
+      EXPECT_EQ(taken(volume, settings, kOneTissue, &turned).model.leaves, expected.model.leaves)
+          << axes[0] << axes[1] << axes[2] << " " << senses;
+      turned.origin_m.x() += 1e-4;
+      EXPECT_NE(error_of(volume, settings, kOneTissue, &turned).find("labels.nrrd: origin: "),
+                std::string::npos);
+    }
+  } while (std::ranges::next_permutation(axes).found);
 }
 
 TEST(VolumePart, TissuesByLabelAndWhatHasNoneIsLeftOutAndSaid) {

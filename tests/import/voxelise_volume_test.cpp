@@ -190,6 +190,36 @@ TEST(VoxeliseVolume, SpacingOfTheSceneOverridesTheFile) {
   EXPECT_THROW(voxelise_volume(unknown, grid_of(96, 4e-5), settings, kOneTissue), InputError);
 }
 
+TEST(VoxeliseVolume, WhatLiesBesidePositionSoThatVoxelsStayWholeIsTold) {
+  // 7 x 6 x 9 voxels of the grid's own size, along turned axes.
+  MedicalVolume volume = sampled({20, 20, 20}, Eigen::Vector3d::Constant(1e-4),
+                                 [](const Eigen::Vector3d&) { return 0.0; });
+  volume.direction.col(0) = Eigen::Vector3d::UnitY();
+  volume.direction.col(1) = -Eigen::Vector3d::UnitX();
+  for (int k = 4; k < 13; ++k) {
+    for (int j = 5; j < 11; ++j) {
+      for (int i = 6; i < 13; ++i) volume.values[volume.index(i, j, k)] = 1.0f;
+    }
+  }
+  for (const Eigen::Vector3d& position :
+       {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(2e-4, -1.3e-4, 0.5e-4)}) {
+    WorkpieceSettings settings;
+    settings.position_m = position;
+    VolumeImportReport report;
+    const VoxelModel model =
+        voxelise_volume(volume, grid_of(48, 1e-4), settings, kOneTissue, &report);
+    EXPECT_EQ(model.solid_count(), 7u * 6u * 9u);
+    ASSERT_FALSE(report.resampled);
+    const Eigen::Vector3d beside = bounds_world(model).center() - position;
+    EXPECT_GT(beside.norm(), 1e-5);
+    EXPECT_LT((report.beside_m - beside).norm(), 1e-9)
+        << report.beside_m.transpose() << ", not " << beside.transpose();
+  }
+  VolumeImportReport report;
+  voxelise_volume(volume, grid_of(48, 0.9e-4), WorkpieceSettings{}, kOneTissue, &report);
+  EXPECT_EQ(report.beside_m, Eigen::Vector3d::Zero());  // resampled, and where it is to be
+}
+
 TEST(VoxeliseVolume, SpecksAreDroppedFromGreyValuesButNotFromAMask) {
   MedicalVolume volume = sphere(1.2e-3, Eigen::Vector3d::Constant(1e-4));
   volume.values[volume.index(2, 2, 2)] = 1000;

@@ -178,6 +178,38 @@ TEST(WriteVolumeOnce, ARealToothLiesOverItsScan) {
   }
 }
 
+TEST(WriteVolumeOnce, AShearedLatticeIsHeldByNrrdAloneAndRefusedByTheOthers) {
+  const ScratchFolder folder;
+  Eigen::Matrix3d tilted = test::oblique_direction();
+  tilted.col(2) = (tilted.col(2) + 0.27 * tilted.col(1)).normalized();
+  const MedicalVolume in = test::oblique_volume(tilted);
+  test::write_with_itk(folder.path("in.nrrd"), test::plain(in));
+  const auto [model, input] =
+      imported(scene_of(folder.path("in.nrrd"), test::kObliqueSolidAbove, 6e-5, 96));
+  write_volume_on_input(folder.path("out.nrrd"), model, VolumeContent::kMask, input);
+  const MedicalVolume out = read_medical_volume(folder.path("out.nrrd"));
+  EXPECT_LT((out.direction - tilted).norm(), 1e-6);
+  int solid = 0;
+  for_each_voxel(out, [&](int i, int j, int k) {
+    const double d = test::oblique_distance_mm(centre_file_mm(out, i, j, k));
+    solid += out.at(i, j, k) > 0;
+    ASSERT_LT(out.at(i, j, k) > 0 ? d : -d, 0.15) << i << " " << j << " " << k;
+  });
+  EXPECT_GT(solid, 4000);
+  for (const char* name : {"out.mha", "out.nii.gz"}) {
+    try {
+      write_volume_on_input(folder.path(name), model, VolumeContent::kMask, input);
+      ADD_FAILURE() << name;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("geometry: found axes at 74.89 degrees"), std::string::npos)
+          << error.what();
+    }
+    EXPECT_FALSE(std::filesystem::exists(folder.path(name)));
+    // The grid's own voxels lie at right angles, whatever the scan's do.
+    write_volume_in_file_space(folder.path(name), model, VolumeContent::kMask, input);
+  }
+}
+
 TEST(WriteVolumeOnce, OtherNamesAreRefused) {
   for (const char* name : {"a.nii", "a.tif", "a", "nrrd", "a.nrrd.bak"}) {
     try {

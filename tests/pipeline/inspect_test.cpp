@@ -113,7 +113,8 @@ TEST(Inspect, ItsCommandCuts) {
                         std::string(64, '\1'));
   for (const std::string& file : {write_scan(scratch, "it's.nrrd"), mask, unknown}) {
     std::string quoted = std::regex_replace(file, std::regex("'"), "'\\''");
-    const auto inspected = sulcus_command("inspect '" + quoted + "'", scratch.path("err"));
+    const std::string told = file == unknown ? " --spacing-mm 1 1 1" : "";
+    const auto inspected = sulcus_command("inspect '" + quoted + "'" + told, scratch.path("err"));
     ASSERT_EQ(inspected.status, 0) << inspected.err;
     std::smatch match;
     ASSERT_TRUE(std::regex_search(inspected.out, match, std::regex("to cut it +sulcus (.*)")))
@@ -127,6 +128,47 @@ TEST(Inspect, ItsCommandCuts) {
     const std::string summary = test::read_file(out + "/summary.json");
     EXPECT_GT(number(summary, "\"removed_voxels\": *([0-9]+)"), 0) << file;
   }
+}
+
+TEST(Inspect, TakesNoSpacingThatIsNotSaid) {
+  const ScratchFolder scratch;
+  const std::string file = scratch.write(
+      "unknown.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nencoding: raw\n\n" +
+                          std::string(64, '\1'));
+  const auto untold = sulcus_command("inspect " + file, scratch.path("err"));
+  EXPECT_EQ(untold.status, 0) << untold.err;
+  EXPECT_NE(untold.out.find("spacing          not said by the file"), std::string::npos);
+  EXPECT_EQ(untold.out.find("mm3"), std::string::npos) << untold.out;
+  EXPECT_EQ(untold.out.find("sulcus run"), std::string::npos) << untold.out;
+  const auto told =
+      sulcus_command("inspect " + file + " --spacing-mm 0.5 0.5 2", scratch.path("err"));
+  EXPECT_NE(told.out.find("solid            64 voxels (32.000 mm3)"), std::string::npos)
+      << told.out;
+  EXPECT_NE(told.out.find("workpiece.spacing_mm="), std::string::npos) << told.out;
+  const auto run = sulcus_command("run scenes/minimal.toml --no-render -o " + scratch.path("out") +
+                                      " --set workpiece.file=" + file,
+                                  scratch.path("err"));
+  EXPECT_EQ(run.status, 2);
+  EXPECT_NE(run.err.find("unknown.nrrd: spacing: found none in the file, expected spacing_mm"),
+            std::string::npos)
+      << run.err;
+}
+
+TEST(Inspect, WhatIsTakenAsSaidButNotAsItShouldBeIsTold) {
+  const ScratchFolder scratch;
+  const std::string nrrd = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 3 3 3\nencoding: raw\n";
+  const std::string odd =
+      scratch.write("odd.nrrd", nrrd + "spacings: 0.1 0.1 0.1\n\n" + std::string(27, '\1'));
+  const auto run =
+      sulcus_command("run scenes/minimal.toml --no-render -o " + scratch.path("out") +
+                         " --set workpiece.file=" + odd +
+                         " --set workpiece.voxel_mm=0.1 --set 'workpiece.cells=[32,32,32]'",
+                     scratch.path("err"));
+  EXPECT_EQ(run.status, 0);
+  EXPECT_NE(run.err.find("odd.nrrd: the solid lies (0.05, 0.05, 0.05) mm beside where "
+                         "position_mm puts its middle"),
+            std::string::npos)
+      << run.err;
 }
 
 TEST(Inspect, TellsTheLabelsOfAMap) {
