@@ -10,6 +10,7 @@
 
 #include "engine/core/ascii.hpp"
 #include "engine/core/error.hpp"
+#include "engine/import/dicom_data_set.hpp"
 #include "engine/import/dicom_volume.hpp"
 #include "engine/import/meta_image_volume.hpp"
 #include "engine/import/nifti_volume.hpp"
@@ -40,7 +41,7 @@ bool is_tiff(const fs::path& path) {
 MedicalVolume read_tiff_file(const std::string& path, const InputLimits& limits) {
   return read_tiff_volume({&path, 1}, limits);
 }
-MedicalVolume read_dicom_file(const std::string& path, const InputLimits& limits) {
+MedicalVolume read_one_dicom_file(const std::string& path, const InputLimits& limits) {
   return read_dicom_volume(path, {&path, 1}, limits);
 }
 
@@ -60,13 +61,14 @@ Format format_of(const std::string& path) {
     return {read_nifti_volume, "a NIfTI file"};
   }
   if (is_tiff(path)) return {read_tiff_file, "a TIFF file"};
-  if (is_one_of({".dcm", ".dicom"})) return {read_dicom_file, "a DICOM file"};
+  // Scanners name DICOM files in many ways, and by no extension.
+  if (is_one_of({".dcm", ".dicom"}) || is_dicom(path)) return {read_one_dicom_file, "a DICOM file"};
   throw InputError(path, "", "the extension \"" + extension + "\"", kFormats);
 }
 
 MedicalVolume read_file(const std::string& path, const InputLimits& limits) {
+  if (!fs::is_regular_file(path)) throw InputError(path, "", "no regular file", "a volume");
   const Format format = format_of(path);
-  if (!fs::is_regular_file(path)) throw InputError(path, "", "no regular file", format.name);
   if (fs::file_size(path) == 0) throw InputError(path, "", "an empty file", format.name);
   return format.read(path, limits);
 }

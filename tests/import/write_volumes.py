@@ -656,6 +656,8 @@ def dicom():
     save_dicom("d/enhanced.dcm", enhanced(v, OBLIQUE))
     read("d/enhanced.dcm", v, OBLIQUE)
     interleaved = [*range(0, SIZE[2], 2), *range(1, SIZE[2], 2)]
+    save_dicom("d/IM000001", enhanced(v, OBLIQUE))
+    read("d/IM000001", v, OBLIQUE)
     save_dicom("d/interleaved.dcm", enhanced(v, a, interleaved))
     read("d/interleaved.dcm")
     save_dicom("d/enhanced_falling.dcm", enhanced(v, a, range(SIZE[2] - 1, -1, -1)))

@@ -17,7 +17,7 @@ using Bytes = std::span<const std::uint8_t>;
 void fuzz_scene(Bytes bytes);
 /// A mesh; the first byte is the first letter of its format: stl, obj, ply.
 void fuzz_mesh(Bytes bytes);
-/// A volume; the first byte tells its format: nrrd, mha, nii, g for nii.gz, tif.
+/// A volume; the first byte tells its format: nrrd, mha, nii, g for nii.gz, tif, dcm.
 void fuzz_volume(Bytes bytes);
 /// A table of poses.
 void fuzz_trajectory(Bytes bytes);

@@ -10,6 +10,8 @@ namespace {
 
 const char* name_of(std::uint8_t letter) {
   switch (letter) {
+    case 'd':
+      return "a.dcm";
     case 'm':
       return "a.mha";
     case 'i':
