@@ -15,8 +15,9 @@ namespace sulcus {
 namespace {
 
 /// DICOM's names of ways to pack [DICOM PS3.6, annex A].
-constexpr std::string_view kDeflated = "1.2.840.10008.1.2.1.99", kPlain = "1.2.840.10008.1.2.1.98",
-                           kRle = "1.2.840.10008.1.2.5", kJpeg = "1.2.840.10008.1.2.4.50",
+constexpr std::string_view kDeflatedPixels = "1.2.840.10008.1.2.1.99",
+                           kPlain = "1.2.840.10008.1.2.1.98", kRle = "1.2.840.10008.1.2.5",
+                           kJpeg = "1.2.840.10008.1.2.4.50",
                            kJpegExtended = "1.2.840.10008.1.2.4.51",
                            kJpegLossless = "1.2.840.10008.1.2.4.57",
                            kJpegLosslessFirst = "1.2.840.10008.1.2.4.70",
@@ -27,7 +28,7 @@ constexpr std::string_view kDeflated = "1.2.840.10008.1.2.1.99", kPlain = "1.2.8
 
 bool is_native(const std::string& syntax) {
   return syntax == "1.2.840.10008.1.2" || syntax == "1.2.840.10008.1.2.1" ||
-         syntax == "1.2.840.10008.1.2.2" || syntax == kDeflated;
+         syntax == "1.2.840.10008.1.2.2" || syntax == kDeflatedPixels;
 }
 
 std::uint16_t needed_word(const DicomFile& file, DicomTag tag, const char* name) {

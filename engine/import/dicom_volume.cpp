@@ -231,12 +231,45 @@ std::string name_of(const Frame& frame, std::span<const std::string> files, bool
   return many_frames ? name + " frame " + std::to_string(frame.index + 1) : name;
 }
 
-/// Puts frames in the order of their places; the step from one to the next, or none where there is
-/// one frame.
-std::optional<Eigen::Vector3d> order_by_place(const std::string& name,
-                                              std::span<const std::string> files,
-                                              const Eigen::Vector3d& normal, bool many_frames,
-                                              std::vector<Frame>& frames) {
+/// A line through the places of frames, in even steps.
+struct Row {
+  Eigen::Vector3d first_mm, step_mm;
+
+  double furthest_mm(const std::vector<Frame>& frames) const {
+    double most = 0.0;
+    for (std::size_t f = 0; f < frames.size(); ++f) {
+      const Eigen::Vector3d p = first_mm + static_cast<double>(f) * step_mm;
+      most = std::max(most, (*frames[f].position_mm - p).norm());
+    }
+    return most;
+  }
+};
+
+Row row_through_ends(const std::vector<Frame>& frames) {
+  const Eigen::Vector3d first = *frames.front().position_mm;
+  return {first, (*frames.back().position_mm - first) / static_cast<double>(frames.size() - 1)};
+}
+
+/// Of the least squares, for places whose digits were rounded.
+Row row_between(const std::vector<Frame>& frames) {
+  const double middle = 0.5 * static_cast<double>(frames.size() - 1);
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero(), sum = Eigen::Vector3d::Zero();
+  double squares = 0.0;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    const double along = static_cast<double>(f) - middle;
+    mean += *frames[f].position_mm / static_cast<double>(frames.size());
+    sum += along * *frames[f].position_mm;
+    squares += along * along;
+  }
+  const Eigen::Vector3d step = sum / squares;
+  return {mean - middle * step, step};
+}
+
+/// Puts frames in the order of their places, in which they lie in even steps; none where there is
+/// but one.
+std::optional<Row> order_by_place(const std::string& name, std::span<const std::string> files,
+                                  const Eigen::Vector3d& normal, bool many_frames,
+                                  std::vector<Frame>& frames) {
   const auto height = [&](const Frame& frame) { return normal.dot(*frame.position_mm); };
   std::ranges::stable_sort(frames, {}, height);
   if (frames.size() < 2) return std::nullopt;
@@ -251,44 +284,48 @@ std::optional<Eigen::Vector3d> order_by_place(const std::string& name,
     return name_of(frames[f], files, many_frames) + " and " +
            name_of(frames[f + 1], files, many_frames);
   };
-  constexpr double kSamePlace_mm = 1e-4, kUneven = 0.05;
+  constexpr double kSamePlace_mm = 1e-4;
   for (std::size_t f = 0; f < steps.size(); ++f) {
-    if (steps[f] <= kSamePlace_mm) {
-      throw InputError(name, kPosition.name, between(f) + " at one place",
-                       "a place for each slice");
-    }
+    if (steps[f] > kSamePlace_mm) continue;
+    throw InputError(name, kPosition.name, between(f) + " at one place", "a place for each slice");
   }
+  // What the digits of the positions leave open is neither shear nor an uneven step.
+  constexpr double kDigits_mm = 0.005, kMostOff_mm = 0.06, kOff = 0.1;
+  Row row = row_through_ends(frames);
+  if (row.furthest_mm(frames) > kDigits_mm) row = row_between(frames);
+  const Eigen::Vector3d straight = normal * normal.dot(row.step_mm);
+  const auto last = static_cast<double>(steps.size());
+  if ((row.step_mm - straight).norm() * last < kDigits_mm) row.step_mm = straight;
+  const double allowed_mm = std::min(kMostOff_mm, kOff * usual);
+  if (row.furthest_mm(frames) <= std::max(allowed_mm, 2.0 * kSamePlace_mm)) return row;
+
+  constexpr double kUneven = 0.25;  // more than what is rounded, and less than half a slice
   for (std::size_t f = 0; f < steps.size(); ++f) {
     if (std::abs(steps[f] - usual) <= kUneven * usual) continue;
     const double absent = std::round(steps[f] / usual) - 1.0;
     const bool gap =
         absent >= 1.0 && std::abs(steps[f] - (absent + 1.0) * usual) <= kUneven * usual;
+    std::string expected = text_of(usual) + " mm as between the others";
+    if (gap) {
+      expected +=
+          ": " + text_of(absent) + (absent == 1.0 ? " slice is" : " slices are") + " absent";
+    }
     throw InputError(name, kPosition.name,
                      text_of(steps[f]) + " mm between " + between(f) + ", at " +
                          text_of(height(frames[f])) + " and " + text_of(height(frames[f + 1])) +
                          " mm along the normal",
-                     gap ? text_of(usual) + " mm as between the others: " + text_of(absent) +
-                               (absent == 1.0 ? " slice is absent" : " slices are absent")
-                         : text_of(usual) + " mm as between the others");
+                     expected);
   }
-  const Eigen::Vector3d first = *frames.front().position_mm;
-  Eigen::Vector3d whole = *frames.back().position_mm - first;
-  const auto last = static_cast<double>(steps.size());
-  // What the digits of the positions leave open is no shear.
-  constexpr double kDigits_mm = 0.005;
-  const Eigen::Vector3d straight = normal * normal.dot(whole);
-  if ((whole - straight).norm() < kDigits_mm) whole = straight;
-  for (std::size_t f = 0; f < frames.size(); ++f) {
-    const double off =
-        (first + whole * (static_cast<double>(f) / last) - *frames[f].position_mm).norm();
-    constexpr double kOff = 0.1;
-    if (off <= std::max(kOff * usual, kDigits_mm)) continue;
-    throw InputError(name, kPosition.name,
-                     name_of(frames[f], files, many_frames) + " " + text_of(off) +
-                         " mm beside the line through the others",
-                     "slices in a row");
-  }
-  return whole / last;
+  const Row ends = row_between(frames);
+  const auto off = [&](std::size_t f) {
+    return (ends.first_mm + static_cast<double>(f) * ends.step_mm - *frames[f].position_mm).norm();
+  };
+  std::size_t worst = 0;
+  for (std::size_t f = 0; f < frames.size(); ++f) worst = off(f) > off(worst) ? f : worst;
+  throw InputError(name, kPosition.name,
+                   name_of(frames[worst], files, many_frames) + " " + text_of(off(worst)) +
+                       " mm beside the even row of the others",
+                   "slices in a straight row of even steps");
 }
 
 void order_by_number(const std::string& name, std::span<const std::string> files,
@@ -349,18 +386,19 @@ void place(const std::string& name, std::span<const std::string> files, const Sl
   std::optional<double> between_mm;
   if (placed || many_frames) between_mm = first.between_mm;
   if (placed) {
-    if (const auto step = order_by_place(name, files, steps.col(2), many_frames, frames)) {
-      const double along = steps.col(2).dot(*step);
+    volume.origin_m = *frames.front().position_mm * kUnit_m;
+    if (const auto row = order_by_place(name, files, steps.col(2), many_frames, frames)) {
+      volume.origin_m = row->first_mm * kUnit_m;
+      const double along = steps.col(2).dot(row->step_mm);
       constexpr double kSame = 0.05;
       if (between_mm && std::abs(*between_mm - along) > kSame * along) {
         volume.warnings.push_back("SpacingBetweenSlices says " + text_of(*between_mm) +
                                   " mm where the slices lie " + text_of(along) +
                                   " mm apart, which is taken");
       }
-      between_mm = step->norm();
-      steps.col(2) = *step / step->norm();
+      between_mm = row->step_mm.norm();
+      steps.col(2) = row->step_mm.normalized();
     }
-    volume.origin_m = *frames.front().position_mm * kUnit_m;
   } else {
     order_by_number(name, files, frames);
     if (frames.size() > 1) {
@@ -441,17 +479,23 @@ MedicalVolume read_dicom_volume(const std::string& name, std::span<const std::st
   return volume;
 }
 
-std::vector<std::string> dicom_slices(std::span<const std::string> files) {
-  std::vector<std::string> slices;
-  for (const std::string& file : files) {
-    if (!is_dicom(file)) {
-      const std::string extension = lower_case(fs::path(file).extension().string());
-      if (extension == ".dcm" || extension == ".dicom") {
-        throw InputError(file, "header", "contents that cannot be one", "a DICOM slice");
-      }
-      continue;
+DicomSlices dicom_slices(std::span<const std::string> files) {
+  DicomSlices slices;
+  std::vector<std::string> others;
+  const auto extension = [](const std::string& file) {
+    return lower_case(fs::path(file).extension().string());
+  };
+  for (const std::string& file : files) (is_dicom(file) ? slices.files : others).push_back(file);
+  for (const std::string& file : others) {
+    const std::string name = extension(file);
+    if (name == ".dcm" || name == ".dicom") {
+      throw InputError(file, "header", "contents that cannot be one", "a DICOM slice");
     }
-    slices.push_back(file);
+    const bool as_slices_are = std::ranges::any_of(
+        slices.files, [&](const std::string& slice) { return extension(slice) == name; });
+    if (!as_slices_are) continue;
+    slices.warnings.push_back(fs::path(file).filename().string() +
+                              " is no DICOM file, and is left out");
   }
   return slices;
 }

@@ -2,6 +2,7 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "engine/import/medical_volume.hpp"
 
@@ -10,8 +11,9 @@ namespace sulcus {
 /// Reads the frames of DICOM files of one series, plain and enhanced [DICOM PS3.3, C.7.6.2,
 /// C.7.6.16]. Each frame lies where the file puts it: by a position of its own, else by
 /// GridFrameOffsetVector or SpacingBetweenSlices along the normal. They are put in order along the
-/// normal, upward, and where they lie is the third axis, sheared where a gantry was tilted. Grey
-/// values are rescaled, of each frame by its own slope; MONOCHROME1 is a matter of display.
+/// normal, upward, and where they lie is the third axis, sheared where a gantry was tilted; no
+/// frame lies more than 0.06 mm, or a tenth of a step, beside its own position. Grey values are
+/// rescaled, of each frame by its own slope; MONOCHROME1 is a matter of display.
 ///
 /// What is not said leaves `spacing_known` false: PixelSpacing; how far frames lie apart, where
 /// they go by InstanceNumber. `name`: file or folder, for messages.
@@ -20,8 +22,12 @@ namespace sulcus {
 MedicalVolume read_dicom_volume(const std::string& name, std::span<const std::string> files,
                                 const InputLimits& limits);
 
-/// The slices among the files of a folder. What is no DICOM file, holds no pixels or is a directory
-/// of others is left out. @throws InputError: a file named .dcm that is none.
-std::vector<std::string> dicom_slices(std::span<const std::string> files);
+/// The DICOM files among those of a folder.
+struct DicomSlices {
+  std::vector<std::string> files;
+  std::vector<std::string> warnings;  // what has a slice's extension and is none
+};
+/// @throws InputError: a file named .dcm that is none.
+DicomSlices dicom_slices(std::span<const std::string> files);
 
 }  // namespace sulcus

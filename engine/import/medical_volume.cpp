@@ -81,21 +81,26 @@ MedicalVolume read_folder(const std::string& folder, const InputLimits& limits) 
     (is_tiff(file) ? tiffs : lower_extension(file) == ".png" ? pngs : others).push_back(file);
   }
   std::ranges::sort(others);  // a folder has no order of its own
-  const std::vector<std::string> dicom = dicom_slices(others);
+  const DicomSlices dicom = dicom_slices(others);
   const auto full = [](const std::vector<std::string>& files) { return files.empty() ? 0 : 1; };
-  if (full(tiffs) + full(pngs) + full(dicom) > 1) {
+  if (full(tiffs) + full(pngs) + full(dicom.files) > 1) {
     throw InputError(folder, "", "slices of more than one of TIFF, PNG and DICOM",
                      "slices of one format");
   }
-  if (!dicom.empty()) return read_dicom_volume(folder, dicom, limits);
+  const auto with = [](MedicalVolume volume, const std::vector<std::string>& warnings) {
+    volume.warnings.insert(volume.warnings.end(), warnings.begin(), warnings.end());
+    return volume;
+  };
+  if (!dicom.files.empty()) {
+    return with(read_dicom_volume(folder, dicom.files, limits), dicom.warnings);
+  }
   if (tiffs.empty() && pngs.empty()) {
     throw InputError(folder, "", "no DICOM series and no .tif or .png slices",
                      "a folder of slices");
   }
   const SliceOrder order = slice_order(folder, tiffs.empty() ? pngs : tiffs);
-  MedicalVolume volume = (tiffs.empty() ? read_png_volume : read_tiff_volume)(order.files, limits);
-  volume.warnings.insert(volume.warnings.end(), order.warnings.begin(), order.warnings.end());
-  return volume;
+  return with((tiffs.empty() ? read_png_volume : read_tiff_volume)(order.files, limits),
+              order.warnings);
 }
 
 void check_placement(const MedicalVolume& volume) {

@@ -281,6 +281,19 @@ void place(const std::string& path, const NiftiHeader& header, MedicalVolume& vo
   volume.origin_m = kTurned.cwiseProduct(place.origin) * unit_m;
 }
 
+/// scl_slope; 0: values stay as they are stored.
+double scale_of(const std::string& path, const NiftiHeader& header,
+                std::vector<std::string>& warnings) {
+  if (std::isnan(header.scl_slope)) {
+    warnings.emplace_back("scl_slope is no number: values stay as they are stored");
+    return 0.0;
+  }
+  if (header.scl_slope == 0.0) return 0.0;
+  check_finite(path, "scl_slope", header.scl_slope);
+  check_finite(path, "scl_inter", header.scl_inter);
+  return header.scl_slope;
+}
+
 /// "a.hdr" or "a.hdr.gz" for "a.img" or "a.img.gz" and the other way round, which exists.
 std::string other_half(const std::string& path, const std::string& extension) {
   fs::path stem(path);
@@ -355,17 +368,15 @@ MedicalVolume read_nifti_volume(const std::string& path, const InputLimits& limi
     throw InputError(data_path, "data", std::to_string(held) + " bytes",
                      "at least " + std::to_string(announced / ratio) + " bytes after the header");
   }
-  if (!std::isfinite(header.scl_slope) || !std::isfinite(header.scl_inter)) {
-    throw InputError(header_path, "scl_slope", "no finite numbers", "slope and intercept");
-  }
+  const double slope = scale_of(header_path, header, volume.warnings);
   set_sizes(volume, header.sizes);
   const std::unique_ptr<ByteSource> source = open_unpacked(data_path);
   skip_bytes(data_path, *source, begin);
   read_numbers(data_path, *source, type, header.big_endian, volume.values);
   if (ratio > 1) read_out(data_path, *source, begin + announced);
-  if (header.scl_slope != 0.0 && (header.scl_slope != 1.0 || header.scl_inter != 0.0)) {
+  if (slope != 0.0 && (slope != 1.0 || header.scl_inter != 0.0)) {
     for (float& value : volume.values) {
-      value = static_cast<float>(header.scl_slope * static_cast<double>(value) + header.scl_inter);
+      value = static_cast<float>(slope * static_cast<double>(value) + header.scl_inter);
     }
   }
   return volume;

@@ -24,7 +24,7 @@ bool read_line(std::ifstream& in, TextHeader& header, std::string& line) {
   return true;
 }
 
-std::ifstream open(const std::string& path) {
+std::ifstream open_header(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(path, "", "no readable file", "a volume");
   return in;
@@ -127,7 +127,7 @@ const std::string& TextHeader::need(const std::string& key) const {
 }
 
 TextHeader read_nrrd_text(const std::string& path) {
-  std::ifstream in = open(path);
+  std::ifstream in = open_header(path);
   TextHeader header(path);
   std::string line;
   if (!read_line(in, header, line) || !line.starts_with("NRRD")) {
@@ -162,7 +162,7 @@ TextHeader read_nrrd_text(const std::string& path) {
 }
 
 TextHeader read_meta_image_text(const std::string& path) {
-  std::ifstream in = open(path);
+  std::ifstream in = open_header(path);
   TextHeader header(path);
   for (std::string line; read_line(in, header, line);) {
     const auto equals = line.find('=');

@@ -43,7 +43,7 @@ struct TiffForm {
   bool transposed() const { return orientation >= ORIENTATION_LEFTTOP; }
 };
 
-Tiff open(const std::string& file) {
+Tiff open_tiff(const std::string& file) {
   // Errors are told in one line, by exception.
   TIFFSetWarningHandler(nullptr);
   TIFFSetErrorHandler(nullptr);
@@ -107,7 +107,7 @@ TiffForm form_of(const std::string& file, unsigned page, TIFF* tiff) {
 /// Goes through the pages of a file; how many there are.
 unsigned check_pages(const std::string& file, const InputLimits& limits, TiffForm& first,
                      bool is_first) {
-  const Tiff tiff = open(file);
+  const Tiff tiff = open_tiff(file);
   unsigned pages = 0;
   while (true) {
     const TiffForm form = form_of(file, pages, tiff.get());
@@ -234,7 +234,7 @@ std::size_t upright(const TiffForm& form, std::uint32_t c, std::uint32_t r) {
 
 /// All pages into `values`; where the next file's begin.
 float* read_pages(const std::string& file, const TiffForm& form, unsigned pages, float* values) {
-  const Tiff tiff = open(file);
+  const Tiff tiff = open_tiff(file);
   std::vector<float> stored(form.orientation == ORIENTATION_TOPLEFT ? 0 : form.pixels());
   for (unsigned page = 0; page < pages; ++page) {
     // The form once more: the file may have been written to.
@@ -257,7 +257,7 @@ float* read_pages(const std::string& file, const TiffForm& form, unsigned pages,
 /// What the first page says of the size of voxels, and of what its pages are.
 void take_text(const std::string& file, const TiffForm& form, std::int64_t pages,
                MedicalVolume& volume) {
-  const Tiff tiff = open(file);
+  const Tiff tiff = open_tiff(file);
   const char* description = nullptr;
   if (TIFFGetField(tiff.get(), TIFFTAG_IMAGEDESCRIPTION, &description) != 1 || !description) return;
   TiffText text = read_tiff_text(file, description);

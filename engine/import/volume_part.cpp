@@ -20,7 +20,7 @@ namespace {
 
 // Around what is taken, so that the surface there is as it is in the whole volume: more than the
 // importer's stencils reach.
-constexpr int kMargin = 6;
+constexpr int kPartMargin = 6;
 
 using Counts = std::map<float, std::uint64_t>;
 
@@ -315,8 +315,9 @@ MedicalVolume take_part(MedicalVolume volume, const MedicalVolume* labels,
                        list_of(choice.without_tissue));
   }
 
-  const Eigen::Vector3i first = (low - Eigen::Vector3i::Constant(kMargin)).cwiseMax(0);
-  const Eigen::Vector3i end = (high + Eigen::Vector3i::Constant(kMargin)).cwiseMin(volume.sizes);
+  const Eigen::Vector3i first = (low - Eigen::Vector3i::Constant(kPartMargin)).cwiseMax(0);
+  const Eigen::Vector3i end =
+      (high + Eigen::Vector3i::Constant(kPartMargin)).cwiseMin(volume.sizes);
   MedicalVolume part = cropped(volume, first, end, lattice);
   const bool mask = !settings.solid_above;
   const float level = mask ? 0.0f : static_cast<float>(*settings.solid_above);

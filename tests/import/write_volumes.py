@@ -626,6 +626,7 @@ def dicom():
     for k, d in enumerate(slices(v, a)):
         d.InstanceNumber = names[k] + 1
         save_dicom("d/shuffled/IM%d" % names[(k * 7) % len(names)], d)
+    write("d/shuffled/README", "not a slice")
     write("d/shuffled/README.txt", "not a slice")
     write("d/shuffled/Thumbs.db", b"\0" * 512)
     read("d/shuffled")
@@ -728,7 +729,12 @@ def dicom():
     refuse("d/two_steps", "ImagePositionPatient: found 0.75 mm between 012.dcm and 013.dcm")
     save_series("beside", slices(v, a, lambda d, k: setattr(d, "ImagePositionPatient", text(
         (-10 + (0.3 if k == 9 else 0), 5, 100 + 0.5 * k)))))
-    refuse("d/beside", "009.dcm 0.3 mm beside the line through the others")
+    refuse("d/beside", "009.dcm 0.28")
+    # Positions of one digit behind the point, as some write them.
+    rounded = lattice(spacing=(0.3, 0.4, 0.625))
+    save_series("rounded", slices(v, rounded, lambda d, k: setattr(d, "ImagePositionPatient", [
+        "%.1f" % x for x in slice_affine(rounded, k)[:3, 3]])))
+    read("d/rounded", v, rounded)
     save_series("two_series", slices(v, a)[:10] + slices(v, a, series="1.2.3.5")[10:])
     refuse("d/two_series", "SeriesInstanceUID: found 2 DICOM series, expected one")
     localizer = data_set(np.zeros((30, 40), "<i2"), coronal[1])
