@@ -177,6 +177,9 @@ DicomPixelForm dicom_pixel_form(const DicomFile& file) {
   } else if (!is_unpacked_here(syntax)) {
     throw InputError(file.path, "TransferSyntaxUID", syntax,
                      "plain, RLE, JPEG, JPEG-LS or JPEG 2000");
+  } else if ((syntax == kJpeg || syntax == kJpegExtended) && form.stored > 8) {
+    throw InputError(file.path, "BitsStored", std::to_string(form.stored) + " of lossy JPEG",
+                     "8, or JPEG without loss");
   } else if (pixels->fragments.size() < std::size_t{form.frames} + 1) {
     throw InputError(
         file.path, "PixelData",

@@ -2,8 +2,8 @@
 
     write_volumes.py FOLDER
 
-The writers are not those of the program under test: pydicom, nibabel, tifffile, Pillow, GDCM for what
-DICOM packs pixels by, and for NRRD and MetaImage the bytes themselves. FOLDER/truth.txt has a line for
+The writers are not those of the program under test: pydicom, nibabel, tifffile, Pillow, GDCM and DCMTK for
+what DICOM packs pixels by, and for NRRD and MetaImage the bytes themselves. FOLDER/truth.txt has a line for
 each file or folder of slices:
 
     read NAME OFFSET SLOPE then for labels 1 to 3: x y z mm3     grey = OFFSET + SLOPE * label
@@ -17,6 +17,7 @@ import gzip
 import os
 import random
 import struct
+import subprocess
 import sys
 import zlib
 
@@ -653,6 +654,16 @@ def dicom():
             save_dicom("plain_of_%s/%d.dcm" % (name, k), d)
             repack("plain_of_%s/%d.dcm" % (name, k), "d/%s/%d.dcm" % (name, k), syntax)
         read("d/" + name, slope=500)
+
+    # DCMTK's encoder: every way to predict a pixel, over values of all sizes.
+    noise = np.random.RandomState(5).randint(0, 1 << 15, SIZE) * 2 + 1  # odd: no label's
+    noise = data_set(frames(np.where(v > 0, v * 20000, noise), "<u2"), a, signed=False)
+    noise.SpacingBetweenSlices = "0.5"
+    save_dicom("noise.dcm", noise)
+    for predictor in range(1, 8):
+        name = "d/predictor_%d.dcm" % predictor
+        subprocess.run(["dcmcjpeg", "+el", "+sv", str(predictor), path("noise.dcm"), path(name)], check=True)
+        read(name, slope=20000)
 
     save_dicom("d/enhanced.dcm", enhanced(v, OBLIQUE))
     read("d/enhanced.dcm", v, OBLIQUE)
