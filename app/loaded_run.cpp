@@ -42,11 +42,11 @@ LoadedRun load_run(const Scene& scene, const Pose& start, LoadCache& cache) {
   double workpiece_s = seconds_since(begin);
   const auto hits = cache.hits();
   begin = steady_ns();
-  std::vector<VoxelModel> bodies = build_bodies(scene, &cache);
+  std::vector<VoxelModel> bodies = build_bodies(scene, &cache, &run.warnings_beside);
   double bodies_s = seconds_since(begin);
   const bool bodies_cached = cache.hits() == hits + static_cast<int>(bodies.size());
   check_start(scene, model, bodies, burr, start);
-  run.goal = build_goal(scene, &cache);
+  run.goal = build_goal(scene, &cache, &run.warnings_beside);
   (void)target_of_goal(scene, model, run.goal ? &*run.goal : nullptr);  // refuses what cannot be
   if (model.clipped) run.clipped.emplace_back("the solid", &scene.workpiece);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -71,6 +71,9 @@ void log_loading(const Scene& scene, const LoadedRun& run, const LoadCache& cach
   if (!cache.note().empty()) spdlog::info("{}", cache.note());
   for (const std::string& warning : run.notes.warnings) {
     spdlog::warn("{}: {}", scene.workpiece.shape ? scene.file : scene.workpiece.file, warning);
+  }
+  for (const std::string& warning : run.warnings_beside) {
+    spdlog::warn("{}: {}", scene.file, warning);
   }
   for (const auto& [name, solid] : run.clipped) {
     spdlog::warn(

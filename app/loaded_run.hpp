@@ -20,7 +20,9 @@ struct LoadedRun {
   std::unique_ptr<Simulation> simulation;
   std::optional<VoxelModel> goal;  // what its file holds, where the scene names one
   ImportNotes notes;               // of the workpiece's file
-  std::vector<PartUse> loading;    // what that took
+  // Of the files of bodies and of the goal, each with its table ahead.
+  std::vector<std::string> warnings_beside;
+  std::vector<PartUse> loading;  // what that took
   // What reaches beyond its grid and is cut flat there: its name and grid.
   std::vector<std::pair<std::string, const WorkpieceSettings*>> clipped;
 };

@@ -181,13 +181,25 @@ VoxelModel build(const Scene& scene, std::string_view place, LoadCache* cache,
   return model;
 }
 
+/// The same of a solid beside the workpiece.
+VoxelModel build_beside(const Scene& alone, const std::string& place, LoadCache* cache,
+                        std::vector<std::string>* warnings) {
+  ImportNotes notes;
+  VoxelModel model = build(alone, place, cache, &notes);
+  if (warnings) {
+    for (const std::string& warning : notes.warnings) warnings->push_back(place + ": " + warning);
+  }
+  return model;
+}
+
 }  // namespace
 
 VoxelModel build_workpiece(const Scene& scene, LoadCache* cache, ImportNotes* notes) {
   return build(scene, "[workpiece]", cache, notes);
 }
 
-std::vector<VoxelModel> build_bodies(const Scene& scene, LoadCache* cache) {
+std::vector<VoxelModel> build_bodies(const Scene& scene, LoadCache* cache,
+                                     std::vector<std::string>* warnings) {
   std::vector<VoxelModel> models;
   for (const BodySettings& body : scene.bodies) {
     Scene alone;
@@ -197,12 +209,13 @@ std::vector<VoxelModel> build_bodies(const Scene& scene, LoadCache* cache) {
     alone.tissues = scene.tissues;
     if (body.tissue) alone.tissues = {all_of(scene.tissues[*body.tissue])};
     for (TissueSettings& tissue : alone.tissues) tissue.file.clear();  // of the workpiece
-    models.push_back(build(alone, "[[body]] '" + body.name + "'", cache));
+    models.push_back(build_beside(alone, "[[body]] '" + body.name + "'", cache, warnings));
   }
   return models;
 }
 
-std::optional<VoxelModel> build_goal(const Scene& scene, LoadCache* cache) {
+std::optional<VoxelModel> build_goal(const Scene& scene, LoadCache* cache,
+                                     std::vector<std::string>* warnings) {
   if (!scene.goal || scene.goal->shape != GoalShape::kFile) return {};
   Scene alone;
   alone.file = scene.file;
@@ -215,7 +228,7 @@ std::optional<VoxelModel> build_goal(const Scene& scene, LoadCache* cache) {
   solid.rotation = scene.goal->rotation;
   solid.voxel_m = scene.workpiece.voxel_m;
   solid.cells = scene.workpiece.cells;
-  return build(alone, "[goal]", cache);
+  return build_beside(alone, "[goal]", cache, warnings);
 }
 
 }  // namespace sulcus

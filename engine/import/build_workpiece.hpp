@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "engine/cache/load_cache.hpp"
@@ -19,10 +20,13 @@ VoxelModel build_workpiece(const Scene& scene, LoadCache* cache = nullptr,
                            ImportNotes* notes = nullptr);
 
 /// Those of its other bodies, each in its own grid, in their order. A body of one tissue has no
-/// labels; a mesh is of one, since the tissues' own meshes are the workpiece's.
-std::vector<VoxelModel> build_bodies(const Scene& scene, LoadCache* cache = nullptr);
+/// labels; a mesh is of one, since the tissues' own meshes are the workpiece's. `warnings`: what
+/// their imports tell is added, each with its table ahead.
+std::vector<VoxelModel> build_bodies(const Scene& scene, LoadCache* cache = nullptr,
+                                     std::vector<std::string>* warnings = nullptr);
 
 /// What the file of its goal holds, on the workpiece's grid; none where no goal names one.
-std::optional<VoxelModel> build_goal(const Scene& scene, LoadCache* cache = nullptr);
+std::optional<VoxelModel> build_goal(const Scene& scene, LoadCache* cache = nullptr,
+                                     std::vector<std::string>* warnings = nullptr);
 
 }  // namespace sulcus

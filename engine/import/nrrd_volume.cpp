@@ -91,8 +91,9 @@ std::optional<double> length_of_unit(const TextHeader& header, const char* field
   return found->second;
 }
 
-/// What stands in quotes, one after the other.
+/// What stands in quotes, one after the other; of a text without them, which some write, its words.
 std::vector<std::string> quoted(const std::string& text) {
+  if (text.find('"') == std::string::npos) return words(text);
   std::vector<std::string> parts;
   for (std::size_t open = text.find('"'); open != std::string::npos;) {
     const std::size_t close = text.find('"', open + 1);

@@ -37,6 +37,13 @@ bool unpack_runs(std::span<const std::byte> packed, std::span<std::byte> plane) 
   return true;
 }
 
+/// Whether a stream of JPEG's kind ends with its marker, up to the zeros that fill a fragment up.
+bool has_end(std::span<const std::byte> packed) {
+  while (!packed.empty() && packed.back() == std::byte{0}) packed = packed.first(packed.size() - 1);
+  return packed.size() >= 2 && packed[packed.size() - 2] == std::byte{0xff} &&
+         packed.back() == std::byte{0xd9};
+}
+
 /// Leaves libjpeg, which would end the program.
 struct JpegErrors {
   jpeg_error_mgr manager;
@@ -142,6 +149,8 @@ std::vector<std::int32_t> unpack_jpeg(std::span<const std::byte> packed, std::ui
 
 std::vector<std::int32_t> unpack_jpeg_ls(std::span<const std::byte> packed, std::uint32_t columns,
                                          std::uint32_t rows) {
+  // Without its end the library goes on for seconds.
+  if (!has_end(packed)) return {};
   const std::unique_ptr<charls_jpegls_decoder, decltype(&charls_jpegls_decoder_destroy)> decoder(
       charls_jpegls_decoder_create(), charls_jpegls_decoder_destroy);
   charls_frame_info frame{};

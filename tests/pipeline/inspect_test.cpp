@@ -169,6 +169,16 @@ TEST(Inspect, WhatIsTakenAsSaidButNotAsItShouldBeIsTold) {
                          "position_mm puts its middle"),
             std::string::npos)
       << run.err;
+  // Of a body as well.
+  const auto beside =
+      sulcus_command("run scenes/minimal.toml --no-render -o " + scratch.path("beside") +
+                         " --set 'body=[{name=\"crown\", file=\"" + odd +
+                         "\", voxel_mm=0.1, cells=[32,32,32], position_mm=[0,0,-20]}]'",
+                     scratch.path("err"));
+  EXPECT_EQ(beside.status, 0) << beside.err;
+  EXPECT_NE(beside.err.find("[[body]] 'crown': the solid lies (0.05, 0.05, 0.05) mm beside"),
+            std::string::npos)
+      << beside.err;
 }
 
 TEST(Inspect, TellsTheLabelsOfAMap) {
