@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
-#include <stdexcept>
 #include <string>
 
 #include <Eigen/Geometry>
@@ -102,7 +101,7 @@ void write_mesh(const std::string& path, const TriangleMesh& mesh) {
     write_ply(out, mesh);
   }
   out.close();
-  if (!out) throw std::runtime_error(path + ": cannot be written");
+  if (!out) file.fail_incomplete();
   file.finish();
 }
 
