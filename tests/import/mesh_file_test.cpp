@@ -86,7 +86,7 @@ bool full_disk_is_told(const std::string& path, const TriangleMesh& mesh) {
   return false;
 }
 
-TEST(MeshFile, AFullDiskIsToldAndLeavesWhatWasThere) {
+TEST(MeshFileDeathTest, AFullDiskIsToldAndLeavesWhatWasThere) {
   const ScratchFolder folder;
   const TriangleMesh mesh = icosphere(3);
   for (const char* name : {"a.stl", "a.obj", "a.ply"}) {
