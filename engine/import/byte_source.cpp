@@ -213,7 +213,7 @@ class Characters {
   std::size_t at_ = 0, held_ = 0;
 };
 
-bool is_blank(char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; }
+bool is_space(char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; }
 
 class HexSource : public ByteSource {
  public:
@@ -234,7 +234,7 @@ class HexSource : public ByteSource {
   /// -1: the end.
   int digit() {
     while (const auto c = characters_.next()) {
-      if (is_blank(*c)) continue;
+      if (is_space(*c)) continue;
       if (*c >= '0' && *c <= '9') return *c - '0';
       if (*c >= 'a' && *c <= 'f') return *c - 'a' + 10;
       if (*c >= 'A' && *c <= 'F') return *c - 'A' + 10;
@@ -333,7 +333,7 @@ void read_decimals(const std::string& path, ByteSource& source, std::span<float>
     word.clear();
   };
   while (const auto c = characters.next()) {
-    if (is_blank(*c) || *c == ',') {
+    if (is_space(*c) || *c == ',') {
       take();
       continue;
     }
