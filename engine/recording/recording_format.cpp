@@ -64,6 +64,10 @@ std::uint64_t check_of(const KeyframeRow& row) {
 
 std::uint64_t check_of(const EndRow& row) { return hash_bytes(&row, offsetof(EndRow, check)); }
 
+std::uint64_t check_of(const SummaryCheckRow& row) {
+  return hash_bytes(&row, offsetof(SummaryCheckRow, check));
+}
+
 std::uint32_t check_of(const EditRow& row) {
   return static_cast<std::uint32_t>(hash_bytes(&row, offsetof(EditRow, check)));
 }
@@ -72,6 +76,12 @@ EditRow packed(const Edit& edit) {
   EditRow row{edit.tick, edit.body, edit.voxel, static_cast<std::uint8_t>(edit.cause), 0};
   row.check = check_of(row);
   return row;
+}
+
+bool is_intact(const EditRow& row, std::span<const VoxelGrid> grids) {
+  return row.check == check_of(row) && row.cause <= static_cast<std::uint8_t>(EditCause::kUndo) &&
+         row.body < grids.size() && row.voxel < grids[row.body].cell_count() &&
+         (row.body == 0 || row.cause != static_cast<std::uint8_t>(EditCause::kLoose));
 }
 
 Hdf5Handle tick_type() { return row_type("/ticks", sizeof(TickRecord)); }
@@ -84,6 +94,7 @@ Hdf5Handle edit_type() { return row_type("/edits", sizeof(EditRow)); }
 Hdf5Handle state_hash_type() { return row_type("/state_hashes", sizeof(StateHashRow)); }
 Hdf5Handle keyframe_type() { return row_type("/keyframe_index", sizeof(KeyframeRow)); }
 Hdf5Handle end_type() { return row_type("/end", sizeof(EndRow)); }
+Hdf5Handle summary_check_type() { return row_type("/summary_check", sizeof(SummaryCheckRow)); }
 
 std::uint64_t header_check(const RecordingHeader& header) {
   std::uint64_t hash = hash_bytes(&header.version, sizeof header.version);

@@ -2,11 +2,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include "engine/recording/hdf5_handle.hpp"
 #include "engine/recording/recording_header.hpp"
 #include "engine/volume/edit.hpp"
+#include "engine/volume/grid.hpp"
 
 namespace sulcus {
 
@@ -14,12 +16,13 @@ namespace sulcus {
 //
 //   recording_layout.hpp     every attribute, data set and column
 //   recording_workpiece.hpp  the solids and the burr
+//   earlier_part.hpp         what came before the first tick of one that goes on from another
 //
 // Data sets of rows have one dimension, are extensible and have no filters. A row of /ticks that
 // does not follow on the one before it has the fault kFaultRowsDropped; the edits of the ticks
 // between are there. Keyframes (haptics/saved_state.hpp) are written every so many ticks, after
-// each gap, and before the first row of a recording that goes on from another. /end is written when
-// the recording is closed.
+// each gap, and before the first row of a recording that goes on from another. /summary, which is
+// empty until then, and /end are written when the recording is closed.
 //
 // Texts are of fixed length: HDF5 keeps those of variable length in a heap without checksums, and
 // 1.10.8 writes beyond its buffer when a size in that heap is damaged.
@@ -35,6 +38,7 @@ inline constexpr hsize_t kEditChunk = 1024;
 inline constexpr hsize_t kStateHashChunk = 512;
 inline constexpr hsize_t kKeyframeChunk = 16;        // of the index
 inline constexpr hsize_t kKeyframeBytes = 1u << 14;  // of the states
+inline constexpr hsize_t kSummaryBytes = 1u << 13;
 
 #pragma pack(push, 1)
 /// A row of /edits.
@@ -77,14 +81,25 @@ struct EndRow {
 };
 static_assert(sizeof(EndRow) == 32);
 
+/// The row of /summary_check; all zero until the summary is written.
+struct SummaryCheckRow {
+  std::uint64_t bytes = 0;    // of /summary
+  std::uint64_t content = 0;  // XXH3-64 of them
+  std::uint64_t check = 0;    // XXH3-64 of the bytes before it
+};
+static_assert(sizeof(SummaryCheckRow) == 24);
+
 /// XXH3-64 of what stands before the row's `check`.
 std::uint64_t check_of(const StateHashRow& row);
 std::uint64_t check_of(const KeyframeRow& row);
 std::uint64_t check_of(const EndRow& row);
+std::uint64_t check_of(const SummaryCheckRow& row);
 /// The low half of it.
 std::uint32_t check_of(const EditRow& row);
 
 EditRow packed(const Edit& edit);
+/// Whether its check fits and it is of a voxel of these bodies, the workpiece first.
+bool is_intact(const EditRow& row, std::span<const VoxelGrid> grids);
 
 /// The types of the rows, in memory and in the file alike: packed, little-endian, as the layout has
 /// them.
@@ -98,6 +113,7 @@ Hdf5Handle edit_type();
 Hdf5Handle state_hash_type();
 Hdf5Handle keyframe_type();
 Hdf5Handle end_type();
+Hdf5Handle summary_check_type();
 
 /// What the attribute `header_check` holds for a header of its version.
 std::uint64_t header_check(const RecordingHeader& header);

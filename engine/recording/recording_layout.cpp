@@ -124,6 +124,30 @@ constexpr std::array<StoredField, 4> kEnd{{
     kCheck,
 }};
 
+constexpr std::array<StoredField, 1> kSummary{{{"", kU8, 1, "", "UTF-8"}}};
+
+constexpr std::array<StoredField, 3> kSummaryCheck{{
+    {"bytes", kU64, 1, "", "of /summary"},
+    {"content", kU64, 1, "", "XXH3-64 of them"},
+    kCheck,
+}};
+
+constexpr std::array<StoredField, 13> kEarlier{{
+    {"recording", kText, 1, "", "the one that was gone on from, as it was named"},
+    {"scene_sha256", kText, 1, "", "of its scene"},
+    {"ticks", kU64, 1, "", "rows since the first tick of all"},
+    {"ticks_in_contact", kU64, 1, "", "of them"},
+    {"peak_force_N", kF64, 1, "N", "while in contact"},
+    {"force_in_contact_sum_N", kF64, 1, "N", "of the magnitudes while in contact"},
+    {"limited_ticks", kU64, 1, "", "in which the device was not sent what was asked for"},
+    {"buzz_ticks", kU64, 1, "", "in which the force buzzed"},
+    {"silent_ticks", kU64, 1, "", "in which the device did not answer"},
+    {"jumped_ticks", kU64, 1, "", "in which its pose jumped"},
+    {"long_step_ticks", kU64, 1, "", "in which its step was too long to be followed"},
+    {"inside_ticks", kU64, 1, "", "in which the burr was inside of a solid"},
+    {"check", kU64, 1, "", "XXH3-64 over the others"},
+}};
+
 constexpr std::array<StoredField, 4> kSolid{{
     {"cells", kU32, 3, "", "of the grid along x, y, z: nx, ny, nz"},
     {"voxel_m", kF64, 1, "m", "edge of a voxel; the grid's centre is the origin of its space"},
@@ -153,7 +177,7 @@ constexpr std::array<StoredField, 1> kPositions{{{"", kF32, 3, "m", "x, y, z; to
 constexpr std::array<StoredField, 1> kTriangles{
     {{"", kU32, 3, "", "positions, from 0 on, counter-clockwise from outside"}}};
 
-constexpr std::array<StoredPart, 25> kLayout{{
+constexpr std::array<StoredPart, 30> kLayout{{
     {"/", StoredKind::kGroup, "", "what the recording is", kRoot, {}},
     {"/ticks", StoredKind::kRows, "", "one row for each tick", kTicks, {}},
     {"/edits", StoredKind::kRows, "", "every voxel that changed, in order", kEdits, {}},
@@ -176,6 +200,18 @@ constexpr std::array<StoredPart, 25> kLayout{{
      kKeyframes,
      {}},
     {"/end", StoredKind::kRow, "", "what it holds; all 0 where it was not closed", kEnd, {}},
+    {"/summary",
+     StoredKind::kArray,
+     "",
+     "summary.json of the run; none where it was not ended",
+     kSummary,
+     {}},
+    {"/summary_check",
+     StoredKind::kRow,
+     "",
+     "of that; all 0 where there is none",
+     kSummaryCheck,
+     {}},
     {"/workpiece", StoredKind::kGroup, "", "the solid at the start", kSolid, {}},
     {"/workpiece/leaves", StoredKind::kArray, "", "those with a solid voxel, rising", kLeaves, {}},
     {"/workpiece/words", StoredKind::kArray, "", "for each of leaves", kWords, {}},
@@ -209,6 +245,24 @@ constexpr std::array<StoredPart, 25> kLayout{{
      "with a file in [goal]",
      "what that holds, on the workpiece's "
      "grid",
+     {},
+     "/workpiece"},
+    {"/earlier",
+     StoredKind::kGroup,
+     "where it goes on from another",
+     "what came before, for the marks of the whole",
+     kEarlier,
+     {}},
+    {"/earlier/edits",
+     StoredKind::kRows,
+     "where it goes on from another",
+     "every voxel that had changed",
+     kEdits,
+     {}},
+    {"/earlier/workpiece",
+     StoredKind::kGroup,
+     "where it goes on from another",
+     "the leaves that these are of, as they were before the first tick of all",
      {},
      "/workpiece"},
     {"/input",

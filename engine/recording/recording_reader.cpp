@@ -7,6 +7,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/hash.hpp"
+#include "engine/recording/earlier_part.hpp"
 #include "engine/recording/hdf5_fixed.hpp"
 #include "engine/recording/hdf5_handle.hpp"
 #include "engine/recording/hdf5_storage.hpp"
@@ -107,12 +108,6 @@ class RowCursor {
   std::size_t at_ = 0;
 };
 
-bool intact(const EditRow& row, std::span<const VoxelGrid> grids) {
-  return row.check == check_of(row) && row.cause <= static_cast<std::uint8_t>(EditCause::kUndo) &&
-         row.body < grids.size() && row.voxel < grids[row.body].cell_count() &&
-         (row.body == 0 || row.cause != static_cast<std::uint8_t>(EditCause::kLoose));
-}
-
 Hdf5Handle open_file(const std::string& path) {
   namespace fs = std::filesystem;
   std::error_code error;
@@ -188,17 +183,19 @@ RecordingHeader read_header(const Hdf5Handle& file, std::uint64_t file_bytes) {
   return header;
 }
 
-EndRow read_end(const Hdf5Handle& file) {
-  if (H5Lexists(file, "end", H5P_DEFAULT) <= 0) throw Hdf5Error("end: no such data set");
-  const auto dataset = hdf5_checked(H5Dopen2(file, "end", H5P_DEFAULT), H5Dclose, "end");
-  const auto type = end_type();
-  const auto stored_type = hdf5_checked(H5Dget_type(dataset), H5Tclose, "end");
-  const auto space = hdf5_checked(H5Dget_space(dataset), H5Sclose, "end");
+/// A data set of one row.
+template <class Row>
+Row read_row(const Hdf5Handle& file, const char* name, const Hdf5Handle& type) {
+  const std::string place = name;
+  if (H5Lexists(file, name, H5P_DEFAULT) <= 0) throw Hdf5Error(place + ": no such data set");
+  const auto dataset = hdf5_checked(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose, name);
+  const auto stored_type = hdf5_checked(H5Dget_type(dataset), H5Tclose, name);
+  const auto space = hdf5_checked(H5Dget_space(dataset), H5Sclose, name);
   if (H5Tequal(stored_type, type) <= 0 || H5Sget_simple_extent_npoints(space) != 1) {
-    throw Hdf5Error("end: another shape");
+    throw Hdf5Error(place + ": another shape");
   }
-  EndRow row;
-  hdf5_check(H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &row), "end");
+  Row row;
+  hdf5_check(H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &row), name);
   return row;
 }
 
@@ -229,7 +226,10 @@ struct RecordingReader::File {
   std::vector<PieceRow> pieces;
   std::vector<PiecePoseRow> piece_poses;
   std::vector<TakenAnswerRow> taken_answers;
+  std::string damage;  // of what is there
   std::string missing;
+  std::uint64_t announced_ticks = 0;  // that there are, or were when it was closed
+  std::optional<std::string> summary;
 
   void open() {
     check_format(path, file);
@@ -244,8 +244,8 @@ struct RecordingReader::File {
       port_table.emplace(file, "port", port_type(), bytes);
     }
     const StoredTable<StateHashRow> hash_table(file, "state_hashes", state_hash_type(), bytes);
-    const EndRow end = read_end(file);
-    const std::string damage = scan_rows();
+    const auto end = read_row<EndRow>(file, "end", end_type());
+    const std::string row_damage = scan_rows();
     std::string hash_damage = scan_state_hashes(hash_table);
     if (header.version > 1) {
       keyframe_bytes.emplace(file, "keyframes",
@@ -262,7 +262,17 @@ struct RecordingReader::File {
         join(hash_damage, small);
       }
     }
-    missing = what_is_missing(end, damage, hash_damage);
+    summary = read_summary();
+    const bool closed = end.check == check_of(end);
+    announced_ticks = closed ? end.ticks : tick_table->announced();
+    damage = row_damage;
+    join(damage, hash_damage);
+    if (closed && damage.empty() && !is_whole(end)) damage = "rows are missing";
+    missing = what_is_missing(end, row_damage, hash_damage);
+  }
+
+  bool is_whole(const EndRow& end) const {
+    return end.ticks == ticks && end.edits == edits && end.state_hashes == state_hashes.size();
   }
 
   static void join(std::string& damages, const std::string& damage) {
@@ -310,7 +320,7 @@ struct RecordingReader::File {
       std::uint64_t edit_tick = gap ? last_tick + 1 : row->tick;
       while (end < row->edits_end) {
         const EditRow* edit = edit_rows.next();
-        if (!edit || !intact(*edit, grids) || edit->tick < edit_tick || edit->tick > row->tick) {
+        if (!edit || !is_intact(*edit, grids) || edit->tick < edit_tick || edit->tick > row->tick) {
           return row_name("edits", end) + " is damaged";
         }
         edit_tick = edit->tick;
@@ -399,18 +409,33 @@ struct RecordingReader::File {
     return at == table.announced() ? "" : row_name(name, at) + " cannot be read";
   }
 
-  std::string what_is_missing(const EndRow& end, const std::string& damage,
+  /// None where it was not written, is damaged, or before recordings had one.
+  std::optional<std::string> read_summary() const {
+    if (H5Lexists(file, "summary", H5P_DEFAULT) <= 0) return {};
+    try {
+      const auto check = read_row<SummaryCheckRow>(file, "summary_check", summary_check_type());
+      const StoredTable<std::byte> text(
+          file, "summary", hdf5_checked(H5Tcopy(H5T_STD_U8LE), H5Tclose, "type"), bytes);
+      if (check.bytes == 0 || check.check != check_of(check) || check.bytes > text.rows())
+        return {};
+      const std::vector<std::byte> read = text.read(0, check.bytes);
+      if (hash_bytes(read.data(), read.size()) != check.content) return {};
+      return std::string(reinterpret_cast<const char*>(read.data()), read.size());
+    } catch (const Hdf5Error&) {
+      return {};  // what the rows say stands without it
+    }
+  }
+
+  std::string what_is_missing(const EndRow& end, const std::string& row_damage,
                               const std::string& hash_damage) const {
     const bool closed = end.check == check_of(end);
-    const bool whole = closed && end.ticks == ticks && end.edits == edits &&
-                       end.state_hashes == state_hashes.size();
-    if (whole && hash_damage.empty()) return "";
+    if (closed && is_whole(end) && hash_damage.empty()) return "";
     std::string text = ticks == 0 ? "recording holds no tick"
                                   : "recording ends at tick " + std::to_string(last_tick);
     if (closed) text += " (" + std::to_string(ticks) + " of " + std::to_string(end.ticks) + ")";
     const char* separator = ": ";
     const std::string unclosed = closed ? "" : "it was not closed cleanly";
-    for (const std::string& reason : {damage, hash_damage, unclosed}) {
+    for (const std::string& reason : {row_damage, hash_damage, unclosed}) {
       if (!reason.empty()) text.append(std::exchange(separator, "; ")).append(reason);
     }
     return text;
@@ -466,6 +491,13 @@ std::optional<InputGeometry> RecordingReader::input() const {
   return file_->guarded([this] { return read_input(file_->file); });
 }
 
+std::optional<EarlierRun> RecordingReader::earlier() const {
+  return file_->guarded([this] {
+    return read_earlier(file_->file, read_workpiece(file_->file, file_->bytes), file_->grids,
+                        file_->bytes);
+  });
+}
+
 VoxelModel RecordingReader::workpiece() const {
   return file_->guarded([this] { return read_workpiece(file_->file, file_->bytes); });
 }
@@ -502,7 +534,7 @@ std::vector<Edit> RecordingReader::edits(std::size_t first, std::size_t count) c
     std::vector<Edit> edits;
     edits.reserve(rows.size());
     for (const EditRow& row : rows) {
-      if (!intact(row, file_->grids)) throw Hdf5Error("edits: changed since it was opened");
+      if (!is_intact(row, file_->grids)) throw Hdf5Error("edits: changed since it was opened");
       edits.push_back({row.tick, row.voxel, row.body, static_cast<EditCause>(row.cause)});
     }
     return edits;
@@ -524,5 +556,8 @@ std::optional<std::vector<std::byte>> RecordingReader::keyframe(const KeyframeIn
 }
 
 const std::string& RecordingReader::missing() const { return file_->missing; }
+const std::string& RecordingReader::damage() const { return file_->damage; }
+std::uint64_t RecordingReader::tick_rows() const { return file_->announced_ticks; }
+const std::optional<std::string>& RecordingReader::summary() const { return file_->summary; }
 
 }  // namespace sulcus

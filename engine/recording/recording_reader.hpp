@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/core/triangle_mesh.hpp"
+#include "engine/recording/earlier_run.hpp"
 #include "engine/recording/recording_header.hpp"
 #include "engine/recording/tick_record.hpp"
 #include "engine/volume/edit.hpp"
@@ -45,6 +46,9 @@ class RecordingReader {
   std::vector<VoxelModel> bodies() const;
   /// What the file of its goal holds, on the workpiece's grid; none where no goal names one.
   std::optional<VoxelModel> goal() const;
+  /// What came before the first tick, where it goes on from another; none else, and in those that
+  /// were made before they had it.
+  std::optional<EarlierRun> earlier() const;
   /// Where the workpiece's file lies; none of a built-in shape, and in older recordings.
   std::optional<InputGeometry> input() const;
   /// The burr in metres, tool space; empty where the scene alone gives it.
@@ -78,6 +82,13 @@ class RecordingReader {
 
   /// Empty where the recording is whole, else one line: where it ends and why.
   const std::string& missing() const;
+  /// What of it is there but damaged, and hides what comes after; empty where nothing is. One whose
+  /// writer was killed lacks its end and is not damaged.
+  const std::string& damage() const;
+  /// Rows of /ticks that it says it has; `tick_count` of them can be trusted.
+  std::uint64_t tick_rows() const;
+  /// summary.json of its run; none where that was not ended, and in older recordings.
+  const std::optional<std::string>& summary() const;
 
  private:
   struct File;

@@ -104,6 +104,8 @@ void read_labels(const Hdf5Handle& group, std::uint64_t file_bytes, PackedModel&
   }
 }
 
+}  // namespace
+
 void write_model(const Hdf5Handle& parent, const char* name, const VoxelModel& model) {
   const PackedModel out = pack(model);
   const auto cells = stored_cells(out.grid);
@@ -124,8 +126,6 @@ void write_model(const Hdf5Handle& parent, const char* name, const VoxelModel& m
                    out.mixed_labels.size(), sizeof(LabelBlock));
 }
 
-}  // namespace
-
 void write_workpiece(const Hdf5Handle& file, const VoxelModel& model) {
   write_model(file, "workpiece", model);
 }
@@ -137,8 +137,6 @@ void write_bodies(const Hdf5Handle& file, std::span<const VoxelModel* const> mod
     write_model(group, std::to_string(i).c_str(), *models[i]);
   }
 }
-
-namespace {
 
 VoxelModel read_model(const Hdf5Handle& parent, const char* name, std::uint64_t file_bytes) {
   const auto group = open_group(parent, name);
@@ -161,6 +159,8 @@ VoxelModel read_model(const Hdf5Handle& parent, const char* name, std::uint64_t 
 
   return unpack(in);
 }
+
+namespace {
 
 /// visit(the group of all, name in it).
 template <class Visit>

@@ -33,6 +33,11 @@ namespace sulcus {
 //
 // Labels of leaves without a solid voxel are not kept: nothing can come to be there.
 
+/// A solid as a group. Throws Hdf5Error.
+void write_model(const Hdf5Handle& parent, const char* name, const VoxelModel& model);
+/// Throws Hdf5Error where there is no such group or it is damaged; `file_bytes` as below.
+VoxelModel read_model(const Hdf5Handle& parent, const char* name, std::uint64_t file_bytes);
+
 /// Throws Hdf5Error.
 void write_workpiece(const Hdf5Handle& file, const VoxelModel& model);
 void write_bodies(const Hdf5Handle& file, std::span<const VoxelModel* const> models);

@@ -11,6 +11,7 @@
 #include "engine/core/error.hpp"
 #include "engine/core/hash.hpp"
 #include "engine/core/stop.hpp"
+#include "engine/recording/earlier_part.hpp"
 #include "engine/recording/hdf5_fixed.hpp"
 #include "engine/recording/hdf5_handle.hpp"
 #include "engine/recording/recording_format.hpp"
@@ -135,17 +136,25 @@ void write_header(const Hdf5Handle& file, const RecordingHeader& header) {
   write_attribute(file, "header_check", H5T_STD_U64LE, &check);
 }
 
-/// The row of /end has its place in the file from the start: writing it changes nothing else.
-Hdf5Handle create_end(const Hdf5Handle& file) {
-  const auto type = end_type();
-  const auto space = hdf5_checked(H5Screate(H5S_SCALAR), H5Sclose, "end");
-  const auto properties = hdf5_checked(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "end");
-  hdf5_check(H5Pset_alloc_time(properties, H5D_ALLOC_TIME_EARLY), "end");
-  auto end = hdf5_checked(
-      H5Dcreate2(file, "end", type, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose, "end");
-  const EndRow open{};
-  hdf5_check(H5Dwrite(end, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &open), "end");
-  return end;
+/// A data set of one row that has its place in the file from the start: writing it later changes
+/// nothing else.
+template <class Row>
+Hdf5Handle create_row(const Hdf5Handle& file, const char* name, const Hdf5Handle& type) {
+  const auto space = hdf5_checked(H5Screate(H5S_SCALAR), H5Sclose, name);
+  const auto properties = hdf5_checked(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, name);
+  hdf5_check(H5Pset_alloc_time(properties, H5D_ALLOC_TIME_EARLY), name);
+  auto row = hdf5_checked(H5Dcreate2(file, name, type, space, H5P_DEFAULT, properties, H5P_DEFAULT),
+                          H5Dclose, name);
+  const Row open{};
+  hdf5_check(H5Dwrite(row, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &open), name);
+  return row;
+}
+
+/// Sets the check, and writes it.
+template <class Row>
+void write_row(const Hdf5Handle& place, const char* name, const Hdf5Handle& type, Row row) {
+  row.check = check_of(row);
+  hdf5_check(H5Dwrite(place, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &row), name);
 }
 
 }  // namespace
@@ -164,7 +173,8 @@ struct RecordingWriter::File {
   std::optional<Table<PieceRow>> pieces;
   std::optional<Table<PiecePoseRow>> piece_poses;
   std::optional<Table<TakenAnswerRow>> taken_answers;
-  Hdf5Handle end;
+  std::optional<Table<std::byte>> summary;
+  Hdf5Handle summary_check, end;
   bool named = false;
   std::string failure;  // of the first call that failed
 
@@ -178,6 +188,7 @@ struct RecordingWriter::File {
     write_bodies(file, others.bodies);
     if (others.goal) write_goal(file, *others.goal);
     if (others.input) write_input(file, *others.input);
+    if (others.earlier) write_earlier(file, *others.earlier);
     if (burr_mesh_tool) write_burr(file, *burr_mesh_tool);
     edits.emplace(file, "edits", edit_type(), kEditChunk);
     ticks.emplace(file, "ticks", tick_type(), kTickChunk);
@@ -193,7 +204,10 @@ struct RecordingWriter::File {
     keyframes.emplace(file, "keyframes", hdf5_checked(H5Tcopy(byte), H5Tclose, "keyframes"),
                       kKeyframeBytes);
     keyframe_index.emplace(file, "keyframe_index", keyframe_type(), kKeyframeChunk);
-    end = create_end(file);
+    summary.emplace(file, "summary", hdf5_checked(H5Tcopy(byte), H5Tclose, "summary"),
+                    kSummaryBytes);
+    summary_check = create_row<SummaryCheckRow>(file, "summary_check", summary_check_type());
+    end = create_row<EndRow>(file, "end", end_type());
     hdf5_check(H5Fstart_swmr_write(file), "start of recording");
   }
 
@@ -238,10 +252,8 @@ struct RecordingWriter::File {
       throw std::runtime_error(path + ": ticks: " + std::to_string(ticks->waiting()) +
                                " rows name edits that were never given");
     }
-    EndRow row{ticks->written(), edits->written(), state_hashes->written(), 0};
-    row.check = check_of(row);
-    const auto type = end_type();
-    hdf5_check(H5Dwrite(end, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &row), "end");
+    write_row(end, "end", end_type(),
+              EndRow{ticks->written(), edits->written(), state_hashes->written(), 0});
     // What can fail for want of room fails here, where the file can still be left as it is.
     hdf5_check(H5Fflush(file, H5F_SCOPE_GLOBAL), "close");
     edits.reset();
@@ -254,6 +266,8 @@ struct RecordingWriter::File {
     state_hashes.reset();
     keyframes.reset();
     keyframe_index.reset();
+    summary.reset();
+    summary_check.close();
     end.close();
     if (!file.close()) throw Hdf5Error("close: " + hdf5_reason());
   }
@@ -271,6 +285,8 @@ struct RecordingWriter::File {
     if (state_hashes) state_hashes->forget();
     if (keyframes) keyframes->forget();
     if (keyframe_index) keyframe_index->forget();
+    if (summary) summary->forget();
+    summary_check.forget();
     end.forget();
     file.forget();
   }
@@ -384,6 +400,17 @@ void RecordingWriter::append_keyframe(std::uint64_t tick, std::span<const std::b
     file_->keyframes->add(state);
     file_->keyframe_index->add(row);
     if (file_->keyframes->waiting() > kMaxWaitingStateBytes) file_->flush();
+  });
+}
+
+void RecordingWriter::append_summary(std::string_view text) {
+  file_->guarded([&] {
+    if (file_->summary->written() > 0) throw std::logic_error("a second summary of one run");
+    const std::span bytes = std::as_bytes(std::span(text));
+    file_->summary->add(bytes);
+    file_->summary->flush();
+    write_row(file_->summary_check, "summary_check", summary_check_type(),
+              SummaryCheckRow{bytes.size(), hash_bytes(bytes.data(), bytes.size()), 0});
   });
 }
 

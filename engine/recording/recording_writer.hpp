@@ -5,9 +5,11 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/core/triangle_mesh.hpp"
+#include "engine/recording/earlier_run.hpp"
 #include "engine/recording/recording_header.hpp"
 #include "engine/recording/tick_record.hpp"
 #include "engine/volume/edit.hpp"
@@ -21,6 +23,7 @@ struct RecordedSolids {
   std::vector<const VoxelModel*> bodies;  // in the order of the scene
   const VoxelModel* goal = nullptr;       // on the workpiece's grid, where it comes from a file
   const InputGeometry* input = nullptr;   // where the workpiece's file lies, where it has one
+  const EarlierRun* earlier = nullptr;    // of a run that goes on from another
 };
 
 /// Writes a recording that other processes may read while it grows, and that reads whole up to the
@@ -68,6 +71,9 @@ class RecordingWriter {
   void append_state_hash(const StateHash& hash);
   /// A state (save_state) right after a tick; rising by tick.
   void append_keyframe(std::uint64_t tick, std::span<const std::byte> state);
+
+  /// summary.json of the run; once, before `close`.
+  void append_summary(std::string_view text);
 
   void flush();
   /// Flushes, marks the recording as whole and closes it; nothing can be appended afterwards.

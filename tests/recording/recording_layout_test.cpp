@@ -151,9 +151,10 @@ class RecordingLayoutTest : public RecordingTest {
     goal.leaves.resize(goal.grid.leaf_count());
     goal.set({9, 10, 11}, true);
     const InputGeometry input;
+    const EarlierRun earlier{"earlier.h5", "of its scene", workpiece(), {}, {}};
     RecordingWriter writer(path(), all, workpiece(), &mesh,
                            {.cutting = true, .port = true, .pieces = true},
-                           {{&workpiece(), &workpiece()}, &goal, &input});
+                           {{&workpiece(), &workpiece()}, &goal, &input, &earlier});
     writer.close();
     return path();
   }

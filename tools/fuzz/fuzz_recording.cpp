@@ -96,8 +96,11 @@ SoundRecording write_sound() {
   std::vector<EditRow> edits;
   std::vector<CuttingRecord> cutting(kTicks);
   std::vector<PortRecord> port(kTicks);
+  EarlierRun earlier{"first.h5", std::string(64, 'a'), start, {{0, 0, 0, EditCause::kCut}}, {}};
+  earlier.start.set({0, 0, 0}, true);
   RecordingWriter writer(place.path(), header_of(kScene), start, &burr,
-                         {.cutting = true, .port = true, .pieces = true}, {{&body}, &goal});
+                         {.cutting = true, .port = true, .pieces = true},
+                         {{&body}, &goal, nullptr, &earlier});
   for (std::uint64_t t = 1; t <= kTicks; ++t) {
     const std::uint64_t row = t - 1;
     const EditCause cause = t % 5 == 0 ? EditCause::kLoose : EditCause::kCut;
@@ -142,6 +145,11 @@ SoundRecording write_sound() {
     hashes.push_back({t, t * 7919, t * 104729, 0});
     hashes.back().check = check_of(hashes.back());
   }
+  const std::string summary = "{\"scene\": \"fuzzed\"}";
+  writer.append_summary(summary);
+  std::vector<SummaryCheckRow> told{
+      {summary.size(), hash_bytes(summary.data(), summary.size()), 0}};
+  told[0].check = check_of(told[0]);
   writer.close();
   std::vector<EndRow> end{{kTicks, edits.size(), hashes.size(), 0}};
   end[0].check = check_of(end[0]);
@@ -153,7 +161,8 @@ SoundRecording write_sound() {
                   find_rows(sound.bytes, cutting), find_rows(sound.bytes, port),
                   find_rows(sound.bytes, pieces),  find_rows(sound.bytes, poses),
                   find_rows(sound.bytes, answers), find_rows(sound.bytes, hashes),
-                  find_rows(sound.bytes, end),     find_rows(sound.bytes, keyframes)};
+                  find_rows(sound.bytes, end),     find_rows(sound.bytes, keyframes),
+                  find_rows(sound.bytes, told)};
   return sound;
 }
 
@@ -217,6 +226,7 @@ void read_all(const std::string& path) {
   reads([&] { (void)reader.bodies(); });
   reads([&] { (void)reader.goal(); });
   reads([&] { (void)reader.input(); });
+  reads([&] { (void)reader.earlier(); });
   reads([&] { (void)reader.burr_mesh(); });
   reads([&] { (void)parse_scene(reader.header().scene_toml, path); });
 }
