@@ -25,6 +25,11 @@ inline CLI::Option* add_pace_option(CLI::App& command, std::string& pace) {
       ->check(CLI::IsMember({"real", "fast"}));
 }
 
+/// Beside -o.
+inline CLI::Option* add_force_option(CLI::App& command, bool& force) {
+  return command.add_flag("--force", force, "Replace another run in the folder of -o");
+}
+
 /// One value a time: without `expected` the option would swallow what follows it.
 inline CLI::Option* add_set_option(CLI::App& command, std::vector<std::string>& overrides,
                                    const std::string& text) {

@@ -68,6 +68,25 @@ std::unique_ptr<Simulation> simulation_after(RecordedRun& run, std::size_t row,
   return simulation;
 }
 
+std::shared_ptr<const EarlierRun> earlier_of(const RecordedRun& run, std::size_t row) {
+  auto earlier = std::make_shared<EarlierRun>();
+  if (run.earlier) {
+    *earlier = *run.earlier;
+  } else {
+    earlier->start = run.reader.workpiece();
+  }
+  earlier->recording = run.path;
+  earlier->scene_sha256 = run.reader.header().scene_sha256;
+  const std::vector<Edit> edits =
+      run.reader.edits(0, static_cast<std::size_t>(run.rows[row].edits_end));
+  earlier->edits.insert(earlier->edits.end(), edits.begin(), edits.end());
+  const std::vector<PortRecord> port = run.reader.port(0, row + 1);
+  for (std::size_t i = 0; i <= row; ++i) {
+    earlier->measures.add(run.rows[i], i < port.size() ? &port[i] : nullptr);
+  }
+  return earlier;
+}
+
 std::string parent_of(const RecordedRun& run, std::size_t row) {
   return std::filesystem::path(run.path).filename().string() + ", after tick " +
          std::to_string(run.rows[row].tick) + ", scene_sha256 " + run.reader.header().scene_sha256;

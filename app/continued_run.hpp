@@ -23,6 +23,10 @@ std::unique_ptr<Simulation> simulation_after(RecordedRun& run, std::size_t row,
                                              const std::vector<std::string>& overrides,
                                              std::optional<Burr> burr = {});
 
+/// What came before a run that goes on after a row, from the first tick of all. Before
+/// simulation_after.
+std::shared_ptr<const EarlierRun> earlier_of(const RecordedRun& run, std::size_t row);
+
 /// What the new recording names as its parent.
 std::string parent_of(const RecordedRun& run, std::size_t row);
 

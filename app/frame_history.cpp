@@ -32,7 +32,7 @@ std::string shortened(const std::string& name) {
 
 }  // namespace
 
-FrameHistory::FrameHistory(const Scene& scene, const VoxelModel& start)
+FrameHistory::FrameHistory(const Scene& scene, const VoxelModel& start, const EarlierRun* earlier)
     : title_(scene.title),
       window_(static_cast<std::size_t>(std::max(2.0, 2.0 * scene.haptics.rate_hz))),
       dt_s_(1.0 / scene.haptics.rate_hz),
@@ -40,17 +40,20 @@ FrameHistory::FrameHistory(const Scene& scene, const VoxelModel& start)
       voxel_mm3_(voxel_mm3(scene.workpiece)),
       cutting_(scene.cutting.has_value()),
       port_(scene.device || scene.coupling) {
-  if (cutting_) progress_.emplace(start, scene.tissues);
+  if (cutting_) progress_.emplace(earlier ? earlier->start : start, scene.tissues);
   for (const TissueSettings& tissue : scene.tissues) tissues_.push_back(shortened(tissue.name));
   for (const BodySettings& body : scene.bodies) {
     damage_.push_back({shortened(body.name), voxel_mm3(body.solid), 0});
   }
+  if (!earlier) return;
+  measures_ = earlier->measures;
+  for (const Edit& edit : earlier->edits) add(edit);
 }
 
 void FrameHistory::add(const Edit& edit) {
   if (progress_) progress_->add(edit);
   if (edit.body > 0) ++damage_[edit.body - 1u].removed;
-  if (edit.body == 0 && edit.cause == EditCause::kCut) ++removed_;
+  if (edit.body == 0) ++removed_;
 }
 
 std::vector<OutcomeLine> FrameHistory::outcome() const {
@@ -77,12 +80,13 @@ std::vector<OutcomeLine> FrameHistory::outcome() const {
     if (body.removed == 0) continue;
     lines.push_back({body.name, mm3(static_cast<double>(body.removed) * body.voxel_mm3)});
   }
-  if (progress_ && ticks_in_contact_ > 0) {
-    const auto ticks = static_cast<double>(ticks_in_contact_);
+  if (progress_ && measures_.ticks_in_contact > 0) {
     char text[48];
-    std::snprintf(text, sizeof(text), "%.2f, %.2f N", peak_force_N_, force_sum_N_ / ticks);
+    std::snprintf(text, sizeof(text), "%.2f, %.2f N", measures_.peak_force_N,
+                  measures_.mean_force_in_contact_N());
     lines.push_back({"Peak, mean force", text});
-    std::snprintf(text, sizeof(text), "%.1f s", ticks * dt_s_);
+    std::snprintf(text, sizeof(text), "%.1f s",
+                  static_cast<double>(measures_.ticks_in_contact) * dt_s_);
     lines.push_back({"In contact", text});
   }
   add_warnings(lines);
@@ -95,9 +99,11 @@ void FrameHistory::add_warnings(std::vector<OutcomeLine>& lines) const {
   std::snprintf(text, sizeof(text), "%.2f mJ", given_out_J_ * 1e3);
   if (given_out_J_ >= 1e-5) lines.push_back({"Energy given out", text});
   for (const auto& [name, ticks] :
-       {std::pair{"Not sent in full", limited_ticks_}, std::pair{"Buzz", buzz_ticks_},
-        std::pair{"Device silent", silent_ticks_}, std::pair{"Device jumped", jumped_ticks_},
-        std::pair{"Step too long", long_step_ticks_}, std::pair{"Burr inside", inside_ticks_}}) {
+       {std::pair{"Not sent in full", measures_.limited_ticks},
+        std::pair{"Buzz", measures_.buzz_ticks}, std::pair{"Device silent", measures_.silent_ticks},
+        std::pair{"Device jumped", measures_.jumped_ticks},
+        std::pair{"Step too long", measures_.long_step_ticks},
+        std::pair{"Burr inside", measures_.inside_ticks}}) {
     std::snprintf(text, sizeof(text), "%.3f s", static_cast<double>(ticks) * dt_s_);
     if (ticks > 0) lines.push_back({name, text});
   }
@@ -115,18 +121,8 @@ void FrameHistory::add(const TickReport& report) {
 void FrameHistory::add(const TickRecord& record, const CuttingRecord* cutting,
                        const PortRecord* port) {
   latest_ = record;
-  if (port) {
-    given_out_J_ = port->given_out_J;
-    const Eigen::Map<const Eigen::Vector3d> asked(port->asked_force_N), sent(record.force_N);
-    limited_ticks_ += asked != sent ? 1 : 0;
-  }
-  for (const auto& [ticks, fault] :
-       {std::pair{&buzz_ticks_, kFaultBuzz}, std::pair{&silent_ticks_, kFaultDeviceSilent},
-        std::pair{&jumped_ticks_, kFaultDeviceJumped},
-        std::pair{&long_step_ticks_, kFaultStepTooLong},
-        std::pair{&inside_ticks_, kFaultToolInside}}) {
-    *ticks += record.faults & fault ? 1 : 0;
-  }
+  measures_.add(record, port);
+  if (port) given_out_J_ = port->given_out_J;
   const double speed_rad_per_s = cutting ? cutting->spindle_rad_per_s : set_speed_rad_per_s_;
   turn_rad_ = std::fmod(turn_rad_ + speed_rad_per_s * dt_s_, 2.0 * std::numbers::pi);
   // Twice the window is kept, so that the front is cut off once in a window and not every tick.
@@ -138,11 +134,6 @@ void FrameHistory::add(const TickRecord& record, const CuttingRecord* cutting,
   const Eigen::Vector3d force(record.force_N[0], record.force_N[1], record.force_N[2]);
   const Eigen::Vector3d torque(record.torque_Nm[0], record.torque_Nm[1], record.torque_Nm[2]);
   force_N_.push_back(static_cast<float>(force.norm()));
-  if (record.contacts > 0) {
-    peak_force_N_ = std::max(peak_force_N_, force.norm());
-    force_sum_N_ += force.norm();
-    ++ticks_in_contact_;
-  }
   torque_mNm_.push_back(static_cast<float>(torque.norm() * 1e3));
   tick_us_.push_back(record.step_us);
 }

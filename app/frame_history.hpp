@@ -9,6 +9,8 @@
 #include "app/feed.hpp"
 #include "engine/graphics/frame_state.hpp"
 #include "engine/outcome/preparation_progress.hpp"
+#include "engine/recording/earlier_run.hpp"
+#include "engine/recording/run_measures.hpp"
 #include "engine/recording/tick_record.hpp"
 #include "engine/scene/scene.hpp"
 
@@ -18,8 +20,10 @@ namespace sulcus {
 /// seconds, what the preparation has come to.
 class FrameHistory {
  public:
-  /// `start`: the workpiece before the first tick; it is not kept.
-  FrameHistory(const Scene& scene, const VoxelModel& start);
+  /// `start`: the workpiece before the first tick. `earlier`: what came before that, of a run that
+  /// goes on from another, null else: what the preparation has come to is told of the whole.
+  /// Neither is kept.
+  FrameHistory(const Scene& scene, const VoxelModel& start, const EarlierRun* earlier = nullptr);
 
   /// `cutting`, `port`: the rows of the same tick, where there are any.
   void add(const TickRecord& record, const CuttingRecord* cutting,
@@ -41,7 +45,7 @@ class FrameHistory {
   double dt_s_, set_speed_rad_per_s_, turn_rad_ = 0.0;  // of the spindle
   double voxel_mm3_;
   TickRecord latest_;
-  std::uint64_t removed_ = 0;
+  std::uint64_t removed_ = 0;                    // of the workpiece, cut and come loose
   std::optional<PreparationProgress> progress_;  // with [cutting]
   struct Damage {
     std::string name;
@@ -50,13 +54,10 @@ class FrameHistory {
   };
   std::vector<Damage> damage_;  // of each other body
   std::vector<std::string> tissues_;
-  double peak_force_N_ = 0.0, force_sum_N_ = 0.0;  // while in contact
-  std::uint64_t ticks_in_contact_ = 0;
+  RunMeasures measures_;
   std::vector<float> force_N_, torque_mNm_, tick_us_;
   bool cutting_, port_, timed_ = false;
-  double given_out_J_ = 0.0;                          // with [device] or [coupling]
-  std::uint64_t limited_ticks_ = 0, buzz_ticks_ = 0;  // in all
-  std::uint64_t silent_ticks_ = 0, jumped_ticks_ = 0, long_step_ticks_ = 0, inside_ticks_ = 0;
+  double given_out_J_ = 0.0;                    // with [device] or [coupling]
   std::array<double, kStageCount> stage_us_{};  // over about the last hundred ticks
 };
 

@@ -20,10 +20,14 @@ namespace sulcus {
 /// a GlScene) up to it. Of the thread that consumes the feed.
 class LiveFilm {
  public:
-  /// `pieces` is null where none may come loose. `start`: the workpiece before the first tick; it
-  /// is not kept. The feeds outlive it.
-  LiveFilm(Feed& feed, PieceFeed* pieces, const Scene& scene, const VoxelModel& start)
-      : feed_(feed), pieces_(pieces), history_(scene, start), removed_(1 + scene.bodies.size()) {}
+  /// `pieces` is null where none may come loose. `start`, `earlier`: as FrameHistory has them.
+  /// The feeds outlive it.
+  LiveFilm(Feed& feed, PieceFeed* pieces, const Scene& scene, const VoxelModel& start,
+           const EarlierRun* earlier = nullptr)
+      : feed_(feed),
+        pieces_(pieces),
+        history_(scene, start, earlier),
+        removed_(1 + scene.bodies.size()) {}
 
   /// The next tick, where one has come.
   std::optional<TickReport> take() {

@@ -10,11 +10,12 @@ RecordedFilm::RecordedFilm(const RecordingReader& reader, const std::string& pat
       burr_(recorded_burr(reader, scene_)),
       start_(recorded_workpiece(reader, scene_)),
       others_(recorded_bodies(reader, scene_)),
+      earlier_(recorded_earlier(reader, scene_)),
       shape_(reader, start_),
       cutting_(reader.cutting()),
       port_(reader.port()),
       dt_s_(1.0 / scene_.haptics.rate_hz),
-      first_history_(scene_, start_),
+      first_history_(scene_, start_, earlier_.get()),
       first_pieces_(reader) {
   if (rows().empty()) throw InputError(path, "/ticks", "no rows", "at least one tick");
   begin_again();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -29,6 +30,8 @@ class RecordedFilm {
   const std::vector<TickRecord>& rows() const { return shape_.rows(); }
   /// The workpiece before the first row.
   const VoxelModel& start() const { return start_; }
+  /// What came before that, where the recording goes on from another and says so; null else.
+  const EarlierRun* earlier() const { return earlier_.get(); }
   std::size_t row_at(double time_s) const { return shape_.row_at(time_s); }
   std::span<const Edit> edits_before(std::size_t row) const { return shape_.edits_before(row); }
   /// Of the workpiece, at the row that was last gone to.
@@ -75,6 +78,7 @@ class RecordedFilm {
   Burr burr_;
   VoxelModel start_;
   std::vector<VoxelModel> others_;
+  std::shared_ptr<const EarlierRun> earlier_;
   RecordedShape shape_;
   std::vector<CuttingRecord> cutting_;
   std::vector<PortRecord> port_;

@@ -68,6 +68,14 @@ std::vector<VoxelModel> recorded_bodies(const RecordingReader& reader, const Sce
   return bodies;
 }
 
+std::shared_ptr<const EarlierRun> recorded_earlier(const RecordingReader& reader,
+                                                   const Scene& scene) {
+  std::optional<EarlierRun> earlier = reader.earlier();
+  if (!earlier) return nullptr;
+  check_tissues(scene, "/earlier/workpiece", earlier->start, scene.tissues.size());
+  return std::make_shared<const EarlierRun>(std::move(*earlier));
+}
+
 RecordedRun open_recorded_run(const std::string& path) {
   RecordingReader reader(path);
   if (reader.tick_count() == 0) throw InputError(path, "/ticks", "no rows", "at least one tick");
@@ -103,9 +111,14 @@ RecordedRun open_recorded_run(const std::string& path) {
   }
   std::vector<TakenAnswer> late;
   for (const TakenAnswerRow& row : reader.taken_answers()) late.push_back({row.asked, row.taken});
-  return {
-      path,           std::move(reader), std::move(simulation), std::move(rows), std::move(poses),
-      std::move(late)};
+  auto earlier = recorded_earlier(reader, scene);
+  return {path,
+          std::move(reader),
+          std::move(simulation),
+          std::move(rows),
+          std::move(poses),
+          std::move(late),
+          std::move(earlier)};
 }
 
 void say_what_is_missing(const RecordingReader& reader) {

@@ -19,8 +19,9 @@ struct RecordedRun {
   RecordingReader reader;
   std::unique_ptr<Simulation> simulation;
   std::vector<TickRecord> rows;
-  std::vector<std::optional<Pose>> poses;  // of the device, by row; none where it did not answer
-  std::vector<TakenAnswer> taken_answers;  // of loose pieces
+  std::vector<std::optional<Pose>> poses;     // of the device, by row; none where it did not answer
+  std::vector<TakenAnswer> taken_answers;     // of loose pieces
+  std::shared_ptr<const EarlierRun> earlier;  // what came before; null where the run began here
 };
 
 /// Opens a recording; it needs neither the scan nor the burr's mesh that it was made from.
@@ -36,6 +37,10 @@ Scene recorded_scene(const RecordingReader& reader, const std::string& path);
 /// scene: another number, another grid, a tissue that it does not name.
 VoxelModel recorded_workpiece(const RecordingReader& reader, const Scene& scene);
 std::vector<VoxelModel> recorded_bodies(const RecordingReader& reader, const Scene& scene);
+/// What came before it, where it goes on from another and says so; null else. InputError where that
+/// is not of its scene.
+std::shared_ptr<const EarlierRun> recorded_earlier(const RecordingReader& reader,
+                                                   const Scene& scene);
 /// The burr that a recording carries or its scene generates.
 Burr recorded_burr(const RecordingReader& reader, const Scene& scene);
 

@@ -38,6 +38,13 @@ void RecorderThread::finish() {
   if (failure_) std::rethrow_exception(failure_);
 }
 
+void RecorderThread::close(std::string_view summary) {
+  if (!writer_) return;
+  if (!summary.empty()) writer_->append_summary(summary);
+  writer_->close();
+  writer_.reset();
+}
+
 void RecorderThread::run() {
   leave_realtime_core();
   // `ended` is read before draining: what was pushed before it was set is still drained.
@@ -51,13 +58,6 @@ void RecorderThread::run() {
     const auto next = std::chrono::steady_clock::now() + kFlushEvery;
     drain_all();
     if (!ended) std::this_thread::sleep_until(next);
-  }
-  if (writer_) {
-    try {
-      writer_->close();
-    } catch (...) {
-      failure_ = std::current_exception();
-    }
   }
 }
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <exception>
 #include <optional>
+#include <string_view>
 #include <thread>
 
 #include "app/feed.hpp"
@@ -23,6 +24,9 @@ class RecorderThread {
 
   /// After `feed.ended`: waits for the rest to be on disk.
   void finish();
+  /// After `finish`, once: writes summary.json of the run, nothing where that is empty, and closes
+  /// the recording. std::runtime_error as RecordingWriter; nothing after a failure.
+  void close(std::string_view summary);
 
  private:
   void run();

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -21,6 +22,8 @@
 #include "app/terminal.hpp"
 #include "app/video_writer.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/units.hpp"
+#include "engine/core/whole_file.hpp"
 #include "engine/graphics/renderer.hpp"
 
 namespace sulcus {
@@ -114,13 +117,58 @@ RenderSettings render_settings(const RecordedFilm& film, const RenderOptions& op
   return settings;
 }
 
-/// The summary of the run, where it lies beside its recording.
-std::string summary_beside(const std::string& recording) {
-  std::ifstream in(std::filesystem::path(recording).parent_path() / "summary.json");
-  return {std::istreambuf_iterator<char>(in), {}};
+/// What pictures are named by: what they show.
+class PictureNames {
+ public:
+  PictureNames(const RecordedFilm& film, const RenderOptions& options,
+               const RenderSettings& settings) {
+    // Every tick has a time of its own.
+    while (film.scene().haptics.rate_hz > std::pow(10.0, decimals_) && decimals_ < 9) ++decimals_;
+    // Of many, so that they are in their order in a list.
+    if (options.fps > 0.0) {
+      digits_ = static_cast<int>(
+                    std::to_string(static_cast<long long>(film.rows().back().time_s)).size()) +
+                1 + decimals_;
+    }
+    if (options.colour_by != "tissue") shown_ += "_by_" + options.colour_by;
+    if (settings.section) {
+      char text[48];
+      std::snprintf(text, sizeof text, "_%c=%g", "xyz"[settings.section->axis],
+                    settings.section->at_m / kMillimetre);
+      shown_ += text;
+    }
+    if (options.contacts) shown_ += "_contacts";
+  }
+
+  /// Such as occlusal_7.500s_by_goal, without an end.
+  std::string of(const std::string& camera, const TickRecord& row) const {
+    char time[48];
+    std::snprintf(time, sizeof time, "_%0*.*fs", digits_, decimals_, row.time_s);
+    return camera + time + shown_;
+  }
+
+ private:
+  int digits_ = 0, decimals_ = 3;
+  std::string shown_;
+};
+
+/// Another picture of that name stays, and this one gets the next free one. Returns its file.
+std::string write_picture(const Image& image, const std::string& folder, const std::string& name) {
+  const std::vector<std::uint8_t> png = png_bytes(image);
+  const std::string_view bytes(reinterpret_cast<const char*>(png.data()), png.size());
+  for (int number = 1;; ++number) {
+    const std::string file =
+        folder + '/' + name + (number == 1 ? "" : "-" + std::to_string(number)) + ".png";
+    std::ifstream before(file, std::ios::binary);
+    if (!before) {
+      write_whole_file(file, bytes);
+      return file;
+    }
+    if (std::string(std::istreambuf_iterator<char>(before), {}) == bytes) return file;
+  }
 }
 
-/// Draws rows from each camera, and hands on what is drawn: `take(image, camera)`.
+/// Draws rows from each camera, and hands on what is drawn: `take(image, camera, row)`.
 template <class Take>
 void draw_rows(RecordedFilm& film, FilmColours& colours, Renderer& renderer,
                std::span<const std::size_t> rows, std::span<const NamedViewpoint> cameras,
@@ -133,7 +181,7 @@ void draw_rows(RecordedFilm& film, FilmColours& colours, Renderer& renderer,
     colours.show(row, film, renderer, state);
     for (const NamedViewpoint& camera : cameras) {
       renderer.set_viewpoint(camera.from);
-      take(renderer.draw(state), camera);
+      take(renderer.draw(state), camera, row);
     }
   }
 }
@@ -170,7 +218,7 @@ void render(RenderOptions options) {
   const RecordingReader reader(options.recording);
   if (!options.review.empty()) {
     progress.emplace("drawing");
-    write_review_page(reader, options.recording, summary_beside(options.recording), options.review);
+    write_review_page(reader, options.recording, options.review);
     say_what_is_missing(reader);
     say("%s\n", options.review.c_str());
     return;
@@ -180,7 +228,10 @@ void render(RenderOptions options) {
   const RenderSettings settings = render_settings(film, options);
   std::vector<NamedViewpoint> cameras;
   for (const std::string& text : options.cameras) cameras.push_back(viewpoint_of(text));
-  if (cameras.empty()) cameras.push_back({"", settings.camera});
+  if (cameras.empty()) {
+    cameras.push_back(
+        {std::string(kCameraNames[static_cast<std::size_t>(settings.camera)]), settings.camera});
+  }
   Renderer renderer(settings, film.bodies(), film.burr().mesh_tool, film.burr().head_length_m);
   renderer.set_handpiece(!options.no_handpiece);
   // Colours that stand for a quantity mean nothing without their scale.
@@ -194,7 +245,7 @@ void render(RenderOptions options) {
   if (!options.video.empty()) {
     VideoWriter video(options.video, settings.width, settings.height, options.fps);
     draw_rows(film, colours, renderer, rows, cameras,
-              [&](const Image& image, const NamedViewpoint&) { video.add(image); });
+              [&](const Image& image, const NamedViewpoint&, std::size_t) { video.add(image); });
     video.close();
     say("%s\n", options.video.c_str());
     return;
@@ -211,7 +262,9 @@ void render(RenderOptions options) {
     renderer.set_hud({settings.hud, false, settings.arrows, true});
     std::vector<Image> images;
     draw_rows(film, colours, renderer, rows, cameras,
-              [&](Image image, const NamedViewpoint&) { images.push_back(std::move(image)); });
+              [&](Image image, const NamedViewpoint&, std::size_t) {
+                images.push_back(std::move(image));
+              });
     // A row to each time where there are several cameras.
     const auto columns =
         cameras.size() > 1 ? cameras.size() : std::min<std::size_t>(rows.size(), 4);
@@ -223,14 +276,13 @@ void render(RenderOptions options) {
     options.folder = (std::filesystem::path(options.recording).parent_path() / "render").string();
   }
   make_output_folder("-o", options.folder);
+  const PictureNames names(film, options, settings);
   std::size_t drawn = 0;
   draw_rows(film, colours, renderer, rows, cameras,
-            [&](const Image& image, const NamedViewpoint& camera) {
-              char number[32];
-              std::snprintf(number, sizeof(number), "%06zu.png", drawn++ / cameras.size());
+            [&](const Image& image, const NamedViewpoint& camera, std::size_t row) {
               const std::string file =
-                  options.folder + '/' + (cameras.size() > 1 ? camera.name + '_' : "") + number;
-              write_png(image, file);
+                  write_picture(image, options.folder, names.of(camera.name, film.rows()[row]));
+              ++drawn;
               if (options.fps <= 0.0) say("%s\n", file.c_str());
             });
   if (options.fps > 0.0) say("%s: %zu pictures\n", options.folder.c_str(), drawn);

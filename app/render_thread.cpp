@@ -14,13 +14,14 @@
 namespace sulcus {
 
 RenderThread::RenderThread(Feed& feed, PieceFeed* pieces, const Scene& scene, VoxelModel start,
-                           std::vector<VoxelModel> bodies, const Burr& burr, std::string folder,
-                           bool drop_frames)
+                           std::vector<VoxelModel> bodies, const Burr& burr,
+                           const EarlierRun* earlier, std::string folder, bool drop_frames)
     : feed_(feed),
       pieces_(pieces),
       scene_(scene),
       bodies_(rendered_bodies(scene, std::move(start), std::move(bodies))),
       burr_(burr),
+      earlier_(earlier),
       folder_(std::move(folder)),
       drop_frames_(drop_frames) {
   std::future<void> ready = ready_.get_future();
@@ -52,7 +53,7 @@ void RenderThread::run() {
   // Pinned before the context is made: the software rasteriser's threads inherit it.
   if (drop_frames_) leave_realtime_core();
   std::filesystem::create_directories(folder_ + "/frames");
-  LiveFilm film(feed_, pieces_, scene_, bodies_.front().model);
+  LiveFilm film(feed_, pieces_, scene_, bodies_.front().model, earlier_);
   Renderer renderer(*scene_.render, std::move(bodies_), burr_.mesh_tool, burr_.head_length_m);
   // It is more to draw in each frame, and the ticks need the processor.
   renderer.set_handpiece(false);

@@ -9,6 +9,7 @@
 #include "app/feed.hpp"
 #include "app/piece_feed.hpp"
 #include "engine/graphics/renderer.hpp"
+#include "engine/recording/earlier_run.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/tool/burr.hpp"
 #include "engine/volume/voxel_model.hpp"
@@ -22,11 +23,12 @@ class RenderThread {
  public:
   /// Returns once the first frame can be drawn, so that nothing is set up beside the first ticks.
   /// `folder` holds frames/. `drop_frames`: of several frames due only the latest is drawn, so that
-  /// the picture keeps up with a run at real pace. Scene and burr outlive the thread.
-  /// `pieces` is null where none may come loose.
+  /// the picture keeps up with a run at real pace. Scene, burr and `earlier`, which is null but for
+  /// a run that goes on from another, outlive the thread. `pieces` is null where none may come
+  /// loose.
   RenderThread(Feed& feed, PieceFeed* pieces, const Scene& scene, VoxelModel start,
-               std::vector<VoxelModel> bodies, const Burr& burr, std::string folder,
-               bool drop_frames);
+               std::vector<VoxelModel> bodies, const Burr& burr, const EarlierRun* earlier,
+               std::string folder, bool drop_frames);
   ~RenderThread();
   RenderThread(const RenderThread&) = delete;
   RenderThread& operator=(const RenderThread&) = delete;
@@ -45,6 +47,7 @@ class RenderThread {
   const Scene& scene_;
   std::vector<RenderedBody> bodies_;
   const Burr& burr_;
+  const EarlierRun* earlier_;
   std::string folder_;
   bool drop_frames_;
   std::uint64_t frames_ = 0;

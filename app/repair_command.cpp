@@ -40,7 +40,9 @@ void copy_recording(const RecordingReader& reader, const std::string& missing,
   const std::optional<VoxelModel> goal = reader.goal();
   const std::optional<TriangleMesh> burr = reader.burr_mesh();
   const std::optional<InputGeometry> input = reader.input();
-  RecordedSolids others{{}, goal ? &*goal : nullptr, input ? &*input : nullptr};
+  const std::optional<EarlierRun> earlier = reader.earlier();
+  RecordedSolids others{
+      {}, goal ? &*goal : nullptr, input ? &*input : nullptr, earlier ? &*earlier : nullptr};
   for (const VoxelModel& body : bodies) others.bodies.push_back(&body);
   const RecordingTables tables = reader.tables();
   RecordingWriter writer(file, header, start, burr ? &*burr : nullptr, tables, others);
@@ -67,6 +69,7 @@ void copy_recording(const RecordingReader& reader, const std::string& missing,
   for (const KeyframeInfo& info : reader.keyframes()) {
     if (const auto state = reader.keyframe(info)) writer.append_keyframe(info.tick, *state);
   }
+  if (reader.summary()) writer.append_summary(*reader.summary());
   writer.close();
 }
 

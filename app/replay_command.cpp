@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <spdlog/spdlog.h>
+
 #include "app/changed_burr.hpp"
 #include "app/common_options.hpp"
 #include "app/continued_run.hpp"
@@ -13,6 +15,7 @@
 #include "app/progress.hpp"
 #include "app/recorded_state.hpp"
 #include "app/results.hpp"
+#include "app/run_key.hpp"
 #include "app/terminal.hpp"
 #include "app/thread_limit.hpp"
 #include "app/verify_recording.hpp"
@@ -26,7 +29,7 @@ namespace {
 
 struct ReplayOptions {
   std::string recording, folder, pace = "fast";
-  bool verify = false;
+  bool verify = false, force = false;
   std::optional<double> from_s;
   std::vector<std::string> overrides;
   int threads = 0;  // 0: all cores
@@ -42,6 +45,11 @@ void verify(RecordedRun& run, std::size_t first_row) {
     say("%s: %zu ticks after rows that were not recorded could not be compared\n", run.path.c_str(),
         verified.passed_over);
   }
+  if (run.reader.damage().empty() && verified.damaged_states == 0) return;
+  const std::string why =
+      run.reader.damage().empty() ? "a state in /keyframes is damaged" : run.reader.damage();
+  throw std::runtime_error(run.path + ": verified " + std::to_string(verified.rows) + " of " +
+                           std::to_string(run.reader.tick_rows()) + " ticks: " + why);
 }
 
 /// Makes a run go on after a row. Returns what the new recording names as its parent.
@@ -85,11 +93,11 @@ void replay(const ReplayOptions& options) {
   }
 
   SessionOptions session;
-  session.folder =
-      options.folder.empty() ? default_folder(options.recording, "_replay") : options.folder;
+  ResultsPlace place{options.folder, folder_of_recording(options.recording, "_replay"),
+                     options.force};
   std::error_code ignored;  // what is not there is not the recording
-  if (std::filesystem::equivalent(session.folder + "/recording.h5", options.recording, ignored)) {
-    throw InputError(session.folder, "-o", "the folder of the recording itself", "another one");
+  if (std::filesystem::equivalent(place.given + "/recording.h5", options.recording, ignored)) {
+    throw InputError(place.given, "-o", "the folder of the recording itself", "another one");
   }
   session.pace = options.pace == "real" ? Pace::kReal : Pace::kFast;
   session.goal = run.reader.goal();
@@ -97,18 +105,26 @@ void replay(const ReplayOptions& options) {
   std::size_t first = 0;
   if (options.from_s) {
     const Progress going_there("going to the time");
+    session.earlier = earlier_of(run, row);
     session.parent = go_on_after(run, row, options.overrides);
     first = row + 1;
   } else {
+    session.earlier = run.earlier;
+    session.parent = run.reader.header().parent;
     session.played_back = run.taken_answers;
+    place.key = key_of_replay(run);
   }
   session.ticks = rows_in_line(run, first);
-  open_log(session.folder);
+  ResultsFolder folder(place);
+  open_log(folder.at());
+  if (!run.earlier && !run.reader.header().parent.empty()) {
+    spdlog::warn("{}: it does not hold what came before it: what is marked begins with it",
+                 run.path);
+  }
   PlaybackDevice device(std::span(run.poses).subspan(first), run.rows[first].tick);
   std::optional<EndsItself> ends_itself;  // before the first tick there is nothing to keep
   session.begins = [&] { ends_itself.emplace(); };
-  const SessionResult result = run_session(*run.simulation, device, session);
-  write_results(*run.simulation, result, session, {});
+  run_into(folder, *run.simulation, device, session, {});
   if (first + session.ticks < run.rows.size()) {
     say_error("sulcus: ended at tick %llu, after which rows were not recorded\n",
               static_cast<unsigned long long>(run.rows[first + session.ticks - 1].tick));
@@ -124,6 +140,7 @@ void add_replay_command(CLI::App& program) {
   CLI::Option* const folder =
       command->add_option("-o", options->folder, "Folder for the results (out/<recording>_replay)")
           ->type_name("DIR");
+  CLI::Option* const force = add_force_option(*command, options->force);
   CLI::Option* const verify = command->add_flag(
       "--verify", options->verify, "Only compare every tick's forces and the volume, bit for bit");
   command
@@ -134,7 +151,7 @@ void add_replay_command(CLI::App& program) {
   CLI::Option* const set =
       add_set_option(*command, options->overrides, "Change a key of the scene from there on");
   CLI::Option* const pace = add_pace_option(*command, options->pace);
-  for (CLI::Option* const unused : {folder, set, pace}) verify->excludes(unused);
+  for (CLI::Option* const unused : {folder, force, set, pace}) verify->excludes(unused);
   add_threads_option(*command, options->threads);
   command->callback([options] { replay(*options); });
 }

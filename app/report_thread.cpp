@@ -7,8 +7,8 @@
 
 namespace sulcus {
 
-ReportThread::ReportThread(Feed& feed, std::optional<PreparationOutcome> outcome)
-    : feed_(feed), outcome_(std::move(outcome)) {
+ReportThread::ReportThread(Feed& feed, std::vector<RunMarks> marks)
+    : feed_(feed), marks_(std::move(marks)) {
   thread_ = std::thread([this] {
     try {
       run();
@@ -41,12 +41,15 @@ void ReportThread::run() {
 }
 
 void ReportThread::drain() {
-  for (TickReport report; feed_.reports.try_dequeue(report);) statistics_.add(report);
+  for (TickReport report; feed_.reports.try_dequeue(report);) {
+    statistics_.add(report);
+    for (RunMarks& marks : marks_) marks.measures.add(report.record, nullptr);
+  }
   const std::uint64_t begin = steady_ns();
   for (Edit edit; feed_.edits.try_dequeue(edit);) {
-    if (outcome_) outcome_->add(edit);
+    for (RunMarks& marks : marks_) marks.preparation.add(edit);
   }
-  if (outcome_) outcome_seconds_ += 1e-9 * static_cast<double>(steady_ns() - begin);
+  if (!marks_.empty()) marks_seconds_ += 1e-9 * static_cast<double>(steady_ns() - begin);
 }
 
 }  // namespace sulcus

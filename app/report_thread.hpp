@@ -1,20 +1,21 @@
 #pragma once
 
 #include <exception>
-#include <optional>
 #include <thread>
+#include <vector>
 
 #include "app/feed.hpp"
+#include "app/run_marks.hpp"
 #include "app/statistics.hpp"
-#include "engine/outcome/preparation_outcome.hpp"
 
 namespace sulcus {
 
-/// Takes the reports off the haptic thread's hands: counts them for the summary and, where an
-/// outcome is given, tells it every edit. It touches no file, so that nothing holds it up.
+/// Takes the reports off the haptic thread's hands: counts them for the summary, and tells every
+/// one of the marks it is given all ticks and edits. It touches no file, so that nothing holds it
+/// up.
 class ReportThread {
  public:
-  ReportThread(Feed& feed, std::optional<PreparationOutcome> outcome);
+  ReportThread(Feed& feed, std::vector<RunMarks> marks);
   ~ReportThread();
   ReportThread(const ReportThread&) = delete;
   ReportThread& operator=(const ReportThread&) = delete;
@@ -24,16 +25,16 @@ class ReportThread {
   void finish();
   // After `finish`.
   const RunStatistics& statistics() const { return statistics_; }
-  const std::optional<PreparationOutcome>& outcome() const { return outcome_; }
-  double outcome_seconds() const { return outcome_seconds_; }  // spent telling it
+  const std::vector<RunMarks>& marks() const { return marks_; }
+  double marks_seconds() const { return marks_seconds_; }  // spent telling them
 
  private:
   void run();
   void drain();
 
   Feed& feed_;
-  std::optional<PreparationOutcome> outcome_;
-  double outcome_seconds_ = 0.0;
+  std::vector<RunMarks> marks_;
+  double marks_seconds_ = 0.0;
   RunStatistics statistics_;
   std::exception_ptr failure_;
   std::thread thread_;

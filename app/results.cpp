@@ -22,8 +22,46 @@
 
 namespace sulcus {
 
-std::string default_folder(const std::string& file, const std::string& suffix) {
+namespace {
+
+/// How a tick at real pace kept its time.
+void say_lateness(const SessionResult& result) {
+  const RunStatistics& s = result.statistics;
+  say("  late               p99 %.1f, max %.1f us; %llu ticks missed\n", s.late_us.quantile(0.99),
+      s.late_us.largest(), static_cast<unsigned long long>(result.missed_ticks));
+}
+
+/// What went, by what took it, and of a run that goes on from another all since the first tick.
+void say_removed(const Scene& scene, const SessionResult& result) {
+  const double voxel_mm3 = std::pow(scene.workpiece.voxel_m / kMillimetre, 3);
+  const auto say_line = [&](const char* name, const OutcomeResult& outcome, EditCause cause) {
+    std::uint64_t voxels = 0;
+    for (std::size_t t = 0; t < scene.tissues.size(); ++t) {
+      voxels += outcome.progress.removed_voxels(cause, t);
+    }
+    if (voxels == 0 && cause == EditCause::kLoose) return;
+    say("  %-18s %llu voxels, %.4f mm3\n", name, static_cast<unsigned long long>(voxels),
+        static_cast<double>(voxels) * voxel_mm3);
+  };
+  const OutcomeResult& own = result.part ? *result.part : *result.outcome;
+  say_line("removed", own, EditCause::kCut);
+  say_line("came loose", own, EditCause::kLoose);
+  if (!result.part) return;
+  say_line("removed in all", *result.outcome, EditCause::kCut);
+  say_line("came loose in all", *result.outcome, EditCause::kLoose);
+}
+
+}  // namespace
+
+std::string folder_of_scene(const std::string& file, const std::string& suffix) {
   return "out/" + std::filesystem::path(file).stem().string() + suffix;
+}
+
+std::string folder_of_recording(const std::string& file, const std::string& suffix) {
+  const std::filesystem::path path = std::filesystem::absolute(file).lexically_normal();
+  const std::filesystem::path folder = path.parent_path().filename();
+  const bool by_folder = path.stem() == "recording" && !folder.empty();
+  return "out/" + (by_folder ? folder : path.stem()).string() + suffix;
 }
 
 void open_log(const std::string& folder) {
@@ -47,13 +85,11 @@ void check_log() {
   }
 }
 
-void write_and_tell(const Simulation& simulation, const SessionResult& result,
-                    const SessionOptions& options, const std::vector<PartUse>& loading) {
-  const Scene& scene = simulation.scene();
+void write_and_tell(ResultsFolder& folder, const Scene& scene, const SessionResult& result,
+                    const SessionOptions& options, const nlohmann::ordered_json& summary) {
   const RunStatistics& s = result.statistics;
-  const nlohmann::ordered_json summary = make_summary(simulation, result, options.pace, loading);
   std::vector<std::string> files{options.folder + "/summary.json"};
-  write_whole_file(files.back(), summary.dump(2) + "\n");
+  write_whole_file(files.back(), result.summary);
   const std::string chart = options.folder + "/forces.png";
   if (draw_force_chart(s, scene.title, chart)) {
     files.push_back(chart);
@@ -62,6 +98,7 @@ void write_and_tell(const Simulation& simulation, const SessionResult& result,
   }
   files.insert(files.end(), result.files.begin(), result.files.end());
   files.push_back(options.folder + "/log.txt");
+  folder.finish(!result.interrupted && !result.failure);
 
   for (const std::string& refused : result.refused) spdlog::warn("not granted: {}", refused);
   for (const auto& [fault, ticks] : summary["faults"].items()) {
@@ -70,7 +107,6 @@ void write_and_tell(const Simulation& simulation, const SessionResult& result,
   if (result.interrupted) spdlog::warn("stopped on request after {} ticks", s.ticks);
 
   const auto& contacts = summary["voxels_in_contact"];
-  const double voxel_mm = scene.workpiece.voxel_m / kMillimetre;
   say("%s: %llu ticks in %.1f s\n", scene.title.c_str(), static_cast<unsigned long long>(s.ticks),
       result.wall_seconds);
   say("  voxels in contact  mean %.1f, max %u\n", contacts["mean"].get<double>(),
@@ -78,22 +114,30 @@ void write_and_tell(const Simulation& simulation, const SessionResult& result,
   say("  force              mean %.3f, max %.3f N\n", s.force_N.mean(),
       static_cast<double>(summary["force_N"]["max"]));
   say("  tick               mean %.1f, p99 %.1f us\n", s.tick_us.mean(), s.tick_us.quantile(0.99));
-  if (scene.cutting) {
-    say("  removed            %llu voxels, %.4f mm3\n", static_cast<unsigned long long>(s.removed),
-        static_cast<double>(s.removed) * std::pow(voxel_mm, 3));
-  }
+  if (options.pace == Pace::kReal) say_lateness(result);
+  if (result.outcome) say_removed(scene, result);
   if (result.frames > 0) {
     say("  pictures           %llu\n", static_cast<unsigned long long>(result.frames));
   }
-  for (const std::string& file : files) say("%s\n", file.c_str());
+  for (const std::string& file : files) {
+    say("%s\n", (folder.path() + file.substr(options.folder.size())).c_str());
+  }
 }
 
 }  // namespace
 
-void write_results(const Simulation& simulation, const SessionResult& result,
-                   const SessionOptions& options, const std::vector<PartUse>& loading) {
+void run_into(ResultsFolder& folder, Simulation& simulation, Device& device,
+              SessionOptions& options, const std::vector<PartUse>& loading) {
+  options.folder = folder.at();
+  nlohmann::ordered_json summary;
+  options.summarise = [&](const SessionResult& result) {
+    summary = make_summary(simulation, result, options, loading);
+    return summary.dump(2) + "\n";
+  };
+  const SessionResult result = run_session(simulation, device, options);
+  options.summarise = nullptr;  // it refers into this call
   try {
-    write_and_tell(simulation, result, options, loading);
+    write_and_tell(folder, simulation.scene(), result, options, summary);
     check_log();
   } catch (const std::exception&) {
     if (!result.failure) throw;

@@ -7,11 +7,14 @@
 #include <optional>
 #include <span>
 #include <sstream>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "app/recorded_film.hpp"
+#include "app/run_marks.hpp"
+#include "app/summary.hpp"
 #include "engine/core/base64.hpp"
 #include "engine/core/units.hpp"
 #include "engine/core/user_text.hpp"
@@ -87,7 +90,7 @@ std::string curve(const std::string& name, const std::string& unit, const char* 
 
 double norm(const double (&v)[3]) { return std::hypot(v[0], v[1], v[2]); }
 
-void add_rows(const nlohmann::json& value, const std::string& name, std::ostream& table) {
+void add_rows(const nlohmann::ordered_json& value, const std::string& name, std::ostream& table) {
   if (value.is_object()) {
     for (const auto& [key, inner] : value.items()) {
       add_rows(inner, name.empty() ? key : name + ", " + key, table);
@@ -98,27 +101,91 @@ void add_rows(const nlohmann::json& value, const std::string& name, std::ostream
         << for_html(value.is_string() ? value.get<std::string>() : value.dump()) << "</td></tr>\n";
 }
 
-std::string outcome_table(const FrameState& end, std::span<const TickRecord> rows,
-                          const std::string& summary_json) {
-  std::ostringstream table;
-  table << "<table>\n";
+std::string row_of(const std::string& name, const std::string& value) {
+  return "<tr><th>" + for_html(name) + "</th><td>" + for_html(value) + "</td></tr>\n";
+}
+
+/// What came of `ticks` ticks.
+std::string outcome_table(const FrameState& end, std::uint64_t ticks, double rate_hz) {
   char text[64];
-  std::snprintf(text, sizeof text, "%.3f s, %zu ticks", end.time_s - rows.front().time_s,
-                rows.size());
-  table << "<tr><th>Lasted</th><td>" << text << "</td></tr>\n";
+  std::snprintf(text, sizeof text, "%.3f s, %llu ticks", static_cast<double>(ticks) / rate_hz,
+                static_cast<unsigned long long>(ticks));
+  std::string table = "<table>\n" + row_of("Lasted", text);
   std::snprintf(text, sizeof text, "%.3f mm\xC2\xB3", end.removed_mm3);
-  table << "<tr><th>Removed</th><td>" << text << "</td></tr>\n";
-  for (const OutcomeLine& line : end.outcome) {
-    table << "<tr><th>" << for_html(line.name) << "</th><td>" << for_html(line.value)
-          << "</td></tr>\n";
+  table += row_of("Removed", text);
+  for (const OutcomeLine& line : end.outcome) table += row_of(line.name, line.value);
+  return table + "</table>\n";
+}
+
+/// The state at the end of a recording's own ticks, as if nothing had come before them.
+FrameState end_of_own_part(const RecordingReader& reader, const RecordedFilm& film) {
+  FrameHistory history(film.scene(), film.start());
+  const std::vector<CuttingRecord> cutting = reader.cutting();
+  const std::vector<PortRecord> port = reader.port();
+  for (std::size_t row = 0; row < film.rows().size(); ++row) {
+    history.add(film.rows()[row], row < cutting.size() ? &cutting[row] : nullptr,
+                row < port.size() ? &port[row] : nullptr);
   }
-  table << "</table>\n";
-  const auto summary = nlohmann::json::parse(summary_json, nullptr, false);
-  if (!summary.is_object()) return table.str();
-  table << "<details><summary>summary.json</summary><table>\n";
-  add_rows(summary, "", table);
-  table << "</table></details>\n";
-  return table.str();
+  for (const Edit& edit : film.edits_before(film.rows().size() - 1)) history.add(edit);
+  FrameState end = history.state();
+  end.force_history_N = end.torque_history_mNm = end.tick_history_us = {};  // the history's own
+  return end;
+}
+
+/// What summary.json would tell of a run with [cutting], from its rows.
+nlohmann::ordered_json marks_of_rows(const RecordingReader& reader, const RecordedFilm& film) {
+  const Scene& scene = film.scene();
+  nlohmann::ordered_json told = nlohmann::ordered_json::object();
+  if (!scene.cutting) return told;
+  const std::optional<VoxelModel> goal = reader.goal();
+  RunMarks marks =
+      std::move(begin_marks(scene, film.start(), goal ? &*goal : nullptr, film.earlier()).front());
+  for (const Edit& edit : film.edits_before(film.rows().size() - 1)) marks.preparation.add(edit);
+  for (const TickRecord& row : film.rows()) marks.measures.add(row, nullptr);
+  const OutcomeResult outcome = end_marks(marks, film.model());
+  told["outcome"] = outcome_json(scene, outcome);
+  if (outcome.goal) told["goal"] = goal_json(scene, *outcome.goal);
+  return told;
+}
+
+/// What came of it: of the whole, of its own part where that is less, and all figures. The film is
+/// at its end.
+std::string outcome_section(const RecordingReader& reader, const RecordedFilm& film,
+                            const FrameState& end) {
+  const double rate_hz = film.scene().haptics.rate_hz;
+  const std::uint64_t own = film.rows().size();
+  const std::string& parent = reader.header().parent;
+  std::ostringstream html;
+  if (const EarlierRun* earlier = film.earlier()) {
+    char from[48];
+    std::snprintf(from, sizeof from, "%.3f s", film.rows().front().time_s);
+    html << "<p>Goes on from " << for_html(earlier->recording) << " at " << from << " ("
+         << for_html(parent) << "). This is of the whole, from the first tooth on:</p>\n"
+         << outcome_table(end, earlier->measures.ticks + own, rate_hz)
+         << "<p>This part alone, from " << from << " on:</p>\n"
+         << outcome_table(end_of_own_part(reader, film), own, rate_hz);
+  } else {
+    if (!parent.empty()) {
+      html << "<p>Goes on from " << for_html(parent)
+           << ". It does not hold what came before: this is of its own part alone.</p>\n";
+    }
+    html << outcome_table(end, own, rate_hz);
+  }
+  nlohmann::ordered_json figures;
+  if (reader.summary()) {
+    figures = nlohmann::ordered_json::parse(*reader.summary(), nullptr, false);
+  }
+  std::string title = "summary.json";
+  if (!figures.is_object()) {
+    html << "<p>The recording holds no summary of its run, which was not ended, or was recorded "
+            "before they were kept: these figures are from its rows alone.</p>\n";
+    title = "From the rows";
+    figures = marks_of_rows(reader, film);
+  }
+  html << "<details><summary>" << title << "</summary><table>\n";
+  add_rows(figures, "", html);
+  html << "</table></details>\n";
+  return html.str();
 }
 
 /// A plane across y through the middle of what was cut; none where nothing was.
@@ -151,7 +218,7 @@ td{font-variant-numeric:tabular-nums}details{margin-top:10px}
 }  // namespace
 
 void write_review_page(const RecordingReader& reader, const std::string& recording,
-                       const std::string& summary_json, const std::string& file) {
+                       const std::string& file) {
   RecordedFilm film(reader, recording);
   const std::vector<TickRecord>& rows = film.rows();
   const std::size_t last = rows.size() - 1;
@@ -164,7 +231,10 @@ void write_review_page(const RecordingReader& reader, const std::string& recordi
   std::ostringstream page;
   const std::string title = for_html(film.scene().title);
   page << kHead << "<title>" << title << "</title></head><body>\n<h1>" << title << "</h1>\n<p>"
-       << for_html(recording) << "</p>\n";
+       << for_html("scene_sha256 " + reader.header().scene_sha256 + ", recorded by " +
+                   reader.header().build)
+       << "</p>\n";
+  if (!reader.missing().empty()) page << "<p>" << for_html(reader.missing()) << "</p>\n";
   FrameState end;
   std::optional<Section> section;
   std::array<std::string, kSides.size()> before, after;
@@ -214,7 +284,7 @@ void write_review_page(const RecordingReader& reader, const std::string& recordi
       cut_open = picture(renderer.draw(end), words);
     }
   }
-  page << "<h2>Outcome</h2>\n" << outcome_table(end, rows, summary_json);
+  page << "<h2>Outcome</h2>\n" << outcome_section(reader, film, end);
   page << "<h2>Before and after</h2>\n<div class=\"two\">\n";
   for (std::size_t side = 0; side < kSides.size(); ++side) page << before[side] << after[side];
   page << "</div>\n";
@@ -240,7 +310,7 @@ void write_review_page(const RecordingReader& reader, const std::string& recordi
     return 1e3 * norm(row.torque_Nm);
   }) << curve("Voxels in contact", "1", "#6b4aa0", rows, [](const TickRecord& row) {
     return static_cast<double>(row.contacts);
-  }) << curve("Removed", "mm\xC2\xB3", "#8a6d1c", rows, [&](const TickRecord& row) {
+  }) << curve("Cut", "mm\xC2\xB3", "#8a6d1c", rows, [&](const TickRecord& row) {
     removed += static_cast<double>(row.removed) * voxel_mm3;
     return removed;
   }) << curve("Compute time of a tick", "\xC2\xB5s", "#1c8054", rows, [](const TickRecord& row) {

@@ -8,10 +8,11 @@ namespace sulcus {
 
 /// Writes a page on a run that needs nothing beside it (HTML, pictures and curves in it): the tooth
 /// before and after from each side, a section through what was cut, when what was cut, the way
-/// there, curves over the whole run, and what came of it. `summary_json`: the run's, "" where there
-/// is none. InputError as RecordedFilm; std::runtime_error where nothing can be drawn or the file
-/// cannot be written.
+/// there, curves over the whole run, and what came of it. All of it is from the recording, so that
+/// a copy of that gives the same page. Of a run that goes on from another what came of it is told
+/// of the whole, and of its own part beside it. InputError as RecordedFilm; std::runtime_error
+/// where nothing can be drawn or the file cannot be written.
 void write_review_page(const RecordingReader& reader, const std::string& recording,
-                       const std::string& summary_json, const std::string& file);
+                       const std::string& file);
 
 }  // namespace sulcus

@@ -12,6 +12,7 @@
 #include "app/plugin_library.hpp"
 #include "app/progress.hpp"
 #include "app/results.hpp"
+#include "app/run_key.hpp"
 #include "app/scene_trajectory.hpp"
 #include "app/shipped_scene.hpp"
 #include "app/thread_limit.hpp"
@@ -29,7 +30,7 @@ struct RunOptions {
   std::string scene, folder, pace = "fast", plugins;
   double duration_s = 0.0;  // 0: the whole trajectory
   std::vector<std::string> overrides;
-  bool no_render = false, no_cache = false;
+  bool no_render = false, no_cache = false, force = false;
   int threads = 0;  // 0: all cores
   double limit_gib = 4.0;
 };
@@ -76,7 +77,6 @@ void run(const RunOptions& options) {
   loading.reset();
 
   SessionOptions session;
-  session.folder = options.folder.empty() ? default_folder(file) : options.folder;
   session.pace = options.pace == "real" ? Pace::kReal : Pace::kFast;
   session.render = !options.no_render;
   session.goal = std::move(loaded.goal);
@@ -85,23 +85,33 @@ void run(const RunOptions& options) {
   session.ticks = static_cast<std::uint64_t>(
       std::max(1.0, std::ceil(duration_s * scene.haptics.rate_hz - 1e-6)));
 
-  open_log(session.folder);
+  ResultsPlace place{options.folder, folder_of_scene(file), options.force};
+  if (!plugin) {  // a hand does not do the same again
+    place.key = key_of_run(*loaded.simulation, session.goal ? &*session.goal : nullptr,
+                           session.ticks, scene.render && session.render);
+  }
+  ResultsFolder folder(place);
+  open_log(folder.at());
   log_loading(scene, loaded, cache);
   ScriptedDevice script(trajectory, scene.haptics.rate_hz);
+  const std::vector<std::optional<Pose>> poses =
+      played_back_poses(scene, trajectory, session.ticks);
+  std::optional<PlaybackDevice> playback;
   std::optional<SimulatedDevice> simulated;
   Device* device = &script;
   if (plugin) {
     device = plugin.get();
     spdlog::info("{}: {}", plugin->title(), plugin->own_name());
     plugin->begin([&](const Pose& pose) { return loaded.simulation->is_free(pose); });
-  } else if (scene.device) {
+  } else if (!poses.empty()) {
+    device = &playback.emplace(poses);
+  } else if (scene.device && !scene.device->played_back) {
     device = &simulated.emplace(*scene.device, trajectory, scene.haptics.rate_hz,
                                 scene.burr.reference_m);
   }
   std::optional<EndsItself> ends_itself;  // before the first tick there is nothing to keep
   session.begins = [&] { ends_itself.emplace(); };
-  const SessionResult result = run_session(*loaded.simulation, *device, session);
-  write_results(*loaded.simulation, result, session, loaded.loading);
+  run_into(folder, *loaded.simulation, *device, session, loaded.loading);
   if (plugin) end_plugin(*plugin);
 }
 
@@ -113,6 +123,7 @@ void add_run_command(CLI::App& program) {
   command->add_option("SCENE", options->scene, kSceneArgument)->required()->type_name("FILE");
   command->add_option("-o", options->folder, "Folder for the results (out/<scene>)")
       ->type_name("DIR");
+  add_force_option(*command, options->force);
   add_pace_option(*command, options->pace);
   command
       ->add_option("--duration", options->duration_s,

@@ -40,4 +40,32 @@ Trajectory scene_trajectory(const Scene& scene, const InputLimits& limits) {
   return Trajectory(hold(std::move(poses), tick_s + settings.hold_s));
 }
 
+std::vector<std::optional<Pose>> played_back_poses(const Scene& scene, const Trajectory& trajectory,
+                                                   std::uint64_t ticks) {
+  const TrajectorySettings& settings = scene.trajectory;
+  const bool by_a_hand = scene.device && !scene.device->played_back;
+  if (settings.recording.empty() || settings.load_N || by_a_hand) return {};
+  const RecordingReader reader(settings.recording);
+  const double rate_hz = scene.haptics.rate_hz;
+  if (reader.header().rate_hz != rate_hz || reader.tick_count() == 0) return {};
+  std::vector<std::optional<Pose>> poses(ticks);
+  for (std::uint64_t tick = 0; tick < ticks; ++tick) {
+    poses[tick] = trajectory.pose_at(static_cast<double>(tick) / rate_hz);
+  }
+  std::optional<std::uint64_t> first;  // with a pose: there the trajectory begins
+  for (const TickRecord& row : reader.ticks()) {
+    const bool silent = (row.faults & kFaultsWithoutPose) != 0;
+    if (!first && silent) continue;
+    if (!first) first = row.tick;
+    if (row.tick - *first >= ticks) break;
+    std::optional<Pose>& pose = poses[row.tick - *first];
+    if (!silent) {
+      pose = pose_of(row.device_position_m, row.device_orientation);
+    } else if (scene.device) {
+      pose.reset();
+    }
+  }
+  return poses;
+}
+
 }  // namespace sulcus

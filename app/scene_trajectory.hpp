@@ -1,5 +1,10 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "engine/core/pose.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/scene/trajectory.hpp"
 
@@ -9,5 +14,13 @@ namespace sulcus {
 /// answered, from its first row on. The last row of a table or recording has a tick. InputError as
 /// make_trajectory and RecordingReader; also of a recording without a pose.
 Trajectory scene_trajectory(const Scene& scene, const InputLimits& limits = {});
+
+/// The poses of a scene whose trajectory is a recording's, tick by tick and to the bit, so that
+/// what was done then is done again. Ticks that were not recorded, and those after the last, are
+/// the trajectory's; so are those in which the device did not answer, but with `model =
+/// "played_back"`, where it does not again. Empty where the poses are not played back as they were:
+/// no recording, another rate, a load, a simulated hand. InputError as RecordingReader.
+std::vector<std::optional<Pose>> played_back_poses(const Scene& scene, const Trajectory& trajectory,
+                                                   std::uint64_t ticks);
 
 }  // namespace sulcus

@@ -22,7 +22,6 @@
 #include "engine/core/realtime.hpp"
 #include "engine/core/stop.hpp"
 #include "engine/core/units.hpp"
-#include "engine/outcome/goal.hpp"
 #include "haptics/saved_state.hpp"
 
 namespace sulcus {
@@ -303,8 +302,10 @@ std::optional<RecordingWriter> open_recording(const Simulation& simulation,
   header.workpiece_hash = simulation.workpiece().hash_with_tissues();
   header.parent = options.parent;
   const bool from_file = scene.burr.shape == BurrShape::kFile;
-  RecordedSolids others{
-      {}, options.goal ? &*options.goal : nullptr, options.input ? &*options.input : nullptr};
+  RecordedSolids others{{},
+                        options.goal ? &*options.goal : nullptr,
+                        options.input ? &*options.input : nullptr,
+                        options.earlier.get()};
   for (const Neighbour& neighbour : simulation.state().neighbours) {
     others.bodies.push_back(&neighbour.solid.model());
   }
@@ -331,20 +332,6 @@ std::vector<VoxelModel> copy_bodies(const Simulation& simulation) {
   return bodies;
 }
 
-std::optional<PreparationOutcome> start_outcome(const Simulation& simulation,
-                                                const SessionOptions& options) {
-  const Scene& scene = simulation.scene();
-  if (!scene.cutting) return {};
-  const VoxelModel& start = simulation.workpiece().model();
-  return PreparationOutcome(start, scene.tissues,
-                            target_of_goal(scene, start, options.goal ? &*options.goal : nullptr));
-}
-
-/// After the last tick.
-OutcomeResult end_outcome(const PreparationOutcome& outcome, const VoxelModel& end) {
-  return {outcome.progress(), outcome.wall_over_pulp_m(), outcome.goal_figures(end)};
-}
-
 }  // namespace
 
 SessionResult run_session(Simulation& simulation, Device& device, const SessionOptions& options) {
@@ -356,11 +343,15 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
   // Everything is made before the first tick, so that nothing is taken beside it.
   const std::string recording = options.folder + "/recording.h5";
   const std::uint64_t outcome_begin = steady_ns();
-  std::optional<PreparationOutcome> outcome = start_outcome(simulation, options);
+  std::vector<RunMarks> marks;
+  if (scene.cutting) {
+    marks = begin_marks(scene, simulation.workpiece().model(),
+                        options.goal ? &*options.goal : nullptr, options.earlier.get());
+  }
   double outcome_s = 1e-9 * static_cast<double>(steady_ns() - outcome_begin);
   const std::uint64_t record_begin = steady_ns();
   Feed report_feed(scene.haptics.rate_hz);
-  ReportThread reports(report_feed, std::move(outcome));
+  ReportThread reports(report_feed, std::move(marks));
   std::vector<Feed*> feeds{&report_feed};
   std::optional<PieceFeed> record_pieces, render_pieces, watch_pieces;
   std::optional<RecordFeed> record_feed;
@@ -390,7 +381,7 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
     if (scene.loose_pieces) render_pieces.emplace();
     renderer.emplace(*render_feed, render_pieces ? &*render_pieces : nullptr, scene,
                      simulation.workpiece().model(), copy_bodies(simulation), simulation.burr(),
-                     options.folder, options.pace == Pace::kReal);
+                     options.earlier.get(), options.folder, options.pace == Pace::kReal);
   }
 
   std::optional<Feed> watch_feed;
@@ -478,13 +469,25 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
     if (result.frames > 0) result.files.push_back(options.folder + "/frames");
   }
   result.statistics = reports.statistics();
-  if (reports.outcome()) {
+  if (!reports.marks().empty()) {
     const std::uint64_t end_begin = steady_ns();
-    result.outcome = end_outcome(*reports.outcome(), simulation.workpiece().model());
-    outcome_s += reports.outcome_seconds() + 1e-9 * static_cast<double>(steady_ns() - end_begin);
-    result.parts.push_back({"outcome", outcome_s, reports.outcome()->memory_bytes()});
+    const VoxelModel& end = simulation.workpiece().model();
+    result.outcome = end_marks(reports.marks().front(), end);
+    if (options.earlier) result.part = end_marks(reports.marks().back(), end);
+    outcome_s += reports.marks_seconds() + 1e-9 * static_cast<double>(steady_ns() - end_begin);
+    std::size_t bytes = 0;
+    for (const RunMarks& each : reports.marks()) bytes += each.preparation.memory_bytes();
+    result.parts.push_back({"outcome", outcome_s, bytes});
   }
   result.interrupted = stop_requested();  // which costs pictures also where it came after the ticks
+  if (options.summarise) result.summary = options.summarise(result);
+  if (recorder) {
+    try {
+      recorder->close(result.summary);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+  }
   result.failure = failure;
   return result;
 }

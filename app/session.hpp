@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,14 +12,16 @@
 #include "app/feed.hpp"
 #include "app/loose_schedule.hpp"
 #include "app/piece_feed.hpp"
+#include "app/run_marks.hpp"
 #include "app/simulation.hpp"
 #include "app/statistics.hpp"
-#include "engine/outcome/preparation_outcome.hpp"
 #include "engine/volume/input_geometry.hpp"
 
 namespace sulcus {
 
 enum class Pace : std::uint8_t { kReal, kFast };
+
+struct SessionResult;
 
 struct SessionOptions {
   std::string folder;  // summary.json, forces.png, log.txt, recording.h5, frames/
@@ -40,6 +43,11 @@ struct SessionOptions {
   const std::atomic<bool>* paused = nullptr;
   /// Of a run that goes on from a recording: from which, and where; else empty.
   std::string parent = {};
+  /// What came before the first tick, of a run that goes on from a recording; null else.
+  std::shared_ptr<const EarlierRun> earlier = {};
+  /// Makes the text of summary.json when all else has ended: the recording keeps it. Null: it has
+  /// none.
+  std::function<std::string(const SessionResult&)> summarise = {};
 };
 
 /// A part of the program that ran, as the summary lists it.
@@ -50,16 +58,11 @@ struct PartUse {
   std::optional<bool> cached = {};  // of what may come from the load cache: whether it did
 };
 
-/// What a cut did to the tooth, at the end of its run.
-struct OutcomeResult {
-  PreparationProgress progress;
-  std::optional<double> wall_over_pulp_m;
-  std::optional<GoalFigures> goal;
-};
-
 struct SessionResult {
   RunStatistics statistics;
-  std::optional<OutcomeResult> outcome;  // of a scene with [cutting]
+  std::optional<OutcomeResult> outcome;  // of a scene with [cutting], from the first tooth on
+  std::optional<OutcomeResult> part;     // of a run that goes on from another: its own alone
+  std::string summary;                   // as `summarise` made it
   std::vector<PartUse> parts;
   std::uint64_t missed_ticks = 0;  // whole periods that late wakes cost
   std::uint64_t dropped_rows = 0;  // not recorded: the disk did not keep up

@@ -42,10 +42,6 @@ void RunStatistics::add(const TickReport& report) {
   torque_mNm.add(static_cast<float>(torque_now_mNm));
   contacts_sum += r.contacts;
   contacts_max = std::max(contacts_max, r.contacts);
-  if (r.contacts > 0) {
-    ++ticks_in_contact;
-    force_in_contact_sum_N += force_now_N;
-  }
   chart.add({ticks, static_cast<float>(force_now_N), static_cast<float>(torque_now_mNm), r.step_us,
              r.contacts});
   leaves_sum += r.leaves;

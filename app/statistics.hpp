@@ -16,9 +16,8 @@ struct RunStatistics {
   Distribution tick_us, late_us;
   std::array<Distribution, kStageCount> stage_us;
   Distribution force_N, torque_mNm;  // magnitudes
-  double contacts_sum = 0.0, force_in_contact_sum_N = 0.0;
+  double contacts_sum = 0.0;
   std::uint32_t contacts_max = 0;
-  std::uint64_t ticks_in_contact = 0;
   ChartSeries chart;
   double leaves_sum = 0.0, tested_sum = 0.0;
   std::uint32_t leaves_max = 0, tested_max = 0;

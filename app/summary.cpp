@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <stdexcept>
+#include <span>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -41,21 +41,41 @@ std::vector<std::uint64_t> tissue_voxels(const VoxelModel& model, std::size_t ti
   return voxels;
 }
 
+Json tissue_mm3_json(const Simulation& simulation, std::span<const std::uint64_t> voxels) {
+  const auto& tissues = simulation.scene().tissues;
+  const double voxel_m3 = simulation.workpiece().grid().voxel_volume_m3();
+  Json by_tissue = Json::object();
+  for (std::size_t t = 0; t < tissues.size(); ++t) {
+    by_tissue[tissues[t].name] = static_cast<double>(voxels[t]) * voxel_m3 / kCubicMillimetre;
+  }
+  return by_tissue;
+}
+
+/// As it was before the first tick of all: what is left and what went.
+Json start_json(const Simulation& simulation, const std::optional<OutcomeResult>& outcome) {
+  const Workpiece& w = simulation.workpiece();
+  std::vector<std::uint64_t> voxels = tissue_voxels(w.model(), simulation.scene().tissues.size());
+  std::uint64_t solid = w.solid_voxels();
+  for (std::size_t t = 0; outcome && t < voxels.size(); ++t) {
+    for (const EditCause cause : {EditCause::kCut, EditCause::kLoose}) {
+      const std::uint64_t removed = outcome->progress.removed_voxels(cause, t);
+      voxels[t] += removed;
+      solid += removed;
+    }
+  }
+  return {{"solid_voxels", solid}, {"tissue_mm3", tissue_mm3_json(simulation, voxels)}};
+}
+
 Json workpiece_json(const Simulation& simulation) {
   const Workpiece& w = simulation.workpiece();
   const VoxelGrid& grid = w.grid();
-  const auto& tissues = simulation.scene().tissues;
-  const std::vector<std::uint64_t> voxels = tissue_voxels(w.model(), tissues.size());
-  Json by_tissue = Json::object();
-  for (std::size_t t = 0; t < tissues.size(); ++t) {
-    by_tissue[tissues[t].name] =
-        static_cast<double>(voxels[t]) * grid.voxel_volume_m3() / kCubicMillimetre;
-  }
+  const std::vector<std::uint64_t> voxels =
+      tissue_voxels(w.model(), simulation.scene().tissues.size());
   return {{"cells", {grid.cells.x(), grid.cells.y(), grid.cells.z()}},
           {"voxel_mm", grid.voxel_m / kMillimetre},
           {"solid_voxels", w.solid_voxels()},
           {"surface_voxels", w.surface_voxels()},
-          {"tissue_mm3", by_tissue}};
+          {"tissue_mm3", tissue_mm3_json(simulation, voxels)}};
 }
 
 Json times_json(const Distribution& us) {
@@ -114,10 +134,19 @@ void add_energies(const SimulationState& state, Json& j) {
 
 Json or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
-/// What the tooth and the hand have had of a cut. A tissue that the scene does not name has no
-/// keys; what did not happen is null.
-Json outcome_json(const Scene& scene, const OutcomeResult& outcome, const RunStatistics& s,
-                  double voxel_mm3) {
+double voxel_mm3_of(const Scene& scene) {
+  const double voxel_m = scene.workpiece.voxel_m;
+  return voxel_m * voxel_m * voxel_m / kCubicMillimetre;
+}
+
+Json reach_json(const Reach& reach) {
+  return {{"p95", reach.p95_m / kMillimetre}, {"max", reach.max_m / kMillimetre}};
+}
+
+}  // namespace
+
+nlohmann::ordered_json outcome_json(const Scene& scene, const OutcomeResult& outcome) {
+  const double voxel_mm3 = voxel_mm3_of(scene);
   const auto mm3 = [&](std::uint64_t voxels) { return static_cast<double>(voxels) * voxel_mm3; };
   const PreparationProgress& progress = outcome.progress;
   Json j;
@@ -138,18 +167,14 @@ Json outcome_json(const Scene& scene, const OutcomeResult& outcome, const RunSta
     if (wall_mm) *wall_mm /= kMillimetre;
     j["dentine_over_pulp_mm"] = or_null(wall_mm);
   }
-  const auto in_contact = static_cast<double>(s.ticks_in_contact);
-  j["peak_force_N"] = s.force_N.largest();
-  j["mean_force_N"] = s.ticks_in_contact > 0 ? s.force_in_contact_sum_N / in_contact : 0.0;
-  j["contact_s"] = in_contact / scene.haptics.rate_hz;
+  j["peak_force_N"] = outcome.measures.peak_force_N;
+  j["mean_force_N"] = outcome.measures.mean_force_in_contact_N();
+  j["contact_s"] = static_cast<double>(outcome.measures.ticks_in_contact) / scene.haptics.rate_hz;
   return j;
 }
 
-Json reach_json(const Reach& reach) {
-  return {{"p95", reach.p95_m / kMillimetre}, {"max", reach.max_m / kMillimetre}};
-}
-
-Json goal_json(const GoalFigures& goal, double voxel_mm3) {
+nlohmann::ordered_json goal_json(const Scene& scene, const GoalFigures& goal) {
+  const double voxel_mm3 = voxel_mm3_of(scene);
   const auto mm3 = [&](std::uint64_t voxels) { return static_cast<double>(voxels) * voxel_mm3; };
   return {{"target_mm3", mm3(goal.target_voxels)},
           {"dice", goal.dice},
@@ -157,6 +182,16 @@ Json goal_json(const GoalFigures& goal, double voxel_mm3) {
           {"missing_mm3", mm3(goal.missing_voxels)},
           {"excess_beyond_mm", reach_json(goal.excess)},
           {"missing_within_mm", goal.missing ? reach_json(*goal.missing) : Json(nullptr)}};
+}
+
+namespace {
+
+/// From what a run goes on, and where.
+Json parent_json(const EarlierRun& earlier, std::uint64_t first_tick, double rate_hz) {
+  return {{"recording", earlier.recording},
+          {"scene_sha256", earlier.scene_sha256},
+          {"after_tick", first_tick - 1},
+          {"after_s", static_cast<double>(first_tick - 1) / rate_hz}};
 }
 
 /// What went through the device's port, and what a scene names of it.
@@ -202,8 +237,9 @@ Json faults_json(const RunStatistics& statistics, std::uint64_t dropped_rows) {
 
 }  // namespace
 
-Json make_summary(const Simulation& simulation, const SessionResult& result, Pace pace,
-                  const std::vector<PartUse>& loading) {
+nlohmann::ordered_json make_summary(const Simulation& simulation, const SessionResult& result,
+                                    const SessionOptions& options,
+                                    const std::vector<PartUse>& loading) {
   const Scene& scene = simulation.scene();
   const RunStatistics& s = result.statistics;
   const double ticks = std::max<double>(1.0, static_cast<double>(s.ticks));
@@ -220,7 +256,11 @@ Json make_summary(const Simulation& simulation, const SessionResult& result, Pac
   j["scene_sha256"] = sha256_hex(scene.text);
   j["build"] = build_info();
   j["instructions"] = instruction_set_name();
-  j["pace"] = pace == Pace::kReal ? "real" : "fast";
+  j["pace"] = options.pace == Pace::kReal ? "real" : "fast";
+  if (options.earlier) {
+    const std::uint64_t first_tick = simulation.state().tick - s.ticks;
+    j["parent"] = parent_json(*options.earlier, first_tick, scene.haptics.rate_hz);
+  }
   j["ticks"] = s.ticks;
   j["interrupted"] = result.interrupted;
   j["load_s"] = result.load_seconds;
@@ -236,6 +276,7 @@ Json make_summary(const Simulation& simulation, const SessionResult& result, Pac
   }
   memory["peak_rss"] = mebibytes(peak_resident_bytes());
   j["workpiece"] = workpiece_json(simulation);
+  j["workpiece_start"] = start_json(simulation, result.outcome);
   j["tick_us"] = times_json(s.tick_us);
   j["stage_us"] = Json::object();
   for (int stage = 0; stage < kStageCount; ++stage) {
@@ -262,9 +303,11 @@ Json make_summary(const Simulation& simulation, const SessionResult& result, Pac
   add_port(scene, simulation.state().port, s, j);
   j["fragments"] = result.pieces;
   if (result.outcome) {
-    const double voxel_mm3 = simulation.workpiece().grid().voxel_volume_m3() / kCubicMillimetre;
-    j["outcome"] = outcome_json(scene, *result.outcome, s, voxel_mm3);
-    if (result.outcome->goal) j["goal"] = goal_json(*result.outcome->goal, voxel_mm3);
+    j["outcome"] = outcome_json(scene, *result.outcome);
+    if (result.outcome->goal) j["goal"] = goal_json(scene, *result.outcome->goal);
+  }
+  if (result.part) {
+    j["since_fork"] = {{"ticks", s.ticks}, {"outcome", outcome_json(scene, *result.part)}};
   }
   j["memory_MiB"] = memory;
   j["volume_hash"] = hex(simulation.workpiece().hash());

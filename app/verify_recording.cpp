@@ -127,7 +127,11 @@ class Verification {
       if (keyframe.tick < run_.rows[row].tick) continue;
       std::size_t at = row;
       while (at < run_.rows.size() && run_.rows[at].tick < keyframe.tick) ++at;
-      if (at == run_.rows.size() || !run_.reader.keyframe(keyframe)) continue;
+      if (at == run_.rows.size()) continue;
+      if (!run_.reader.keyframe(keyframe)) {
+        ++done_.damaged_states;
+        continue;
+      }
       state_.seek_row(at);
       check_hash(at);
       done_.passed_over += at + 1 - row;

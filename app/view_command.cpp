@@ -38,6 +38,7 @@ void add_view_command(CLI::App& program) {
       ->type_name("FILE");
   command->add_option("-o", options->folder, "Folder for the results (out/<name>_view)")
       ->type_name("DIR");
+  add_force_option(*command, options->force);
   add_set_option(*command, options->overrides, "Change a key of the scene; repeatable");
   command->callback([options] { view(*options); });
 }

@@ -3,11 +3,12 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
-#include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "app/recorded_film.hpp"
 #include "app/results.hpp"
+#include "app/run_key.hpp"
 #include "app/session.hpp"
 #include "app/terminal.hpp"
 #include "app/view_camera.hpp"
@@ -27,7 +28,6 @@ namespace {
 std::string export_tooth(const RecordedFilm& film, const std::string& folder, double time_s) {
   char name[48];
   std::snprintf(name, sizeof name, "/tooth_%.3f_s.stl", time_s);
-  std::filesystem::create_directories(folder);
   write_mesh(folder + name, closed_surface(film.model()));
   return folder + name;
 }
@@ -48,8 +48,7 @@ void view_recording(const ViewOptions& options) {
   const RecordingReader reader(options.file);
   RecordedFilm film(reader, options.file);
   say_what_is_missing(reader);
-  const std::string folder =
-      options.folder.empty() ? default_folder(options.file, "_view") : options.folder;
+  std::optional<ResultsFolder> folder;  // once something is to be written
   RenderSettings settings = film.scene().render.value_or(RenderSettings{});
   settings.width = options.width;
   settings.height = options.height;
@@ -92,7 +91,11 @@ void view_recording(const ViewOptions& options) {
     if (player.export_asked) {
       player.export_asked = false;
       try {
-        player.said = export_tooth(film, folder, static_cast<double>(player.time_s));
+        if (!folder) {
+          folder.emplace(ResultsPlace{options.folder, folder_of_recording(options.file, "_view"),
+                                      options.force, key_of_view(reader), true});
+        }
+        player.said = export_tooth(film, folder->path(), static_cast<double>(player.time_s));
         say("%s\n", player.said.c_str());
         std::fflush(stdout);
       } catch (const std::exception& error) {  // the window stays

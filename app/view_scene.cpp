@@ -86,6 +86,7 @@ struct Part {
   Pose start;  // of the hand
   SessionOptions session;
   std::vector<PartUse> loading;
+  std::optional<ResultsFolder> folder;
 };
 
 /// What the user asked for when a part ended.
@@ -105,10 +106,15 @@ std::vector<std::string> overrides_of(const LiveControls& live) {
 
 /// Beside the recording of a part.
 std::string save_scene(const Part& part, const PictureControls& picture) {
-  const std::string file = part.session.folder + "/scene.toml";
-  write_whole_file(file, saved_scene(part.simulation->scene(),
-                                     part.session.folder + "/recording.h5", picture.section()));
-  return file;
+  if (part.session.earlier) {
+    throw InputError(part.session.folder, "", "a part that goes on from another",
+                     "one from the start on, which alone a scene does again");
+  }
+  const std::string& folder = part.folder.value().at();
+  write_whole_file(
+      folder + "/scene.toml",
+      saved_scene(part.simulation->scene(), folder + "/recording.h5", picture.section()));
+  return part.folder->path() + "/scene.toml";
 }
 
 /// Runs a part in the window until that is closed or another part is asked for.
@@ -127,7 +133,7 @@ std::optional<GoOn> run_part(Part& part, Window& window, ViewCamera& camera, Liv
     RenderSettings settings = scene.render.value_or(RenderSettings{});
     settings.width = window.size().x();
     settings.height = window.size().y();
-    LiveFilm film(feed, pieces, scene, start);
+    LiveFilm film(feed, pieces, scene, start, part.session.earlier.get());
     GlScene drawing(settings, rendered_bodies(scene, start, std::move(bodies)),
                     part.simulation->burr().mesh_tool, part.simulation->burr().head_length_m);
     drawing.set_hurried(true);
@@ -177,8 +183,7 @@ std::optional<GoOn> run_part(Part& part, Window& window, ViewCamera& camera, Liv
       }
     }
   };
-  const SessionResult result = run_session(*part.simulation, device, part.session);
-  write_results(*part.simulation, result, part.session, part.loading);
+  run_into(part.folder.value(), *part.simulation, device, part.session, part.loading);
   return go_on;
 }
 
@@ -188,11 +193,12 @@ Part part_after(const std::string& recording, const GoOn& from, const std::strin
   const std::size_t row = row_at(run.rows, from.at_s);
   Part part;
   part.session.parent = parent_of(run, row);
+  part.session.earlier = earlier_of(run, row);
   part.session.goal = run.reader.goal();
   part.session.input = run.reader.input();
   part.simulation = simulation_after(run, row, from.overrides, changed_burr(run, from.overrides));
   part.start = pose_of(run.rows[row].device_position_m, run.rows[row].device_orientation);
-  part.session.folder = folder;
+  part.folder.emplace(ResultsPlace{{}, folder});
   return part;
 }
 
@@ -202,8 +208,6 @@ void view_scene(const ViewOptions& options) {
   const Scene scene = scene_for_the_hand(options);
   const Trajectory trajectory = scene_trajectory(scene);
   LoadCache cache = LoadCache::of_user();
-  const std::string folder =
-      options.folder.empty() ? default_folder(options.file, "_view") : options.folder;
   Part part;
   part.start = trajectory.pose_at(0.0);
   std::optional<Progress> loading(std::in_place, "loading");
@@ -224,8 +228,10 @@ void view_scene(const ViewOptions& options) {
   part.session.goal = std::move(loaded.goal);
   part.session.input = loaded.notes.input;
   part.loading = std::move(loaded.loading);
-  part.session.folder = folder;
-  open_log(folder);
+  part.folder.emplace(
+      ResultsPlace{options.folder, folder_of_scene(options.file, "_view"), options.force});
+  const std::string folder = part.folder->path();
+  open_log(part.folder->at());
   log_loading(scene, loaded, cache);
   const EndsItself stopped_by_itself;
   for (int number = 2;; ++number) {
@@ -234,7 +240,7 @@ void view_scene(const ViewOptions& options) {
     part.session.ticks = static_cast<std::uint64_t>(kLongest_s * scene.haptics.rate_hz);
     std::optional<GoOn> go_on = run_part(part, window, camera, live);
     if (!go_on) return;
-    const std::string recording = part.session.folder + "/recording.h5";
+    const std::string recording = part.folder->path() + "/recording.h5";
     live.paused = true;  // until the user takes it up again
     live.said = "goes on from " + std::to_string(go_on->at_s) + " s";
     const std::string next = folder + "/part_" + std::to_string(number);
@@ -246,7 +252,7 @@ void view_scene(const ViewOptions& options) {
       part = part_after(recording, *go_on, next);
     }
     live.other_burr = false;  // it is this part's own now
-    open_log(part.session.folder);
+    open_log(part.folder->at());
   }
 }
 

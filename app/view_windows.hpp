@@ -7,6 +7,7 @@ namespace sulcus {
 
 struct ViewOptions {
   std::string file, folder;            // a scene or a recording; for the results
+  bool force = false;                  // replaces another run in `folder`
   std::vector<std::string> overrides;  // of a scene, as of --set
   int width = 1280, height = 720;
 };

@@ -91,10 +91,11 @@ DeviceSettings read_device(SceneTable& table, double rate_hz) {
   const auto model = table.choice_if("model");
   if (model.has_value() == table.has("plugin")) {
     table.fail("model", model ? "both a model and a plugin" : "none",
-               "\"simulated\", or plugin = \"NAME\"");
+               "\"simulated\" or \"played_back\", or plugin = \"NAME\"");
   }
   if (!model) return read_plugin(table, table.text("plugin", ""));
   DeviceSettings d = device_preset(kDevicePresetNames[table.choice("preset")]);
+  d.played_back = *model == 1;
   d.hand = read_hand(table);
   d.force_limit_N = table.number("force_limit_N", d.force_limit_N);
   d.torque_limit_Nm = table.number("torque_limit_mNm", d.torque_limit_Nm * 1e3) * 1e-3;

@@ -194,6 +194,7 @@ struct PluginSettings {
 /// the delay.
 struct DeviceSettings {
   std::optional<PluginSettings> plugin;  // none: simulated
+  bool played_back = false;              // nor simulated: its poses are those of a recording
   double force_limit_N = 3.3;
   double torque_limit_Nm = 0.0;      // 0: renders none
   double stiffness_N_per_m = 700.0;  // the largest that its maker recommends

@@ -440,6 +440,9 @@ GoalSettings read_goal(SceneTable& table) {
 void read_device_tables(SceneTable& root, Scene& scene) {
   if (auto table = root.table("device")) {
     scene.device = read_device(*table, scene.haptics.rate_hz);
+    if (scene.device->played_back && scene.trajectory.recording.empty()) {
+      table->fail("model", "\"played_back\", and no recording in [trajectory]", "both of them");
+    }
   }
   if (auto table = root.table("coupling")) scene.coupling = read_coupling(*table, scene.device);
   for (const auto& [key, has] : {std::pair{"device", scene.device.has_value()},

@@ -53,7 +53,7 @@ constexpr SceneKey path(Text key, Text what) {
 constexpr std::array<Text, 6> kShapes{"molar", "sphere", "box", "plate", "torus", "groove"};
 constexpr std::array<Text, 5> kBurrShapes{"round", "pear", "fissure", "inverted_cone", "flame"};
 constexpr std::array<Text, 2> kGoalShapes{"box", "cylinder"};
-constexpr std::array<Text, 1> kModels{"simulated"};
+constexpr std::array<Text, 2> kModels{"simulated", "played_back"};
 
 constexpr std::array kTop{
     text("title", "(the file's name)", "what it is called in pictures and summaries"),
@@ -169,7 +169,9 @@ constexpr std::array kHaptics{
 };
 
 constexpr std::array kDevice{
-    choice("model", kModels, "", "either this or plugin"),
+    choice(
+        "model", kModels, "",
+        "either this or plugin; played_back: no hand, its poses are those of trajectory.recording"),
     text("plugin", "", "name of a vendor's library for the device, never a path"),
     text("settings", "\"\"", "for the plug-in, in its own words"),
     number("stiffness_N_per_mm", {1e-3, 1e3}, "(the plug-in's)",

@@ -37,7 +37,7 @@ class Colours : public ::testing::Test {
     const auto result = command("render " + recording("goal") + " --at 0.3 --size 200x150 -o " +
                                 scratch_.path("drawn") + ' ' + options);
     EXPECT_EQ(result.status, 0) << options << ": " << result.err;
-    return test::read_file(scratch_.path("drawn/000000.png"));
+    return test::read_file(result.out.substr(0, result.out.find('\n')));
   }
 
   ScratchFolder scratch_;
@@ -62,7 +62,7 @@ TEST_F(Colours, SeveralTimesHaveTheColoursOfEach) {
                               " --at 0.1 --at 0.3 --size 200x150 --colour-by contacts --contacts " +
                               "-o " + scratch_.path("two"));
   ASSERT_EQ(result.status, 0) << result.err;
-  EXPECT_EQ(test::read_file(scratch_.path("two/000001.png")),
+  EXPECT_EQ(test::read_file(scratch_.path("two/review_0.300s_by_contacts_contacts.png")),
             picture("--colour-by contacts --contacts"));
 }
 

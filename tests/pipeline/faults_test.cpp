@@ -21,7 +21,8 @@ class Faults : public ::testing::Test {
  protected:
   test::CommandResult run(const std::string& scene_text) {
     const std::string scene = scratch_.write("s.toml", scene_text);
-    return sulcus_command("run " + scene + " -o " + scratch_.path("out"), scratch_.path("err"));
+    return sulcus_command("run " + scene + " --force -o " + scratch_.path("out"),
+                          scratch_.path("err"));
   }
   /// Poses of an upright tool: time in s, x and z in mm.
   void write_table(const std::vector<std::array<double, 3>>& rows) {

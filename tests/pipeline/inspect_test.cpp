@@ -121,7 +121,7 @@ TEST(Inspect, ItsCommandCuts) {
         << inspected.out;
     const std::string out = scratch.path("out");
     const auto run = sulcus_command(
-        std::string(match[1]) + " --no-render -o " + out + " --set haptics.neighbourhood=3",
+        std::string(match[1]) + " --no-render --force -o " + out + " --set haptics.neighbourhood=3",
         scratch.path("err"));
     ASSERT_EQ(run.status, 0) << match[1] << ": " << run.err;
     EXPECT_EQ(run.err.find("warning"), std::string::npos) << run.err;  // all of it is in the grid

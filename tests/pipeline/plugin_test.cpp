@@ -52,7 +52,7 @@ class Plugin : public ::testing::Test {
   test::CommandResult run(const std::string& device, const std::string& name,
                           const std::string& options) {
     const std::string scene = scratch_.write(name + ".toml", kPressScene + device);
-    return sulcus_command("run " + scene + " " + options + " -o " + scratch_.path(name),
+    return sulcus_command("run " + scene + " " + options + " --force -o " + scratch_.path(name),
                           scratch_.path("err"));
   }
   /// With the fault of the faulty plug-in, from a tick on.

@@ -304,6 +304,23 @@ TEST_F(Recording, ALoosePieceThatNoSceneLetsGoIsRefused) {
   EXPECT_NE(result.err.find("found a piece cut loose"), std::string::npos) << result.err;
 }
 
+TEST_F(Recording, ADamagedRowThatHidesTheRestIsNotVerified) {
+  const std::string file = record("out");
+  std::string bytes = test::read_file(file);
+  const RecordingReader reader(file);
+  const TickRecord row = reader.ticks(200, 1).front();
+  const std::size_t at =
+      bytes.find(std::string_view(reinterpret_cast<const char*>(&row), sizeof row));
+  ASSERT_NE(at, std::string::npos);
+  bytes[at + 40] ^= 1;
+  const auto result = command("replay --verify " + scratch_.write("damaged.h5", bytes));
+  EXPECT_EQ(result.status, 1);
+  EXPECT_NE(result.err.find("verified 200 of " + std::to_string(reader.tick_count()) +
+                            " ticks: row 200 of /ticks is damaged"),
+            std::string::npos)
+      << result.err;
+}
+
 TEST_F(Recording, RepairSaysWhichStatesAreDamaged) {
   const std::string file = record("out");
   std::string bytes = test::read_file(file);

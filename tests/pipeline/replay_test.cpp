@@ -93,8 +93,8 @@ TEST_F(Replay, DrawsAnyTimeOfIt) {
   const auto result = command("render " + recording() + " --at 0.1 --at 0.3 --size 160x120 -o " +
                               scratch_.path("pictures"));
   ASSERT_EQ(result.status, 0) << result.err;
-  const std::string early = test::read_file(scratch_.path("pictures/000000.png"));
-  const std::string late = test::read_file(scratch_.path("pictures/000001.png"));
+  const std::string early = test::read_file(scratch_.path("pictures/review_0.100s.png"));
+  const std::string late = test::read_file(scratch_.path("pictures/review_0.300s.png"));
   EXPECT_FALSE(early.empty());
   EXPECT_NE(early, late);
 }
@@ -104,7 +104,7 @@ TEST_F(Replay, DrawsFromSeveralCamerasAndIntoOneSheet) {
       command("render " + recording() + " --at 0.1 --at 0.3 --camera occlusal --camera -90,30,2 " +
               "--section y=0 --arrows --size 160x120 -o " + scratch_.path("pictures"));
   ASSERT_EQ(result.status, 0) << result.err;
-  for (const char* name : {"occlusal_000000", "occlusal_000001", "-90_30_2_000000"}) {
+  for (const char* name : {"occlusal_0.100s_y=0", "occlusal_0.300s_y=0", "-90_30_2_0.100s_y=0"}) {
     EXPECT_FALSE(test::read_file(scratch_.path("pictures/") + name + ".png").empty()) << name;
   }
   const auto sheet = command("render " + recording() +

@@ -116,7 +116,7 @@ std::string record(const TrialSetting& setting, int ticks, const std::string& na
   std::ofstream(scene) << kCutScene;
   std::ostringstream speed;
   speed << "trajectory.speed_mm_per_s=" << 1000.0 * kWay_mm / ticks;
-  ProgramRun run(setting, {"run", scene, "--set", speed.str(), "-o", folder});
+  ProgramRun run(setting, {"run", scene, "--set", speed.str(), "-o", folder, "--force"});
   if (run.wait() != 0) throw std::runtime_error(scene + ": could not be run");
   return folder + "/recording.h5";
 }
@@ -394,7 +394,7 @@ std::vector<TrialRow> trial_of_going_back(const TrialSetting& setting) {
 std::vector<TrialRow> trial_of_reach(const TrialSetting& setting, const std::string& scene) {
   constexpr double kMost_ms = 200.0;
   const std::string folder = setting.folder + "/reach";
-  ProgramRun recorded(setting, {"run", scene, "--no-render", "-o", folder});
+  ProgramRun recorded(setting, {"run", scene, "--no-render", "-o", folder, "--force"});
   if (recorded.wait() != 0) throw std::runtime_error(scene + ": could not be run");
   const std::string file = folder + "/recording.h5";
   const std::uint64_t begin = steady_ns();
@@ -452,7 +452,7 @@ std::vector<TrialRow> trial_of_soak(const TrialSetting& setting, const std::stri
   const std::string folder = setting.folder + "/soak", poses = setting.folder + "/soak.csv";
   write_soak_poses(poses);
   ProgramRun run(setting, {"run", scene, "--no-render", "--set", "trajectory.file=" + poses,
-                           "--set", "burr.diameter_mm=3", "-o", folder});
+                           "--set", "burr.diameter_mm=3", "-o", folder, "--force"});
   const std::uint64_t begin = steady_ns();
   const auto minutes_now = [&] { return 1e-9 / 60.0 * static_cast<double>(steady_ns() - begin); };
   double first_MiB = 0.0, half_MiB = 0.0, most_MiB = 0.0;
