@@ -328,7 +328,9 @@ void add_render_command(CLI::App& program) {
                     "Show the voxels in contact, by their force (some ticks are computed again)");
   command->add_flag("--no-hud", options->no_hud, "No figures; a scale of colours stays");
   command->add_flag("--no-handpiece", options->no_handpiece, "The burr alone, without a handpiece");
-  command->add_option("--video", options->video, "Write a video, .mp4, .mov, .mkv or .avi (30 pictures a second)")
+  command
+      ->add_option("--video", options->video,
+                   "Write a video, .mp4, .mov, .mkv or .avi (30 pictures a second)")
       ->type_name("FILE");
   command
       ->add_option("--sheet", options->sheet,

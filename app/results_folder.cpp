@@ -93,12 +93,12 @@ class ResultsFolder::Mark {
     const ssize_t bytes = ::pread(file_, text.data(), text.size(), 0);
     return {text.data(), bytes > 0 ? static_cast<std::size_t>(bytes) : 0};
   }
+  /// Where there is no room for it the run is like no other, and replaces nothing later.
   void set_key(const std::string& key) {
     if (::ftruncate(file_, 0) == 0 &&
-        ::pwrite(file_, key.data(), key.size(), 0) == static_cast<ssize_t>(key.size())) {
-      return;
+        ::pwrite(file_, key.data(), key.size(), 0) != static_cast<ssize_t>(key.size())) {
+      (void)!::ftruncate(file_, 0);
     }
-    throw std::runtime_error(std::string(kMarkName) + ": cannot be written: " + strerror(errno));
   }
 
  private:
@@ -165,8 +165,8 @@ void ResultsFolder::begin_beside() {
       std::filesystem::rename(at_, next_free_name(path_), error);
     }
   }
-  if (!error) std::filesystem::create_directories(at_, error);
   if (error) refuse_folder(path_);
+  make_output_folder("-o", at_);
   Mark(at_).set_key(key_);
 }
 

@@ -69,8 +69,11 @@ class FullDisk : public testing::TestWithParam<Written> {
   static std::string arguments(const std::string& folder) {
     return put_in(put_in(GetParam().arguments, "{in}", *inputs_), "{}", folder);
   }
-  /// repair writes over nothing.
-  static bool has_old() { return std::string(GetParam().name) != "repair"; }
+  /// repair, and pictures, write over nothing.
+  static bool has_old() {
+    const std::string name = GetParam().name;
+    return name != "repair" && name != "picture";
+  }
   static void expect_told(const CommandResult& result, const std::string& reason) {
     EXPECT_EQ(result.status, 1) << result.err;
     EXPECT_EQ(result.err_lines(), 1) << result.err;
@@ -134,12 +137,12 @@ INSTANTIATE_TEST_SUITE_P(
         Written{"mha", "export {in}/run/recording.h5 --volume {}x.mha", "x.mha", 512},
         Written{"nifti", "export {in}/run/recording.h5 --volume {}x.nii.gz", "x.nii.gz", 512},
         Written{"csv", "export {in}/run/recording.h5 --csv {}x.csv", "x.csv", 8192},
-        Written{"summary", "run {in}/probe.toml -o {}", "summary.json", 1024},
-        Written{"chart", "run {in}/probe.toml -o {}", "forces.png", 32768},
-        Written{"new_recording", "run {in}/cut.toml -o {}", "recording.h5", 2048},
+        Written{"summary", "run {in}/probe.toml --force -o {}", "summary.json", 1024},
+        Written{"chart", "run {in}/probe.toml --force -o {}", "forces.png", 32768},
+        Written{"new_recording", "run {in}/cut.toml --force -o {}", "recording.h5", 2048},
         Written{"repair", "repair {in}/run/recording.h5 -o {}x.h5", "x.h5", 8192},
         Written{"picture", "render {in}/run/recording.h5 --size 320x240 --at 0.1 -o {}",
-                "000000.png", 8192},
+                "review_0.100s.png", 8192},
         Written{"sheet", "render {in}/run/recording.h5 --size 320x240 --sheet {}x.png", "x.png",
                 8192},
         Written{"video", "render {in}/run/recording.h5 --size 320x240 --fps 20 --video {}x.mp4",

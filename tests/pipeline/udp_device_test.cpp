@@ -126,9 +126,9 @@ class UdpDevice : public ::testing::Test {
                       "[coupling]\n[record]\n[device]\nplugin = 'udp'\n"
                       "settings = 'port=" +
                       std::to_string(port_) + " timeout_ms=" + std::to_string(timeout_ms) + "'\n");
-    return sulcus_command(
-        "run " + scene + " --pace real --plugins " SULCUS_PLUGINS " -o " + scratch_.path("out"),
-        scratch_.path("err"));
+    return sulcus_command("run " + scene + " --pace real --force --plugins " SULCUS_PLUGINS " -o " +
+                              scratch_.path("out"),
+                          scratch_.path("err"));
   }
   nlohmann::json summary() const {
     return nlohmann::json::parse(test::read_file(scratch_.path("out/summary.json")));
