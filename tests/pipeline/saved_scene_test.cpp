@@ -95,8 +95,8 @@ TEST_F(SavedScenes, PathsAreRelativeAndNumbersShort) {
   const std::string voxel = "voxel_mm = 0.05";
   text.replace(text.find(voxel), voxel.size(), "voxel_mm = 0.0348");
   text += "[goal]\nfile = 'goals/box.stl'\n";
-  const Scene scene = parse_scene(text, "/work/scenes/s.toml");
-  const std::string saved = saved_scene(scene, "/work/out/s_view/recording.h5", Section{1, 2e-4});
+  const Scene scene = parse_scene(text, "/dental/scenes/s.toml");
+  const std::string saved = saved_scene(scene, "/dental/out/s_view/recording.h5", Section{1, 2e-4});
   EXPECT_NE(saved.find("voxel_mm = 0.0348\n"), std::string::npos) << saved;
   EXPECT_NE(saved.find("of 0.034799999999999998 mm"), std::string::npos)
       << "texts stay as they are: " << saved;
