@@ -107,7 +107,6 @@ struct TickedRun {
 
 /// Of an archive that counts.
 struct ByteCount {
-  static constexpr bool kReads = false;
   std::size_t bytes = 0;
   template <class T>
   void operator()(const T&) {

@@ -91,7 +91,7 @@ TEST(CutPolygon, ConcaveOnesFromEveryCornerAndEitherWay) {
       {{0, 0}, {1, 0}, {2, 0}, {3, 0}, {3, 2}, {2, 2}, {2, 1}, {1, 1}, {1, 2}, {0, 2}, {0, 1}}};
   for (std::vector<Vector2d> outline : outlines) {
     for (std::size_t first = 0; first < outline.size(); ++first) {
-      std::ranges::rotate(outline, outline.begin() + 1);
+      std::rotate(outline.begin(), outline.begin() + 1, outline.end());
       expect_cut(outline);
       std::vector<Vector2d> back(outline.rbegin(), outline.rend());
       expect_cut(back);
