@@ -51,7 +51,11 @@ int what_is_wrong_with_refusals() {
   if (refused.empty() || refused.size() > 2) return 2;
   if (!says_why(refused.front(), "SCHED_FIFO")) return 3;
   if (refused.size() == 2 && !says_why(refused.back(), "a core of its own")) return 4;
+#ifdef SULCUS_SANITIZED
+  return 0;  // a sanitizer's mlockall does nothing, and says that it did
+#else
   return says_why(lock_memory(), "locked memory") ? 0 : 5;
+#endif
 }
 
 TEST(RealtimeDeathTest, EveryRefusalIsALineThatSaysOfWhat) {

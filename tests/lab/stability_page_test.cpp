@@ -56,8 +56,10 @@ std::vector<std::string> fields_of(const std::string& page, const std::string& c
   return fields;
 }
 
+/// With its apostrophes as they are read.
 std::string section_of(const std::string& page, const std::string& case_name) {
-  return between(page, "<h3 id=\"" + case_name + "\"", "</section>");
+  const std::string section = between(page, "<h3 id=\"" + case_name + "\"", "</section>");
+  return std::regex_replace(section, std::regex("&#39;"), "'");
 }
 
 /// The tags that were left open or closed out of turn, as a browser would have to guess.
