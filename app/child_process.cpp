@@ -58,8 +58,10 @@ ChildProcess::ChildProcess(const std::vector<std::string>& arguments, const File
   posix_spawnattr_setflags(&plan.attributes,
                            POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
   std::vector<char*> words;
-  for (const std::string& argument : arguments)
+  words.reserve(arguments.size() + 1);
+  for (const std::string& argument : arguments) {
     words.push_back(const_cast<char*>(argument.c_str()));
+  }
   words.push_back(nullptr);
   pid_t process = -1;
   const int error =

@@ -149,7 +149,8 @@ void add_export_command(CLI::App& program) {
                    "it came from one); input: on the scan's own voxels; scene: the scene's space")
       ->type_name("SPACE")
       ->check(CLI::IsMember({"file", "input", "scene"}));
-  command->add_option("--csv", options->csv, "One row per tick up to then, .csv")->type_name("FILE");
+  command->add_option("--csv", options->csv, "One row per tick up to then, .csv")
+      ->type_name("FILE");
   command->callback([options] { export_recording(*options); });
 }
 

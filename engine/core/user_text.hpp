@@ -22,9 +22,9 @@ std::string for_html(std::string_view text);
 /// makes the same bytes of it. Control characters stand as $'\012' [bash; POSIX 2024, 2.2.4].
 std::string for_shell(std::string_view text);
 
-/// A string of gnuplot's, with its double quotes: all that it might run, replace or end the string at
-/// stands by its octal number. (In single quotes it runs nothing either, but gnuplot 5.4 mistakes a
-/// quote at their beginning.) Control characters become blanks.
+/// A string of gnuplot's, with its double quotes: all that it might run, replace or end the string
+/// at stands by its octal number. (In single quotes it runs nothing either, but gnuplot 5.4
+/// mistakes a quote at their beginning.) Control characters become blanks.
 std::string for_gnuplot(std::string_view text);
 
 /// A value of TOML, a basic string with its double quotes. The text is UTF-8 without NUL.

@@ -21,8 +21,8 @@ TriangleMesh read_mesh(const std::string& path, const InputLimits& limits = {});
 
 /// Writes a mesh in metres as .stl (binary), .obj or .ply (binary, little endian) in mm, to the
 /// nearest float.
-/// @throws InputError for another extension and as WholeFile; std::runtime_error where not all of it
-/// can be written.
+/// @throws InputError for another extension and as WholeFile; std::runtime_error where not all of
+/// it can be written.
 void write_mesh(const std::string& path, const TriangleMesh& mesh);
 
 }  // namespace sulcus

@@ -465,6 +465,7 @@ MedicalVolume read_nrrd_volume(const std::string& path, const InputLimits& limit
   const TextHeader header = read_nrrd_text(path);
   const std::vector<Axis> all = read_axes(header);
   std::vector<std::int64_t> sizes;
+  sizes.reserve(all.size());
   for (const Axis& axis : all) sizes.push_back(axis.samples);
   const std::uint64_t voxels = checked_voxel_count(path, "sizes", sizes, limits);
   const std::string type_name = lower_case(header.need("type"));

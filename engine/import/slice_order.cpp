@@ -136,6 +136,7 @@ SliceOrder slice_order(const std::string& folder, std::vector<std::string> files
     return order;
   }
   std::vector<NamedSlice> slices;
+  slices.reserve(files.size());
   for (const std::string& file : files) slices.push_back(parsed(file));
   const bool numbered =
       std::ranges::any_of(slices, [](const NamedSlice& slice) { return !slice.numbers.empty(); });

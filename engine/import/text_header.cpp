@@ -30,7 +30,7 @@ std::ifstream open_header(const std::string& path) {
   return in;
 }
 
-void add_field(TextHeader& header, std::string key, const std::string& value) {
+void add_field(TextHeader& header, const std::string& key, const std::string& value) {
   if (header.fields.try_emplace(key, value).second) return;
   throw InputError(header.path, key, "the field twice", "it once");
 }

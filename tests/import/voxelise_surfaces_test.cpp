@@ -178,9 +178,10 @@ TEST(VoxeliseSurfaces, OneThatEnclosesNoVoxelIsNamed) {
     (void)voxelise_surfaces(surfaces, grid_of(104, 5e-5), {});
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_EQ(std::string(error.what()),
-              "chamber.stl: found a mesh 0.002 mm long with no voxel of the grid inside, expected a "
-              "closed one, in mm, that reaches into the grid");
+    EXPECT_EQ(
+        std::string(error.what()),
+        "chamber.stl: found a mesh 0.002 mm long with no voxel of the grid inside, expected a "
+        "closed one, in mm, that reaches into the grid");
   }
 }
 

@@ -201,7 +201,8 @@ TEST(WriteVolumeOnce, AShearedLatticeIsHeldByNrrdAloneAndRefusedByTheOthers) {
       write_volume_on_input(folder.path(name), model, VolumeContent::kMask, input);
       ADD_FAILURE() << name;
     } catch (const InputError& error) {
-      EXPECT_NE(std::string(error.what()).find("geometry: found axes at 74.89 degrees"), std::string::npos)
+      EXPECT_NE(std::string(error.what()).find("geometry: found axes at 74.89 degrees"),
+                std::string::npos)
           << error.what();
     }
     EXPECT_FALSE(std::filesystem::exists(folder.path(name)));

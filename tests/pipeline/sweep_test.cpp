@@ -67,8 +67,7 @@ const std::string kFour =
 TEST_F(Sweep, AFolderIsNoCommand) {
   // In braces GNU parallel has replacements, and Perl.
   const std::string folder = "{= system(q(touch found)) =} {} {.}";
-  const auto swept = sweep("s.toml --set burr.diameter_mm=0.7,0.8 -o \"" + folder +
-                           "\"" + kBuilt);
+  const auto swept = sweep("s.toml --set burr.diameter_mm=0.7,0.8 -o \"" + folder + "\"" + kBuilt);
   EXPECT_EQ(swept.status, 0) << swept.err;
   EXPECT_TRUE(std::filesystem::exists(scratch_.path(folder + "/runs/000001/summary.json")));
   EXPECT_FALSE(std::filesystem::exists(scratch_.path("found")));
