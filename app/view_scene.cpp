@@ -224,15 +224,15 @@ void view_scene(const ViewOptions& options) {
     live.burr_shape = static_cast<std::size_t>(scene.burr.shape);
   }
 
-  part.simulation = std::move(loaded.simulation);
-  part.session.goal = std::move(loaded.goal);
-  part.session.input = loaded.notes.input;
-  part.loading = std::move(loaded.loading);
   part.folder.emplace(
       ResultsPlace{options.folder, folder_of_scene(options.file, "_view"), options.force});
   const std::string folder = part.folder->path();
   open_log(part.folder->at());
   log_loading(scene, loaded, cache);
+  part.simulation = std::move(loaded.simulation);
+  part.session.goal = std::move(loaded.goal);
+  part.session.input = loaded.notes.input;
+  part.loading = std::move(loaded.loading);
   const EndsItself stopped_by_itself;
   for (int number = 2;; ++number) {
     part.session.pace = Pace::kReal;
