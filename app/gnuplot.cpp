@@ -19,6 +19,12 @@ namespace {
 
 using Stream = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
+/// With the reason that the system has just given in errno.
+[[noreturn]] void refuse_script(const std::string& file_png) {
+  throw std::runtime_error(file_png + ": cannot be written: what gnuplot is told has no room (" +
+                           std::strerror(errno) + ")");
+}
+
 /// Whether a picture is there to its end: gnuplot does not say where the disk is full.
 bool is_whole_png(const std::string& file) {
   constexpr std::string_view kEnd("\0\0\0\0IEND\xae\x42\x60\x82", 12);
@@ -38,9 +44,7 @@ bool draw_with_gnuplot(const std::string& file_png, int width, int height,
   const Stream script(std::tmpfile(), std::fclose);
   const Stream output(std::fopen(picture.beside().c_str(), "wb"), std::fclose);
   if (!output) picture.fail_incomplete();
-  if (!script)
-    throw std::runtime_error(file_png + ": cannot be written: what gnuplot is told has no room (" +
-                             std::strerror(errno) + ")");
+  if (!script) refuse_script(file_png);
   // The picture comes out of its standard output, so that no path stands in the script.
   std::fprintf(script.get(),
                "set terminal pngcairo size %d,%d rounded noenhanced font 'sans,11' background "
@@ -51,8 +55,7 @@ bool draw_with_gnuplot(const std::string& file_png, int width, int height,
   // Not the stream's place, but the descriptor's, which the child shares.
   if (std::fflush(script.get()) != 0 || std::ferror(script.get()) ||
       ::lseek(fileno(script.get()), 0, SEEK_SET) != 0) {
-    throw std::runtime_error(file_png + ": cannot be written: what gnuplot is told has no room (" +
-                             std::strerror(errno) + ")");
+    refuse_script(file_png);
   }
   int status = 0;
   try {
