@@ -1,0 +1,138 @@
+// What the program computed of the scenes here when their results were last decided on: hashes and
+// counts in the file beside each scene, the same under every instruction set. A change of them is a
+// decision, which its commit names;
+//
+//     SULCUS_GOLDEN=write build/release/tests/sulcus_golden_tests
+//
+// writes them anew. tests/recording/version_1.h5 and version_2.h5 are recordings of earlier builds.
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "engine/recording/recording_reader.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/instruction_sets.hpp"
+#include "tests/support/scratch_folder.hpp"
+
+namespace sulcus {
+namespace {
+
+using test::sulcus_command;
+
+const std::string kFolder = SULCUS_SOURCE_DIR "/tests/golden/";
+
+bool writes() {
+  const char* asked = std::getenv("SULCUS_GOLDEN");
+  return asked && std::string(asked) == "write";
+}
+
+std::vector<std::string> scenes() {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(kFolder)) {
+    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::string hex(std::uint64_t hash) {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
+}
+
+/// All of a run that the machine has no part in.
+nlohmann::ordered_json results_of(const std::string& folder) {
+  const auto summary = nlohmann::json::parse(test::read_file(folder + "/summary.json"));
+  const RecordingReader recording(folder + "/recording.h5");
+  std::uint64_t contacts = 0, tested = 0;
+  for (const TickRecord& row : recording.ticks()) {
+    contacts += row.contacts;
+    tested += row.tested;
+  }
+  nlohmann::ordered_json results;
+  results["ticks"] = recording.ticks().size();
+  results["contacts"] = contacts;
+  results["tested"] = tested;
+  results["edits"] = recording.edits().size();
+  results["fragments"] = summary.value("fragments", nlohmann::json());
+  results["faults"] = summary["faults"];
+  results["volume_hash"] = summary["volume_hash"];
+  results["force_hash"] = summary["force_hash"];
+  results["state_hash"] = hex(recording.state_hashes().back().state);
+  return results;
+}
+
+using SceneAndSet = std::tuple<std::string, InstructionSet>;
+class Golden : public ::testing::TestWithParam<SceneAndSet> {
+ protected:
+  const ScratchFolder scratch_;
+};
+
+TEST_P(Golden, ResultsAreThoseDecidedOn) {
+  const auto& [name, set] = GetParam();
+  if (set > instruction_set()) GTEST_SKIP() << "this processor has no " << test::set_name(set);
+  const auto run = sulcus_command(
+      "run " + kFolder + name + ".toml --no-render -o " + scratch_.path("out"),
+      scratch_.path("err"), "SULCUS_CACHE=off SULCUS_INSTRUCTIONS=" + test::set_name(set));
+  ASSERT_EQ(run.status, 0) << run.err;
+  const auto results = results_of(scratch_.path("out"));
+  if (writes()) {
+    std::ofstream(kFolder + name + ".json") << results.dump(2) << '\n';
+    return;
+  }
+  EXPECT_EQ(results.dump(2) + "\n", test::read_file(kFolder + name + ".json"));
+}
+
+std::string name_of(const ::testing::TestParamInfo<SceneAndSet>& run) {
+  return std::get<0>(run.param) + "_" + test::set_name(std::get<1>(run.param));
+}
+INSTANTIATE_TEST_SUITE_P(Scenes, Golden,
+                         ::testing::Combine(::testing::ValuesIn(scenes()),
+                                            ::testing::Values(InstructionSet::kPlain,
+                                                              InstructionSet::kAvx2,
+                                                              InstructionSet::kAvx512)),
+                         name_of);
+
+class EarlierRecordings : public ::testing::TestWithParam<std::string> {
+ protected:
+  test::CommandResult sulcus(const std::string& arguments) {
+    return sulcus_command(arguments, scratch_.path("err"));
+  }
+  const std::string file_ = SULCUS_SOURCE_DIR "/tests/recording/" + GetParam() + ".h5";
+  const ScratchFolder scratch_;
+};
+
+TEST_P(EarlierRecordings, AreDrawnExportedAndGoneOnFromByTheirEdits) {
+  EXPECT_EQ(sulcus("export " + file_ + " --mesh " + scratch_.path("m.stl") + " --csv " +
+                   scratch_.path("t.csv"))
+                .status,
+            0);
+  const auto drawn =
+      sulcus("render " + file_ + " --at 0.05 --size 160x120 -o " + scratch_.path("r"));
+  EXPECT_EQ(drawn.status, 0) << drawn.err;
+  const auto gone_on = sulcus("replay " + file_ + " --from 0.04 -o " + scratch_.path("from"));
+  ASSERT_EQ(gone_on.status, 0) << gone_on.err;
+  const RecordingReader before(file_), after(scratch_.path("from/recording.h5"));
+  EXPECT_EQ(after.state_hashes().back().volume, before.state_hashes().back().volume);
+}
+
+INSTANTIATE_TEST_SUITE_P(Versions, EarlierRecordings, ::testing::Values("version_1", "version_2"));
+
+TEST(EarlierRecording, OfThisLayoutIsVerified) {
+  const ScratchFolder scratch;
+  const auto verified = sulcus_command(
+      "replay " SULCUS_SOURCE_DIR "/tests/recording/version_2.h5 --verify", scratch.path("err"));
+  EXPECT_EQ(verified.status, 0) << verified.out << verified.err;
+}
+
+}  // namespace
+}  // namespace sulcus
