@@ -9,9 +9,9 @@
 #include <unistd.h>
 
 #include "app/build_info.hpp"
-#include "app/commands.hpp"
-#include "app/manual.hpp"
-#include "app/terminal.hpp"
+#include "app/commands/commands.hpp"
+#include "app/commands/manual.hpp"
+#include "app/terminal/terminal.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/stop.hpp"
 

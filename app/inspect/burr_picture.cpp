@@ -4,9 +4,9 @@
 #include <cstdio>
 #include <vector>
 
-#include "app/gnuplot.hpp"
 #include "app/inspect/burr_facts.hpp"
 #include "app/inspect/section_plot.hpp"
+#include "app/report/gnuplot.hpp"
 #include "engine/core/units.hpp"
 #include "engine/core/user_text.hpp"
 

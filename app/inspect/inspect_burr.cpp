@@ -6,7 +6,7 @@
 
 #include "app/inspect/burr_facts.hpp"
 #include "app/inspect/inspect.hpp"
-#include "app/terminal.hpp"
+#include "app/terminal/terminal.hpp"
 #include "engine/cache/load_cache.hpp"
 #include "engine/core/units.hpp"
 #include "engine/import/load_burr.hpp"

@@ -6,12 +6,12 @@
 #include <Eigen/Geometry>
 
 #include "app/inspect/inspect.hpp"
-#include "app/terminal.hpp"
+#include "app/terminal/terminal.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
-#include "engine/import/mesh_file.hpp"
-#include "engine/import/mesh_shells.hpp"
-#include "engine/import/voxelise_mesh.hpp"
+#include "engine/import/meshes/mesh_file.hpp"
+#include "engine/import/meshes/mesh_shells.hpp"
+#include "engine/import/meshes/voxelise_mesh.hpp"
 
 namespace sulcus {
 

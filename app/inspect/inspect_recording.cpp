@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "app/inspect/inspect.hpp"
-#include "app/recorded_run.hpp"
-#include "app/terminal.hpp"
+#include "app/playback/recorded_run.hpp"
+#include "app/terminal/terminal.hpp"
 #include "engine/core/units.hpp"
 
 namespace sulcus {

@@ -9,10 +9,10 @@
 #include "app/inspect/inspect.hpp"
 #include "app/inspect/volume_facts.hpp"
 #include "app/inspect/volume_picture.hpp"
-#include "app/terminal.hpp"
+#include "app/terminal/terminal.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
-#include "engine/import/medical_volume.hpp"
+#include "engine/import/volumes/medical_volume.hpp"
 
 namespace sulcus {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "engine/graphics/colour_scale.hpp"
+#include "engine/surface/colour_scale.hpp"
 
 namespace sulcus {
 

@@ -8,7 +8,7 @@
 
 #include "engine/core/units.hpp"
 #include "engine/core/user_text.hpp"
-#include "engine/import/solid_components.hpp"
+#include "engine/import/meshes/solid_components.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/volume/grid.hpp"
 

@@ -7,8 +7,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "engine/import/grey_histogram.hpp"
-#include "engine/import/medical_volume.hpp"
+#include "engine/import/volumes/grey_histogram.hpp"
+#include "engine/import/volumes/medical_volume.hpp"
 
 namespace sulcus {
 

@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "app/gnuplot.hpp"
 #include "app/inspect/section_plot.hpp"
+#include "app/report/gnuplot.hpp"
 #include "engine/core/units.hpp"
 #include "engine/core/user_text.hpp"
 

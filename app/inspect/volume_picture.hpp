@@ -3,7 +3,7 @@
 #include <string>
 
 #include "app/inspect/volume_facts.hpp"
-#include "engine/import/medical_volume.hpp"
+#include "engine/import/volumes/medical_volume.hpp"
 
 namespace sulcus {
 

@@ -9,7 +9,7 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
-#include "engine/graphics/piece_mesh.hpp"
+#include "engine/surface/piece_mesh.hpp"
 
 namespace sulcus {
 namespace {

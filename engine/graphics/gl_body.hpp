@@ -13,12 +13,12 @@
 
 #include "engine/core/pose.hpp"
 #include "engine/graphics/camera.hpp"
-#include "engine/graphics/drawn_surface.hpp"
 #include "engine/graphics/gl_mesh.hpp"
 #include "engine/graphics/gl_program.hpp"
-#include "engine/graphics/occlusion.hpp"
 #include "engine/graphics/pixel_rect.hpp"
 #include "engine/graphics/rendered_body.hpp"
+#include "engine/surface/drawn_surface.hpp"
+#include "engine/surface/occlusion.hpp"
 
 namespace sulcus {
 

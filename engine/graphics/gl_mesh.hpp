@@ -4,8 +4,8 @@
 
 #include <Eigen/Geometry>
 
-#include "engine/graphics/drawn_surface.hpp"
-#include "engine/graphics/normal_cone.hpp"
+#include "engine/surface/drawn_surface.hpp"
+#include "engine/surface/normal_cone.hpp"
 
 namespace sulcus {
 

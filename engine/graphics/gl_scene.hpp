@@ -13,7 +13,6 @@
 
 #include "engine/core/triangle_mesh.hpp"
 #include "engine/graphics/camera.hpp"
-#include "engine/graphics/drawn_surface.hpp"
 #include "engine/graphics/frame_state.hpp"
 #include "engine/graphics/gl_body.hpp"
 #include "engine/graphics/gl_burr.hpp"
@@ -23,6 +22,7 @@
 #include "engine/graphics/hud.hpp"
 #include "engine/graphics/rendered_body.hpp"
 #include "engine/scene/scene.hpp"
+#include "engine/surface/drawn_surface.hpp"
 
 namespace sulcus {
 

@@ -2,7 +2,7 @@
 
 #include "engine/graphics/camera.hpp"
 #include "engine/graphics/gl_program.hpp"
-#include "engine/graphics/section_face.hpp"
+#include "engine/surface/section_face.hpp"
 
 namespace sulcus {
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "engine/graphics/camera.hpp"
-#include "engine/graphics/colour_scale.hpp"
 #include "engine/graphics/frame_state.hpp"
+#include "engine/surface/colour_scale.hpp"
 
 struct ImGuiContext;
 struct ImFont;

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "engine/graphics/camera.hpp"
-#include "engine/graphics/colour_scale.hpp"
 #include "engine/graphics/frame_state.hpp"
 #include "engine/graphics/hud_pen.hpp"
+#include "engine/surface/colour_scale.hpp"
 
 namespace sulcus {
 

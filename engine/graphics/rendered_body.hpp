@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "engine/core/pose.hpp"
-#include "engine/graphics/drawn_surface.hpp"
+#include "engine/surface/drawn_surface.hpp"
 #include "engine/volume/voxel_model.hpp"
 
 namespace sulcus {

@@ -14,11 +14,11 @@
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
 #include "engine/import/input_files.hpp"
-#include "engine/import/medical_volume.hpp"
-#include "engine/import/mesh_file.hpp"
-#include "engine/import/volume_part.hpp"
-#include "engine/import/voxelise_mesh.hpp"
-#include "engine/import/voxelise_volume.hpp"
+#include "engine/import/meshes/mesh_file.hpp"
+#include "engine/import/meshes/voxelise_mesh.hpp"
+#include "engine/import/volumes/medical_volume.hpp"
+#include "engine/import/volumes/volume_part.hpp"
+#include "engine/import/volumes/voxelise_volume.hpp"
 #include "engine/shapes/build_shape.hpp"
 
 namespace sulcus {

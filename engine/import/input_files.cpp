@@ -10,7 +10,7 @@
 #include <tbb/parallel_for.h>
 
 #include "engine/core/ascii.hpp"
-#include "engine/import/volume_checks.hpp"
+#include "engine/import/volumes/volume_checks.hpp"
 
 namespace sulcus {
 namespace {

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "engine/cache/cached_field.hpp"
-#include "engine/import/mesh_file.hpp"
-#include "engine/import/mesh_shells.hpp"
+#include "engine/import/meshes/mesh_file.hpp"
+#include "engine/import/meshes/mesh_shells.hpp"
 #include "engine/tool/burr_mesh.hpp"
 
 namespace sulcus {

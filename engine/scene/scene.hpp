@@ -176,10 +176,10 @@ struct DeviceJump {
   Eigen::Vector3d by_m = Eigen::Vector3d::Zero();  // its pose is off by so much from then on
 };
 
-/// A device that a vendor's library brings (plugins/sulcus_device.h), by its name: never by a path,
-/// so that what a scene says runs nothing but what the user has put there. Its limits are the
-/// smaller ones of the scene's and the plug-in's, its resolution the larger one; a scene as run and
-/// recorded says them.
+/// A device that a vendor's library brings (haptics/device/sulcus_device.h), by its name: never by
+/// a path, so that what a scene says runs nothing but what the user has put there. Its limits are
+/// the smaller ones of the scene's and the plug-in's, its resolution the larger one; a scene as run
+/// and recorded says them.
 struct PluginSettings {
   std::string name;      // letters, digits, _ and -
   std::string settings;  // for the plug-in, in its own words

@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/graphics/drawn_surface.hpp"
 #include "engine/graphics/renderer.hpp"
 #include "engine/scene/trajectory.hpp"
+#include "engine/surface/drawn_surface.hpp"
 
 namespace sulcus {
 namespace {

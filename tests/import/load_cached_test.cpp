@@ -10,9 +10,9 @@
 #include "engine/import/build_workpiece.hpp"
 #include "engine/import/input_files.hpp"
 #include "engine/import/load_burr.hpp"
-#include "engine/import/medical_volume.hpp"
-#include "engine/import/mesh_file.hpp"
-#include "engine/import/write_volume.hpp"
+#include "engine/import/meshes/mesh_file.hpp"
+#include "engine/import/volumes/medical_volume.hpp"
+#include "engine/import/volumes/write_volume.hpp"
 #include "tests/import/mesh_fixtures.hpp"
 #include "tests/support/scratch_folder.hpp"
 

@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "engine/import/medical_volume.hpp"
+#include "engine/import/volumes/medical_volume.hpp"
 #include "tests/support/itk_files.hpp"
 
 namespace sulcus::test {

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/core/error.hpp"
-#include "engine/import/mesh_file.hpp"
+#include "engine/import/meshes/mesh_file.hpp"
 #include "tests/import/mesh_fixtures.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tools/fuzz/handed_file.hpp"

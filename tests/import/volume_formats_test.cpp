@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "engine/core/error.hpp"
-#include "engine/import/medical_volume.hpp"
-#include "engine/import/voxelise_volume.hpp"
+#include "engine/import/volumes/medical_volume.hpp"
+#include "engine/import/volumes/voxelise_volume.hpp"
 #include "tests/import/oblique_volume.hpp"
 #include "tests/support/itk_files.hpp"
 #include "tests/support/scratch_folder.hpp"

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/core/error.hpp"
-#include "engine/import/medical_volume.hpp"
+#include "engine/import/volumes/medical_volume.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "app/recorded_contacts.hpp"
+#include "app/playback/recorded_contacts.hpp"
 #include "tests/pipeline/small_scenes.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"

@@ -66,7 +66,7 @@ class Documented : public testing::Test {
  protected:
   void SetUp() override {
     const fs::path source = SULCUS_SOURCE_DIR, here = scratch_.path("");
-    for (const char* name : {"scenes", "tools", "plugins"}) {
+    for (const char* name : {"scenes", "tools", "haptics"}) {
       fs::create_directory_symlink(source / name, here / name);
     }
     fs::create_directories(here / "build/release");
@@ -85,7 +85,7 @@ class Documented : public testing::Test {
       absent_.push_back("cmake --preset release");
     }
     fs::create_directory(here / "my_plugins");
-    fs::copy_file(source / "plugins/simulated/simulated_device.c", here / "my_device.c");
+    fs::copy_file(source / "tools/plugins/simulated/simulated_device.c", here / "my_device.c");
   }
 
   /// A script that is found before the program of that name.
@@ -115,8 +115,8 @@ class Documented : public testing::Test {
   }
 
   void run_all(const fs::path& document) {
-    const auto steps = test::documented_steps(
-        document, {"sulcus ", "tools/", "plugins/", "cc ", "cmake ", "sudo "});
+    const auto steps =
+        test::documented_steps(document, {"sulcus ", "tools/", "cc ", "cmake ", "sudo "});
     int ran = 0;
     for (const test::DocumentedStep& step : steps) {
       SCOPED_TRACE(document.filename().string() + ":" + std::to_string(step.line) + ": " +
@@ -166,7 +166,7 @@ TEST_F(Documented, CommandsOfTheReadmeRun) {
 
 TEST_F(Documented, TheTutorialLeadsFromAScanToACutTooth) {
   if (!tooth("ge_tooth/tooth_103x94x161_u16.nrrd", "scan.nrrd")) GTEST_SKIP() << "no scan here";
-  const fs::path tutorial = fs::path(SULCUS_SOURCE_DIR) / "docs/from_a_scan_to_a_cut_tooth.md";
+  const fs::path tutorial = fs::path(SULCUS_SOURCE_DIR) / "scenes/from_a_scan_to_a_cut_tooth.md";
   run_all(tutorial);
   for (const char* made : {"scan.png", "cut_open.png", "review.html", "cut.stl", "cut.nrrd"}) {
     EXPECT_TRUE(fs::exists(scratch_.path(made))) << made;

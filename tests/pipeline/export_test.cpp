@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/import/medical_volume.hpp"
-#include "engine/import/mesh_file.hpp"
-#include "engine/import/write_volume.hpp"
+#include "engine/import/meshes/mesh_file.hpp"
+#include "engine/import/volumes/medical_volume.hpp"
+#include "engine/import/volumes/write_volume.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tests/support/shapes.hpp"

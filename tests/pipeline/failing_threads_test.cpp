@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "app/session.hpp"
-#include "app/simulation.hpp"
+#include "app/session/session.hpp"
+#include "app/session/simulation.hpp"
 #include "engine/recording/recording_reader.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/scene/trajectory.hpp"

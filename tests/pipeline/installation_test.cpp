@@ -35,7 +35,7 @@ TEST(Installation, AProgramOfOthersIsLinkedWithTheHapticCoreAlone) {
   install(scratch, "development");
   const std::string build = scratch.path("build");
   run(scratch, SULCUS_CMAKE,
-      "-G Ninja -S " SULCUS_SOURCE_DIR "/examples/embed -B " + build +
+      "-G Ninja -S " SULCUS_SOURCE_DIR "/tools/install/embed -B " + build +
           " -D CMAKE_BUILD_TYPE=Release -D CMAKE_CXX_COMPILER=" SULCUS_COMPILER
           " -D CMAKE_PREFIX_PATH=" +
           scratch.path("installed"));

@@ -9,9 +9,9 @@
 
 #include <gtest/gtest.h>
 
-// The layers of the source tree: who may include what. app knows everything; haptics and
-// engine/graphics never see each other; both stand on the rest of engine; a library is named by the
-// folder that wraps it and by no other.
+// The layers of the source tree: who may include what. app knows everything; haptics and what draws
+// (engine/surface, engine/graphics) never see each other; both stand on the rest of engine; a
+// library is named by the folder that wraps it and by no other.
 
 namespace sulcus {
 namespace {
@@ -27,7 +27,7 @@ struct Include {
 std::vector<Include> includes_of(const fs::path& root) {
   static const std::regex pattern(R"(^\s*#\s*include\s*[<"]([^>"]+)[>"])");
   std::vector<Include> all;
-  for (const char* top : {"engine", "haptics", "app", "plugins"}) {
+  for (const char* top : {"engine", "haptics", "app", "tools/plugins"}) {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / top)) {
       const std::string extension = entry.path().extension().string();
       // .in: what configure_file makes sources of. C: the plug-ins'.
@@ -54,6 +54,9 @@ const std::vector<Include>& includes() {
 }
 
 bool is_in(std::string_view file, std::string_view folder) { return file.starts_with(folder); }
+bool is_drawing(std::string_view file) {
+  return is_in(file, "engine/graphics/") || is_in(file, "engine/surface/");
+}
 
 /// Whether `header` belongs to a library, told by how its headers begin (any case).
 bool is_of(std::string header, std::initializer_list<std::string_view> beginnings) {
@@ -98,15 +101,16 @@ TEST(Layers, EngineKnowsNeitherHapticsNorApp) {
 
 TEST(Layers, HapticsKnowsNeitherGraphicsNorApp) {
   expect_none("haptics sees no picture and no program", [](const Include& i) {
-    return is_in(i.file, "haptics/") &&
-           (is_in(i.header, "engine/graphics/") || is_in(i.header, "app/"));
+    return is_in(i.file, "haptics/") && (is_drawing(i.header) || is_in(i.header, "app/"));
   });
 }
 
-TEST(Layers, OnlyGraphicsAndAppKnowGraphics) {
+TEST(Layers, OnlyDrawingAndAppKnowDrawing) {
   expect_none("the rest of engine needs no picture", [](const Include& i) {
-    return is_in(i.header, "engine/graphics/") && !is_in(i.file, "engine/graphics/") &&
-           !is_in(i.file, "app/");
+    return is_drawing(i.header) && !is_drawing(i.file) && !is_in(i.file, "app/");
+  });
+  expect_none("the surface does not know how it is drawn", [](const Include& i) {
+    return is_in(i.file, "engine/surface/") && is_in(i.header, "engine/graphics/");
   });
 }
 
@@ -126,14 +130,15 @@ TEST(Layers, OnlyImportAndAppKnowTheLoadCache) {
 
 TEST(Layers, APluginKnowsNothingOfUsButItsHeader) {
   expect_none("a plug-in is a vendor's: its header, and the system's", [](const Include& i) {
-    return is_in(i.file, "plugins/") && i.header != "sulcus_device.h" &&
+    return is_in(i.file, "tools/plugins/") && i.header != "sulcus_device.h" &&
            fs::exists(fs::path(SULCUS_SOURCE_DIR) / i.header);
   });
   expect_none("the interface stands on C alone", [](const Include& i) {
-    return i.file == "plugins/sulcus_device.h" && i.header != "stddef.h" && i.header != "stdint.h";
+    return i.file == "haptics/device/sulcus_device.h" && i.header != "stddef.h" &&
+           i.header != "stdint.h";
   });
   expect_none("devices that are loaded are app's", [](const Include& i) {
-    return is_in(i.header, "plugins/") && !is_in(i.file, "app/");
+    return i.header == "haptics/device/sulcus_device.h" && !is_in(i.file, "app/");
   });
 }
 

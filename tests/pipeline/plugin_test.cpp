@@ -13,7 +13,8 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-// Devices that are loaded at run time: plugins/ and, for what goes wrong, tests/support/plugins.
+// Devices that are loaded at run time: tools/plugins/ and, for what goes wrong,
+// tests/support/plugins.
 
 namespace sulcus {
 namespace {

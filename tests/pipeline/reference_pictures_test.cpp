@@ -13,7 +13,7 @@
 
 #include <gtest/gtest.h>
 
-#include "app/recorded_film.hpp"
+#include "app/playback/recorded_film.hpp"
 #include "engine/graphics/renderer.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/looks_like.hpp"

@@ -1,5 +1,5 @@
 // "Save as a scene": what was done by a hand is done again, by the recording alone.
-#include "app/saved_scene.hpp"
+#include "app/playback/saved_scene.hpp"
 
 #include <cstring>
 #include <filesystem>

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "app/recorded_film.hpp"
-#include "app/recorded_state.hpp"
+#include "app/playback/recorded_film.hpp"
+#include "app/playback/recorded_state.hpp"
 #include "tests/pipeline/small_scenes.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"

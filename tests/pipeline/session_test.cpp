@@ -1,12 +1,12 @@
 // The threads of a run with what they share: for ThreadSanitizer as much as for the result.
-#include "app/session.hpp"
+#include "app/session/session.hpp"
 
 #include <thread>
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
-#include "app/simulation.hpp"
+#include "app/session/simulation.hpp"
 #include "engine/core/stop.hpp"
 #include "engine/recording/recording_reader.hpp"
 #include "engine/scene/scene_file.hpp"

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "app/saved_scene.hpp"
+#include "app/playback/saved_scene.hpp"
 #include "engine/core/error.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "tests/support/command.hpp"

@@ -21,14 +21,14 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-// The device that is another program: plugins/udp.
+// The device that is another program: tools/plugins/udp.
 
 namespace sulcus {
 namespace {
 
 using test::sulcus_command;
 
-/// As plugins/udp/udp_device.c says, written down once more.
+/// As tools/plugins/udp/udp_device.c says, written down once more.
 struct PoseDatagram {
   char magic[4]{'S', 'U', 'L', 'P'};
   std::uint32_t version = 1;

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "engine/import/mesh_file.hpp"
+#include "engine/import/meshes/mesh_file.hpp"
 #include "tools/fuzz/fuzz_targets.hpp"
 #include "tools/fuzz/handed_file.hpp"
 

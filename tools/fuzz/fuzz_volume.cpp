@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/import/medical_volume.hpp"
+#include "engine/import/volumes/medical_volume.hpp"
 #include "tools/fuzz/fuzz_targets.hpp"
 #include "tools/fuzz/handed_file.hpp"
 

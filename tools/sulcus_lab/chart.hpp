@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "app/gnuplot.hpp"
+#include "app/report/gnuplot.hpp"
 #include "tools/sulcus_lab/normal_methods.hpp"
 
 namespace sulcus::lab {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "app/live_film.hpp"
-#include "app/rendered_bodies.hpp"
-#include "app/session.hpp"
+#include "app/session/live_film.hpp"
+#include "app/session/rendered_bodies.hpp"
+#include "app/session/session.hpp"
 #include "engine/core/realtime.hpp"
 #include "engine/graphics/egl_context.hpp"
 #include "engine/graphics/gl_scene.hpp"

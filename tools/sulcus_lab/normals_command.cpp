@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engine/core/error.hpp"
-#include "engine/import/medical_volume.hpp"
+#include "engine/import/volumes/medical_volume.hpp"
 #include "engine/normals/ldm.hpp"
 #include "tools/sulcus_lab/cost_chart.hpp"
 #include "tools/sulcus_lab/error_tiles.hpp"

@@ -18,7 +18,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "app/recorded_state.hpp"
+#include "app/playback/recorded_state.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/realtime.hpp"
 #include "engine/core/stop.hpp"

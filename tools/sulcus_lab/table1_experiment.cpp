@@ -11,7 +11,7 @@
 
 #include <Eigen/Geometry>
 
-#include "app/simulation.hpp"
+#include "app/session/simulation.hpp"
 #include "engine/core/realtime.hpp"
 #include "engine/core/units.hpp"
 #include "engine/import/build_workpiece.hpp"

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "engine/import/medical_volume.hpp"
+#include "engine/import/volumes/medical_volume.hpp"
 #include "tools/sulcus_lab/truth_shapes.hpp"
 
 namespace sulcus::lab {

@@ -11,7 +11,7 @@
 
 #include <Eigen/Geometry>
 
-#include "app/loose_schedule.hpp"
+#include "app/session/loose_schedule.hpp"
 #include "engine/bodies/debris_world.hpp"
 #include "engine/core/realtime.hpp"
 #include "engine/core/units.hpp"

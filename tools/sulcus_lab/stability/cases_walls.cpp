@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "app/simulation.hpp"
+#include "app/session/simulation.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
 #include "engine/import/load_burr.hpp"

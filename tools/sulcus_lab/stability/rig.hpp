@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "app/simulation.hpp"
+#include "app/session/simulation.hpp"
 #include "tools/sulcus_lab/stability/point_proxy.hpp"
 #include "tools/sulcus_lab/stability/stability_row.hpp"
 

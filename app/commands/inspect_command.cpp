@@ -1,0 +1,94 @@
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/commands/common_options.hpp"
+#include "app/commands/output_file.hpp"
+#include "app/commands/shipped_scene.hpp"
+#include "app/inspect/inspect.hpp"
+#include "app/terminal/progress.hpp"
+#include "engine/core/error.hpp"
+#include "engine/core/units.hpp"
+#include "engine/import/meshes/mesh_file.hpp"
+#include "engine/recording/recording_extension.hpp"
+
+namespace sulcus {
+
+namespace {
+
+struct InspectOptions {
+  std::string file, picture;
+  std::vector<std::string> overrides;
+  std::vector<double> spacing_mm;
+  bool as_burr = false;
+};
+
+/// None: that of the file.
+std::optional<Eigen::Vector3d> spacing_of(const InspectOptions& options) {
+  if (options.spacing_mm.empty()) return std::nullopt;
+  return Eigen::Vector3d(options.spacing_mm.data()) * kMillimetre;
+}
+
+void inspect(const InspectOptions& options) {
+  const std::string file = scene_file_of(options.file);
+  if (!std::filesystem::exists(file)) {
+    throw InputError(file, "", "no such file", "a scene, recording, volume or mesh");
+  }
+  const bool scene = lower_extension(file) == ".toml", mesh = is_mesh_file(file);
+  const bool recording = is_recording_file(file);
+  if (!scene && !options.overrides.empty()) {
+    throw InputError(file, "--set", "no scene", "a scene, .toml, whose keys it changes");
+  }
+  if (!mesh && options.as_burr) {
+    throw InputError(file, "--as-burr", "no mesh", "a burr, .stl, .obj or .ply");
+  }
+  if (recording && !options.picture.empty()) {
+    throw InputError(file, "--picture", "a recording", "sulcus render, which draws those");
+  }
+  if (mesh && !options.as_burr && !options.picture.empty()) {
+    throw InputError(file, "--picture", "a mesh", "--as-burr beside it, or a scene or a volume");
+  }
+  if (!options.spacing_mm.empty() && (scene || mesh || recording)) {
+    throw InputError(file, "--spacing-mm", "no volume", "a volume, whose voxels have that size");
+  }
+  if (!options.picture.empty()) check_output("--picture", options.picture, {".png"});
+  const Progress progress("reading");
+  if (scene) {
+    inspect_scene(file, options.overrides, options.picture);
+  } else if (recording) {
+    inspect_recording(file);
+  } else if (options.as_burr) {
+    inspect_burr(file, options.picture);
+  } else if (mesh) {
+    inspect_mesh(file);
+  } else {
+    inspect_volume(file, spacing_of(options), options.picture);
+  }
+}
+
+}  // namespace
+
+void add_inspect_command(CLI::App& program) {
+  auto options = std::make_shared<InspectOptions>();
+  CLI::App* command =
+      program.add_subcommand("inspect", "Say what a scene, recording, volume or mesh holds");
+  command->add_option("FILE", options->file, "File to look at")->required()->type_name("FILE");
+  command
+      ->add_option("--picture", options->picture,
+                   "Draw a volume's sections and histogram, or a scene's burr, into a PNG file")
+      ->type_name("FILE");
+  constexpr double kLeast_mm = 1e-4, kMost_mm = 100.0;
+  command
+      ->add_option("--spacing-mm", options->spacing_mm,
+                   "Size of a volume's voxels, where its file does not say it")
+      ->type_name("X Y Z")
+      ->expected(3)
+      ->check(CLI::Range(kLeast_mm, kMost_mm));
+  command->add_flag("--as-burr", options->as_burr, "A mesh as the burr that it would be");
+  add_set_option(*command, options->overrides, "Change a key of a scene; repeatable");
+  command->callback([options] { inspect(*options); });
+}
+
+}  // namespace sulcus

@@ -1,0 +1,82 @@
+#include "app/commands/video_writer.hpp"
+
+#include <array>
+#include <cstdlib>
+#include <stdexcept>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+namespace sulcus {
+
+VideoWriter::VideoWriter(const std::string& file, int width, int height, double fps)
+    : video_(file), said_(std::tmpfile(), std::fclose), pictures_(nullptr, std::fclose) {
+  std::array<int, 2> ends{};
+  if (!said_ || ::pipe2(ends.data(), O_CLOEXEC) != 0) {
+    throw std::runtime_error(file + ": no room for what ffmpeg is told");
+  }
+  const std::string size = std::to_string(width) + "x" + std::to_string(height);
+  char rate[32];
+  std::snprintf(rate, sizeof rate, "%.6g", fps);
+  // "file:", since ffmpeg takes what comes before a colon in a name for a protocol, and a dash
+  // ahead of it for an option.
+  const std::vector<std::string> command{"ffmpeg",
+                                         "-v",
+                                         "error",
+                                         "-xerror",
+                                         "-y",
+                                         "-f",
+                                         "rawvideo",
+                                         "-pix_fmt",
+                                         "rgb24",
+                                         "-s",
+                                         size,
+                                         "-r",
+                                         rate,
+                                         "-i",
+                                         "-",
+                                         "-vf",
+                                         "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+                                         "-c:v",
+                                         "libx264",
+                                         "-preset",
+                                         "fast",
+                                         "-crf",
+                                         "18",
+                                         "-pix_fmt",
+                                         "yuv420p",
+                                         "-movflags",
+                                         "+faststart",
+                                         "file:" + video_.beside()};
+  pictures_.reset(::fdopen(ends[1], "wb"));
+  try {
+    ffmpeg_.emplace(command, ChildProcess::Files{ends[0], -1, fileno(said_.get())});
+  } catch (...) {
+    ::close(ends[0]);
+    throw;
+  }
+  ::close(ends[0]);
+}
+
+void VideoWriter::add(const Image& image) {
+  if (std::fwrite(image.rgb.data(), 1, image.rgb.size(), pictures_.get()) == image.rgb.size())
+    return;
+  pictures_.reset();
+  ffmpeg_->wait();
+  fail();
+}
+
+void VideoWriter::close() {
+  const bool piped = std::fclose(pictures_.release()) == 0;
+  if (ffmpeg_->wait() != 0 || !piped) fail();
+  video_.finish();
+}
+
+void VideoWriter::fail() const {
+  std::string line;
+  std::rewind(said_.get());
+  for (int c; (c = std::fgetc(said_.get())) != EOF && c != '\n';) line += static_cast<char>(c);
+  video_.fail_incomplete("ffmpeg could not" + (line.empty() ? "" : " (" + line + ")"));
+}
+
+}  // namespace sulcus

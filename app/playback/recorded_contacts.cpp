@@ -1,0 +1,82 @@
+#include "app/playback/recorded_contacts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sulcus {
+
+RecordedContacts::RecordedContacts(const std::string& path, bool counted)
+    : run_(open_recorded_run(path)), state_(run_), counted_(counted) {
+  counts_.emplace_back(run_.simulation->workpiece().grid());
+  for (const Neighbour& neighbour : run_.simulation->state().neighbours) {
+    counts_.emplace_back(neighbour.solid.grid());
+  }
+}
+
+const Workpiece& RecordedContacts::solid(std::size_t body) const {
+  const Simulation& simulation = *run_.simulation;
+  return body == 0 ? simulation.workpiece() : simulation.state().neighbours[body - 1].solid;
+}
+
+void RecordedContacts::seek_row(std::size_t row) {
+  if (state_.next_row() == row + 1) return;  // it is there
+  if (!counted_ && row > 0) state_.seek_row(row - 1);
+  while (state_.next_row() <= row) {
+    if (state_.follows()) {
+      look(state_.step_as_recorded());
+    } else {
+      pass_gap(row);
+    }
+  }
+}
+
+void RecordedContacts::pass_gap(std::size_t row) {
+  const std::size_t first = state_.next_row();
+  std::size_t to = row;
+  for (const KeyframeInfo& keyframe : run_.reader.keyframes()) {
+    if (keyframe.tick < run_.rows[first].tick) continue;
+    const auto at = std::ranges::lower_bound(run_.rows, keyframe.tick, {}, &TickRecord::tick);
+    to = std::min(row, static_cast<std::size_t>(at - run_.rows.begin()));
+    break;
+  }
+  state_.seek_row(to);
+  marks_.clear();
+}
+
+void RecordedContacts::look(const TickRecord& again) {
+  marks_.clear();
+  if (again.contacts == 0) return;  // nor is what an earlier tick left behind
+  const Simulation& simulation = *run_.simulation;
+  for (std::size_t body = 0; body < counts_.size(); ++body) {
+    const Contacts& contacts = simulation.contacts(body);
+    const VoxelGrid& grid = counts_[body].grid();
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+      if (!(contacts(Contacts::kWeight)[i] > 0.0f)) continue;
+      const Cell cell = cell_of_key(contacts.keys()[i]);
+      if (counted_) {
+        float& count = counts_[body][cell];
+        count = std::isnan(count) ? 1.0f : count + 1.0f;
+      }
+      const Eigen::Vector3d p_grid = grid.centre_world(cell);
+      marks_.push_back({body == 0
+                            ? p_grid
+                            : simulation.state().neighbours[body - 1].world_from_grid.point(p_grid),
+                        contacts(Contacts::kForce)[i]});
+    }
+  }
+}
+
+VoxelValues RecordedContacts::counts(std::size_t body) const {
+  VoxelValues standing = counts_.at(body);
+  for (const auto& [leaf, block] : counts_[body].blocks()) {
+    VoxelValues::Block left = block;
+    const LeafBits& bits = solid(body).model().leaves[leaf];
+    for (std::size_t place = 0; place < left.size(); ++place) {
+      if ((bits.words[place / 64] >> place % 64 & 1u) == 0) left[place] = VoxelValues::kNone;
+    }
+    standing.set_block(leaf, left);
+  }
+  return standing;
+}
+
+}  // namespace sulcus

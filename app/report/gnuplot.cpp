@@ -1,0 +1,77 @@
+#include "app/report/gnuplot.hpp"
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "app/terminal/child_process.hpp"
+#include "engine/core/whole_file.hpp"
+
+namespace sulcus {
+namespace {
+
+using Stream = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+
+/// With the reason that the system has just given in errno.
+[[noreturn]] void refuse_script(const std::string& file_png) {
+  throw std::runtime_error(file_png + ": cannot be written: what gnuplot is told has no room (" +
+                           std::strerror(errno) + ")");
+}
+
+/// Whether a picture is there to its end: gnuplot does not say where the disk is full.
+bool is_whole_png(const std::string& file) {
+  constexpr std::string_view kEnd("\0\0\0\0IEND\xae\x42\x60\x82", 12);
+  const Stream in(std::fopen(file.c_str(), "rb"), std::fclose);
+  std::array<char, kEnd.size()> last{};
+  return in && std::fseek(in.get(), -static_cast<long>(last.size()), SEEK_END) == 0 &&
+         std::fread(last.data(), 1, last.size(), in.get()) == last.size() &&
+         std::string_view(last.data(), last.size()) == kEnd;
+}
+
+}  // namespace
+
+bool draw_with_gnuplot(const std::string& file_png, int width, int height,
+                       const std::function<void(std::FILE* gnuplot)>& write) {
+  WholeFile picture(file_png);
+  // By a file: gnuplot reads a pipe byte by byte.
+  const Stream script(std::tmpfile(), std::fclose);
+  const Stream output(std::fopen(picture.beside().c_str(), "wb"), std::fclose);
+  if (!output) picture.fail_incomplete();
+  if (!script) refuse_script(file_png);
+  // The picture comes out of its standard output, so that no path stands in the script.
+  std::fprintf(script.get(),
+               "set terminal pngcairo size %d,%d rounded noenhanced font 'sans,11' background "
+               "'#ffffff'\nset output\n",
+               width, height);
+  write(script.get());
+  std::fputs("\nunset output\n", script.get());
+  // Not the stream's place, but the descriptor's, which the child shares.
+  if (std::fflush(script.get()) != 0 || std::ferror(script.get()) ||
+      ::lseek(fileno(script.get()), 0, SEEK_SET) != 0) {
+    refuse_script(file_png);
+  }
+  int status = 0;
+  try {
+    // -d: without the user's own settings. What it says of a script goes nowhere.
+    ChildProcess gnuplot({"gnuplot", "-d", "-"}, {fileno(script.get()), fileno(output.get()), -1});
+    status = gnuplot.wait();
+  } catch (const std::runtime_error&) {  // it is not there
+    return false;
+  }
+  constexpr int kSignalled = 128;  // by SIGXFSZ, where a file may not grow
+  if (status > kSignalled || (status == 0 && !is_whole_png(picture.beside()))) {
+    picture.fail_incomplete("gnuplot left it in part");
+  }
+  if (status != 0) return false;
+  picture.finish();
+  return true;
+}
+
+}  // namespace sulcus

@@ -1,0 +1,53 @@
+#include "app/report/log_file.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <utility>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "engine/core/error.hpp"
+
+namespace sulcus {
+namespace {
+
+[[noreturn]] void fail(const std::string& path, int error) {
+  throw std::runtime_error(path + ": cannot be written: " + std::strerror(error));
+}
+
+}  // namespace
+
+LogFile::LogFile(std::string path)
+    : path_(std::move(path)),
+      file_(::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)) {
+  if (file_ >= 0) return;
+  if (errno == ENOSPC || errno == EDQUOT) fail(path_, errno);
+  throw InputError(path_, "",
+                   std::string("that it cannot be written (") + std::strerror(errno) + ")",
+                   "a file to write");
+}
+
+LogFile::~LogFile() { ::close(file_); }
+
+void LogFile::sink_it_(const spdlog::details::log_msg& message) {
+  if (error_ != 0) return;
+  spdlog::memory_buf_t line;
+  formatter_->format(message, line);
+  const ssize_t n = ::write(file_, line.data(), line.size());
+  if (n == static_cast<ssize_t>(line.size())) {
+    bytes_ += line.size();
+    return;
+  }
+  error_ = n < 0 ? errno : ENOSPC;
+  [[maybe_unused]] const int cut = ::ftruncate(file_, static_cast<off_t>(bytes_));
+}
+
+void LogFile::check() {
+  const std::lock_guard lock(mutex_);
+  if (error_ == 0 && ::fsync(file_) != 0) error_ = errno;
+  if (error_ != 0) fail(path_, error_);
+}
+
+}  // namespace sulcus

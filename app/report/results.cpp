@@ -1,0 +1,153 @@
+#include "app/report/results.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include <nlohmann/json.hpp>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "app/build_info.hpp"
+#include "app/commands/output_file.hpp"
+#include "app/report/force_chart.hpp"
+#include "app/report/log_file.hpp"
+#include "app/report/summary.hpp"
+#include "app/terminal/terminal.hpp"
+#include "engine/core/error.hpp"
+#include "engine/core/units.hpp"
+#include "engine/core/whole_file.hpp"
+
+namespace sulcus {
+
+namespace {
+
+/// How a tick at real pace kept its time.
+void say_lateness(const SessionResult& result) {
+  const RunStatistics& s = result.statistics;
+  say("  late               p99 %.1f, max %.1f us; %llu ticks missed\n", s.late_us.quantile(0.99),
+      s.late_us.largest(), static_cast<unsigned long long>(result.missed_ticks));
+}
+
+/// What went, by what took it, and of a run that goes on from another all since the first tick.
+void say_removed(const Scene& scene, const SessionResult& result) {
+  const double voxel_mm3 = std::pow(scene.workpiece.voxel_m / kMillimetre, 3);
+  const auto say_line = [&](const char* name, const OutcomeResult& outcome, EditCause cause) {
+    std::uint64_t voxels = 0;
+    for (std::size_t t = 0; t < scene.tissues.size(); ++t) {
+      voxels += outcome.progress.removed_voxels(cause, t);
+    }
+    if (voxels == 0 && cause == EditCause::kLoose) return;
+    say("  %-18s %llu voxels, %.4f mm3\n", name, static_cast<unsigned long long>(voxels),
+        static_cast<double>(voxels) * voxel_mm3);
+  };
+  const OutcomeResult& own = result.part ? *result.part : *result.outcome;
+  say_line("removed", own, EditCause::kCut);
+  say_line("came loose", own, EditCause::kLoose);
+  if (!result.part) return;
+  say_line("removed in all", *result.outcome, EditCause::kCut);
+  say_line("came loose in all", *result.outcome, EditCause::kLoose);
+}
+
+}  // namespace
+
+std::string folder_of_scene(const std::string& file, const std::string& suffix) {
+  return "out/" + std::filesystem::path(file).stem().string() + suffix;
+}
+
+std::string folder_of_recording(const std::string& file, const std::string& suffix) {
+  const std::filesystem::path path = std::filesystem::absolute(file).lexically_normal();
+  const std::filesystem::path folder = path.parent_path().filename();
+  const bool by_folder = path.stem() == "recording" && !folder.empty();
+  return "out/" + (by_folder ? folder : path.stem()).string() + suffix;
+}
+
+void open_log(const std::string& folder) {
+  make_output_folder("-o", folder);
+  auto file = std::make_shared<LogFile>(folder + "/log.txt");
+  file->set_formatter(one_line_formatter("[%Y-%m-%d %H:%M:%S.%e] [%l] %*"));
+  auto terminal = std::make_shared<spdlog::sinks::stderr_sink_mt>();
+  terminal->set_level(spdlog::level::warn);
+  terminal->set_formatter(one_line_formatter("sulcus: %*"));
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("sulcus", spdlog::sinks_init_list{file, terminal}));
+  spdlog::info("{}", build_info());
+}
+
+namespace {
+
+/// Whether log.txt has all that was told to it.
+void check_log() {
+  for (const auto& sink : spdlog::default_logger()->sinks()) {
+    if (const auto file = std::dynamic_pointer_cast<LogFile>(sink)) file->check();
+  }
+}
+
+void write_and_tell(ResultsFolder& folder, const Scene& scene, const SessionResult& result,
+                    const SessionOptions& options, const nlohmann::ordered_json& summary) {
+  const RunStatistics& s = result.statistics;
+  std::vector<std::string> files{options.folder + "/summary.json"};
+  write_whole_file(files.back(), result.summary);
+  const std::string chart = options.folder + "/forces.png";
+  if (draw_force_chart(s, scene.title, chart)) {
+    files.push_back(chart);
+  } else {
+    spdlog::warn("forces.png was not drawn: gnuplot could not be run");
+  }
+  files.insert(files.end(), result.files.begin(), result.files.end());
+  files.push_back(options.folder + "/log.txt");
+  folder.finish(!result.interrupted && !result.failure);
+
+  for (const std::string& refused : result.refused) spdlog::warn("not granted: {}", refused);
+  for (const auto& [fault, ticks] : summary["faults"].items()) {
+    spdlog::warn("fault {} in {} ticks", fault, ticks.dump());
+  }
+  if (result.interrupted) spdlog::warn("stopped on request after {} ticks", s.ticks);
+
+  const auto& contacts = summary["voxels_in_contact"];
+  say("%s: %llu ticks in %.1f s\n", scene.title.c_str(), static_cast<unsigned long long>(s.ticks),
+      result.wall_seconds);
+  say("  voxels in contact  mean %.1f, max %u\n", contacts["mean"].get<double>(),
+      contacts["max"].get<unsigned>());
+  say("  force              mean %.3f, max %.3f N\n", s.force_N.mean(),
+      static_cast<double>(summary["force_N"]["max"]));
+  say("  tick               mean %.1f, p99 %.1f us\n", s.tick_us.mean(), s.tick_us.quantile(0.99));
+  if (options.pace == Pace::kReal) say_lateness(result);
+  if (result.outcome) say_removed(scene, result);
+  if (result.frames > 0) {
+    say("  pictures           %llu\n", static_cast<unsigned long long>(result.frames));
+  }
+  for (const std::string& file : files) {
+    say("%s\n", (folder.path() + file.substr(options.folder.size())).c_str());
+  }
+}
+
+}  // namespace
+
+void run_into(ResultsFolder& folder, Simulation& simulation, Device& device,
+              SessionOptions& options, const std::vector<PartUse>& loading) {
+  options.folder = folder.at();
+  nlohmann::ordered_json summary;
+  options.summarise = [&](const SessionResult& result) {
+    summary = make_summary(simulation, result, options, loading);
+    return summary.dump(2) + "\n";
+  };
+  const SessionResult result = run_session(simulation, device, options);
+  options.summarise = nullptr;  // it refers into this call
+  try {
+    write_and_tell(folder, simulation.scene(), result, options, summary);
+    check_log();
+  } catch (const std::exception&) {
+    if (!result.failure) throw;
+  }
+  if (!result.failure) return;
+  try {
+    std::rethrow_exception(result.failure);  // the first of all
+  } catch (const InputError& why) {          // of no input: the run is over
+    throw std::runtime_error(why.what());
+  }
+}
+
+}  // namespace sulcus

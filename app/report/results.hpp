@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/report/results_folder.hpp"
+#include "app/session/session.hpp"
+
+namespace sulcus {
+
+/// Where the results of a scene go unless told: out/NAME, by its file.
+std::string folder_of_scene(const std::string& file, const std::string& suffix = "");
+/// The same of a recording: by its file, or by its folder where the file has the name that all
+/// have.
+std::string folder_of_recording(const std::string& file, const std::string& suffix);
+
+/// Starts log.txt in a folder that it makes; messages also go to the terminal. InputError where the
+/// folder cannot be written.
+void open_log(const std::string& folder);
+
+/// Runs a session into a folder: its recording, log and frames, summary.json, which is a copy of
+/// what the recording holds, and forces.png. Says on the terminal what happened and which files
+/// there are. `options.folder` and `options.summarise` are set here. Throws what made a part of the
+/// run fail; std::runtime_error where a file cannot be written, log.txt among them.
+void run_into(ResultsFolder& folder, Simulation& simulation, Device& device,
+              SessionOptions& options, const std::vector<PartUse>& loading);
+
+}  // namespace sulcus

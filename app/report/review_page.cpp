@@ -1,0 +1,323 @@
+#include "app/report/review_page.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+#include <span>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "app/playback/recorded_film.hpp"
+#include "app/report/run_marks.hpp"
+#include "app/report/summary.hpp"
+#include "engine/core/base64.hpp"
+#include "engine/core/units.hpp"
+#include "engine/core/user_text.hpp"
+#include "engine/core/whole_file.hpp"
+#include "engine/graphics/renderer.hpp"
+#include "engine/scene/section.hpp"
+
+namespace sulcus {
+
+namespace {
+
+constexpr int kWide = 800, kTall = 500;            // pixels of a picture
+constexpr int kStripWide = 384, kStripTall = 240;  // of the way there
+constexpr std::size_t kStrip = 8;
+constexpr double kChartWide = 900.0, kChartTall = 150.0;
+
+std::string picture(const Image& image, const std::string& words) {
+  return "<figure><img alt=\"" + for_html(words) + "\" src=\"data:image/png;base64," +
+         base64(png_bytes(image)) + "\"><figcaption>" + for_html(words) +
+         "</figcaption></figure>\n";
+}
+
+/// A curve over the whole run: of the rows that fall on a pixel the largest is drawn.
+template <class Value>
+std::string curve(const std::string& name, const std::string& unit, const char* colour,
+                  std::span<const TickRecord> rows, const Value& value) {
+  constexpr double kLeft = 52.0, kBottom = 20.0;
+  const double end_s = std::max(rows.back().time_s, 1e-9);
+  const auto columns = static_cast<std::size_t>(kChartWide - kLeft);
+  std::vector<double> largest(columns, -1.0);
+  double top = 0.0;
+  for (const TickRecord& row : rows) {
+    const double v = value(row);
+    if (!std::isfinite(v)) continue;
+    const auto at = static_cast<std::size_t>(row.time_s / end_s * static_cast<double>(columns - 1));
+    double& there = largest[std::min(at, columns - 1)];
+    there = std::max(there, v);
+    top = std::max(top, v);
+  }
+  if (top <= 0.0) top = 1.0;
+  std::ostringstream svg;
+  svg.precision(6);
+  svg << "<figure><svg viewBox=\"0 0 " << kChartWide << ' ' << kChartTall << "\" role=\"img\">"
+      << "<title>" << for_html(name) << "</title>";
+  for (const double part : {0.0, 0.5, 1.0}) {
+    const double y = kChartTall - kBottom - part * (kChartTall - kBottom - 8.0);
+    char label[32];
+    std::snprintf(label, sizeof label, "%.3g", part * top);
+    svg << "<path class=\"grid\" d=\"M" << kLeft << ' ' << y << "H" << kChartWide
+        << "\"/><text x=\"" << kLeft - 6 << "\" y=\"" << y + 4 << "\" text-anchor=\"end\">" << label
+        << "</text>";
+  }
+  for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+    char label[32];
+    std::snprintf(label, sizeof label, "%.3g s", part * end_s);
+    svg << "<text x=\"" << kLeft + part * (kChartWide - kLeft) << "\" y=\"" << kChartTall - 4
+        << "\" text-anchor=\""
+        << (part == 0.0   ? "start"
+            : part == 1.0 ? "end"
+                          : "middle")
+        << "\">" << label << "</text>";
+  }
+  svg << "<polyline fill=\"none\" stroke=\"" << colour << "\" points=\"";
+  for (std::size_t c = 0; c < columns; ++c) {
+    if (largest[c] < 0.0) continue;
+    svg << kLeft + static_cast<double>(c) << ','
+        << kChartTall - kBottom - largest[c] / top * (kChartTall - kBottom - 8.0) << ' ';
+  }
+  svg << "\"/></svg><figcaption>" << for_html(name) << ", " << for_html(unit)
+      << "</figcaption></figure>\n";
+  return svg.str();
+}
+
+double norm(const double (&v)[3]) { return std::hypot(v[0], v[1], v[2]); }
+
+void add_rows(const nlohmann::ordered_json& value, const std::string& name, std::ostream& table) {
+  if (value.is_object()) {
+    for (const auto& [key, inner] : value.items()) {
+      add_rows(inner, name.empty() ? key : name + ", " + key, table);
+    }
+    return;
+  }
+  table << "<tr><th>" << for_html(name) << "</th><td>"
+        << for_html(value.is_string() ? value.get<std::string>() : value.dump()) << "</td></tr>\n";
+}
+
+std::string row_of(const std::string& name, const std::string& value) {
+  return "<tr><th>" + for_html(name) + "</th><td>" + for_html(value) + "</td></tr>\n";
+}
+
+/// What came of `ticks` ticks.
+std::string outcome_table(const FrameState& end, std::uint64_t ticks, double rate_hz) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.3f s, %llu ticks", static_cast<double>(ticks) / rate_hz,
+                static_cast<unsigned long long>(ticks));
+  std::string table = "<table>\n" + row_of("Lasted", text);
+  std::snprintf(text, sizeof text, "%.3f mm\xC2\xB3", end.removed_mm3);
+  table += row_of("Removed", text);
+  for (const OutcomeLine& line : end.outcome) table += row_of(line.name, line.value);
+  return table + "</table>\n";
+}
+
+/// The state at the end of a recording's own ticks, as if nothing had come before them.
+FrameState end_of_own_part(const RecordingReader& reader, const RecordedFilm& film) {
+  FrameHistory history(film.scene(), film.start());
+  const std::vector<CuttingRecord> cutting = reader.cutting();
+  const std::vector<PortRecord> port = reader.port();
+  for (std::size_t row = 0; row < film.rows().size(); ++row) {
+    history.add(film.rows()[row], row < cutting.size() ? &cutting[row] : nullptr,
+                row < port.size() ? &port[row] : nullptr);
+  }
+  for (const Edit& edit : film.edits_before(film.rows().size() - 1)) history.add(edit);
+  FrameState end = history.state();
+  end.force_history_N = end.torque_history_mNm = end.tick_history_us = {};  // the history's own
+  return end;
+}
+
+/// What summary.json would tell of a run with [cutting], from its rows.
+nlohmann::ordered_json marks_of_rows(const RecordingReader& reader, const RecordedFilm& film) {
+  const Scene& scene = film.scene();
+  nlohmann::ordered_json told = nlohmann::ordered_json::object();
+  if (!scene.cutting) return told;
+  const std::optional<VoxelModel> goal = reader.goal();
+  RunMarks marks =
+      std::move(begin_marks(scene, film.start(), goal ? &*goal : nullptr, film.earlier()).front());
+  for (const Edit& edit : film.edits_before(film.rows().size() - 1)) marks.preparation.add(edit);
+  for (const TickRecord& row : film.rows()) marks.measures.add(row, nullptr);
+  const OutcomeResult outcome = end_marks(marks, film.model());
+  told["outcome"] = outcome_json(scene, outcome);
+  if (outcome.goal) told["goal"] = goal_json(scene, *outcome.goal);
+  return told;
+}
+
+/// What came of it: of the whole, of its own part where that is less, and all figures. The film is
+/// at its end.
+std::string outcome_section(const RecordingReader& reader, const RecordedFilm& film,
+                            const FrameState& end) {
+  const double rate_hz = film.scene().haptics.rate_hz;
+  const std::uint64_t own = film.rows().size();
+  const std::string& parent = reader.header().parent;
+  std::ostringstream html;
+  if (const EarlierRun* earlier = film.earlier()) {
+    char from[48];
+    std::snprintf(from, sizeof from, "%.3f s", film.rows().front().time_s);
+    html << "<p>Goes on from " << for_html(earlier->recording) << " at " << from << " ("
+         << for_html(parent) << "). This is of the whole, from the first tooth on:</p>\n"
+         << outcome_table(end, earlier->measures.ticks + own, rate_hz)
+         << "<p>This part alone, from " << from << " on:</p>\n"
+         << outcome_table(end_of_own_part(reader, film), own, rate_hz);
+  } else {
+    if (!parent.empty()) {
+      html << "<p>Goes on from " << for_html(parent)
+           << ". It does not hold what came before: this is of its own part alone.</p>\n";
+    }
+    html << outcome_table(end, own, rate_hz);
+  }
+  nlohmann::ordered_json figures;
+  if (reader.summary()) {
+    figures = nlohmann::ordered_json::parse(*reader.summary(), nullptr, false);
+  }
+  std::string title = "summary.json";
+  if (!figures.is_object()) {
+    html << "<p>The recording holds no summary of its run, which was not ended, or was recorded "
+            "before they were kept: these figures are from its rows alone.</p>\n";
+    title = "From the rows";
+    figures = marks_of_rows(reader, film);
+  }
+  html << "<details><summary>" << title << "</summary><table>\n";
+  add_rows(figures, "", html);
+  html << "</table></details>\n";
+  return html.str();
+}
+
+/// A plane across y through the middle of what was cut; none where nothing was.
+std::optional<Section> section_of_cut(const RecordedFilm& film, std::span<const Edit> edits) {
+  double sum = 0.0;
+  std::size_t count = 0;
+  const VoxelGrid& grid = film.model().grid;
+  for (const Edit& edit : edits) {
+    if (edit.body != 0 || edit.cause != EditCause::kCut) continue;
+    sum += grid.world_from_index(grid.cell_of_linear(edit.voxel).cast<double>()).y();
+    ++count;
+  }
+  if (count == 0) return {};
+  return Section{1, sum / static_cast<double>(count)};
+}
+
+constexpr const char* kHead = R"(<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
+<style>
+body{font:15px/1.5 "DejaVu Sans",Verdana,sans-serif;color:#222831;background:#eef0f2;margin:0 auto;max-width:1240px;padding:24px}
+h1{font-size:24px;margin:0}h2{font-size:18px;margin:32px 0 8px}p{color:#5b6470;margin:4px 0}
+figure{margin:0;background:#fff;border-radius:6px;overflow:hidden}figcaption{padding:4px 10px;color:#5b6470;font-size:13px}
+img,svg{width:100%;display:block}svg text{font-size:11px;fill:#5b6470}.grid{stroke:#d5d9de}
+.two{display:grid;grid-template-columns:1fr 1fr;gap:10px}.four{display:grid;grid-template-columns:repeat(4,1fr);gap:10px}
+table{border-collapse:collapse;background:#fff;border-radius:6px}th,td{text-align:left;padding:3px 14px;font-weight:normal;border-bottom:1px solid #eef0f2;white-space:pre}
+td{font-variant-numeric:tabular-nums}details{margin-top:10px}
+</style>
+)";
+
+}  // namespace
+
+void write_review_page(const RecordingReader& reader, const std::string& recording,
+                       const std::string& file) {
+  RecordedFilm film(reader, recording);
+  const std::vector<TickRecord>& rows = film.rows();
+  const std::size_t last = rows.size() - 1;
+  constexpr std::array<Camera, 4> kSides{Camera::kOcclusal, Camera::kReview, Camera::kBuccal,
+                                         Camera::kMesial};
+  RenderSettings settings = film.scene().render.value_or(RenderSettings{});
+  settings.width = kWide;
+  settings.height = kTall;
+  settings.section.reset();
+  std::ostringstream page;
+  const std::string title = for_html(film.scene().title);
+  page << kHead << "<title>" << title << "</title></head><body>\n<h1>" << title << "</h1>\n<p>"
+       << for_html("scene_sha256 " + reader.header().scene_sha256 + ", recorded by " +
+                   reader.header().build)
+       << "</p>\n";
+  if (!reader.missing().empty()) page << "<p>" << for_html(reader.missing()) << "</p>\n";
+  FrameState end;
+  std::optional<Section> section;
+  std::array<std::string, kSides.size()> before, after;
+  std::string strip, cut_open;
+  {
+    Renderer renderer(settings, film.bodies(), film.burr().mesh_tool, film.burr().head_length_m);
+    renderer.set_hud({.title = false, .figures = false, .arrows = false});
+    const auto draw_sides = [&](std::size_t row, const char* when, auto& into) {
+      FrameState state = film.seek_row(row, renderer);
+      state.burr_shown = false;
+      for (std::size_t side = 0; side < kSides.size(); ++side) {
+        renderer.set_viewpoint(kSides[side]);
+        into[side] = picture(
+            renderer.draw(state),
+            std::string(kCameraNames[static_cast<std::size_t>(kSides[side])]) + ", " + when);
+      }
+    };
+    draw_sides(0, "before", before);
+    renderer.set_size(kStripWide, kStripTall);
+    Viewpoint beside(-80.0, 20.0);
+    beside.follows_burr = true;
+    beside.zoom = 0.5;
+    renderer.set_viewpoint(beside);
+    renderer.set_hud({.title = false, .figures = false, .arrows = true});
+    for (std::size_t n = 1; n <= kStrip; ++n) {
+      const std::size_t row = last * n / (kStrip + 1);
+      char words[48];
+      std::snprintf(words, sizeof words, "%.2f s, %.2f N", rows[row].time_s,
+                    norm(rows[row].contact_force_N));
+      const FrameState state = film.seek_row(row, renderer);
+      renderer.set_section(Section{1, state.world_from_tool.position.y()});
+      strip += picture(renderer.draw(state), words);
+    }
+    renderer.set_size(kWide, kTall);
+    renderer.set_section({});
+    renderer.set_hud({.title = false, .figures = false, .arrows = false});
+    draw_sides(last, "after", after);
+    end = film.seek_row(last, renderer);
+    end.burr_shown = false;
+    section = section_of_cut(film, film.edits_before(last));
+    if (section) {
+      renderer.set_section(section);
+      renderer.set_viewpoint(Viewpoint(-90.0, 15.0));
+      char words[64];
+      std::snprintf(words, sizeof words, "cut open at y = %.2f mm, from buccal",
+                    section->at_m / kMillimetre);
+      cut_open = picture(renderer.draw(end), words);
+    }
+  }
+  page << "<h2>Outcome</h2>\n" << outcome_section(reader, film, end);
+  page << "<h2>Before and after</h2>\n<div class=\"two\">\n";
+  for (std::size_t side = 0; side < kSides.size(); ++side) page << before[side] << after[side];
+  page << "</div>\n";
+  if (section) {
+    Renderer renderer(settings, film.bodies(), film.burr().mesh_tool, film.burr().head_length_m);
+    renderer.set_hud({.title = false, .figures = false, .arrows = false});
+    renderer.set_viewpoint(Camera::kOcclusal);
+    renderer.colour_by_time(rows.back().time_s);
+    RecordedFilm again(reader, recording);
+    FrameState state = again.seek_row(last, renderer);
+    state.burr_shown = false;
+    page << "<h2>What was cut</h2>\n<div class=\"two\">\n"
+         << cut_open << picture(renderer.draw(state), "when it was cut: early yellow, late dark")
+         << "</div>\n";
+  }
+  page << "<h2>The way there, cut open at the burr</h2>\n<div class=\"four\">\n"
+       << strip << "</div>\n<h2>Curves</h2>\n";
+  const double voxel_mm3 = std::pow(film.model().grid.voxel_m / kMillimetre, 3);
+  double removed = 0.0;
+  page << curve("Force", "N", "#2062b2", rows, [](const TickRecord& row) {
+    return norm(row.force_N);
+  }) << curve("Torque", "mN m", "#c45e12", rows, [](const TickRecord& row) {
+    return 1e3 * norm(row.torque_Nm);
+  }) << curve("Voxels in contact", "1", "#6b4aa0", rows, [](const TickRecord& row) {
+    return static_cast<double>(row.contacts);
+  }) << curve("Cut", "mm\xC2\xB3", "#8a6d1c", rows, [&](const TickRecord& row) {
+    removed += static_cast<double>(row.removed) * voxel_mm3;
+    return removed;
+  }) << curve("Compute time of a tick", "\xC2\xB5s", "#1c8054", rows, [](const TickRecord& row) {
+    return static_cast<double>(row.step_us);
+  });
+  page << "</body></html>\n";
+  write_whole_file(file, page.str());
+}
+
+}  // namespace sulcus

@@ -1,0 +1,56 @@
+#include "app/report/statistics.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/hash.hpp"
+#include "engine/core/units.hpp"
+
+namespace sulcus {
+
+namespace {
+
+double length(const double (&v)[3]) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+
+}  // namespace
+
+void RunStatistics::add(const TickReport& report) {
+  const TickRecord& r = report.record;
+  const PortRecord& port = report.port;
+  double force[3], torque[3], step[3], asked_step[3];
+  for (int a = 0; a < 3; ++a) {
+    force[a] = r.force_N[a];
+    torque[a] = r.torque_Nm[a];
+    step[a] = ticks == 0 ? 0.0 : force[a] - last_force_[a];
+    last_force_[a] = force[a];
+    asked_step[a] = ticks == 0 ? 0.0 : port.asked_force_N[a] - last_asked_[a];
+    last_asked_[a] = port.asked_force_N[a];
+  }
+  force_step_max_N = std::max(force_step_max_N, length(step));
+  asked_step_max_N = std::max(asked_step_max_N, length(asked_step));
+  asked_force_sum_N += length(port.asked_force_N);
+  asked_force_max_N = std::max(asked_force_max_N, length(port.asked_force_N));
+  evaluations_sum += static_cast<double>(port.evaluations);
+  evaluations_max = std::max(evaluations_max, port.evaluations);
+  force_hash = hash_bytes(force, sizeof(force), force_hash);
+  force_hash = hash_bytes(torque, sizeof(torque), force_hash);
+  tick_us.add(r.step_us);
+  late_us.add(r.late_us);
+  for (int s = 0; s < kStageCount; ++s) stage_us[s].add(report.stage_us[s]);
+  const double force_now_N = length(force), torque_now_mNm = 1e3 * length(torque);
+  force_N.add(static_cast<float>(force_now_N));
+  torque_mNm.add(static_cast<float>(torque_now_mNm));
+  contacts_sum += r.contacts;
+  contacts_max = std::max(contacts_max, r.contacts);
+  chart.add({ticks, static_cast<float>(force_now_N), static_cast<float>(torque_now_mNm), r.step_us,
+             r.contacts});
+  leaves_sum += r.leaves;
+  tested_sum += r.tested;
+  leaves_max = std::max<std::uint32_t>(leaves_max, r.leaves);
+  tested_max = std::max<std::uint32_t>(tested_max, r.tested);
+  removed += r.removed;
+  for (int bit = 0; bit < 32; ++bit) faults[bit] += r.faults >> bit & 1u;
+  ++ticks;
+}
+
+}  // namespace sulcus

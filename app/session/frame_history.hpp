@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/session/feed.hpp"
+#include "engine/graphics/frame_state.hpp"
+#include "engine/outcome/preparation_progress.hpp"
+#include "engine/recording/earlier_run.hpp"
+#include "engine/recording/run_measures.hpp"
+#include "engine/recording/tick_record.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace sulcus {
+
+/// Collects rows of ticks into what a frame shows: the latest values, and curves of the last two
+/// seconds, what the preparation has come to.
+class FrameHistory {
+ public:
+  /// `start`: the workpiece before the first tick. `earlier`: what came before that, of a run that
+  /// goes on from another, null else: what the preparation has come to is told of the whole.
+  /// Neither is kept.
+  FrameHistory(const Scene& scene, const VoxelModel& start, const EarlierRun* earlier = nullptr);
+
+  /// `cutting`, `port`: the rows of the same tick, where there are any.
+  void add(const TickRecord& record, const CuttingRecord* cutting,
+           const PortRecord* port = nullptr);
+  /// With the times of its stages, which a recording does not hold.
+  void add(const TickReport& report);
+  /// Of any body; in the order of a run.
+  void add(const Edit& edit);
+  bool empty() const { return force_N_.empty(); }
+  /// Valid until the next `add`.
+  FrameState state() const;
+
+ private:
+  std::vector<OutcomeLine> outcome() const;
+  void add_warnings(std::vector<OutcomeLine>& lines) const;
+
+  std::string title_;
+  std::size_t window_;                                  // ticks
+  double dt_s_, set_speed_rad_per_s_, turn_rad_ = 0.0;  // of the spindle
+  double voxel_mm3_;
+  TickRecord latest_;
+  std::uint64_t removed_ = 0;                    // of the workpiece, cut and come loose
+  std::optional<PreparationProgress> progress_;  // with [cutting]
+  struct Damage {
+    std::string name;
+    double voxel_mm3;
+    std::uint64_t removed;
+  };
+  std::vector<Damage> damage_;  // of each other body
+  std::vector<std::string> tissues_;
+  RunMeasures measures_;
+  std::vector<float> force_N_, torque_mNm_, tick_us_;
+  bool cutting_, port_, timed_ = false;
+  double given_out_J_ = 0.0;                    // with [device] or [coupling]
+  std::array<double, kStageCount> stage_us_{};  // over about the last hundred ticks
+};
+
+}  // namespace sulcus

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/report/run_marks.hpp"
+#include "app/report/statistics.hpp"
+#include "app/session/feed.hpp"
+#include "app/session/loose_schedule.hpp"
+#include "app/session/piece_feed.hpp"
+#include "app/session/simulation.hpp"
+#include "engine/volume/input_geometry.hpp"
+
+namespace sulcus {
+
+enum class Pace : std::uint8_t { kReal, kFast };
+
+struct SessionResult;
+
+struct SessionOptions {
+  std::string folder;  // summary.json, forces.png, log.txt, recording.h5, frames/
+  Pace pace = Pace::kFast;
+  std::uint64_t ticks = 0;  // at most, from where the simulation is
+  bool render = true;       // draw, where the scene has [render]
+  /// What the file of the scene's goal holds, on the workpiece's grid, where it names one.
+  std::optional<VoxelModel> goal = {};
+  /// Where the workpiece's file lies, for its recording; none of a built-in shape.
+  std::optional<InputGeometry> input = {};
+  /// When answers of loose pieces were taken in the recording that is run again; none: a new run.
+  std::optional<std::vector<TakenAnswer>> played_back = {};
+  /// Called on the thread of run_session while the run lasts, with a feed of its own and the
+  /// pieces' (null where none may come loose); when it returns, the run ends.
+  std::function<void(Feed&, PieceFeed*)> watch = {};
+  /// Called when all is set up, before the first tick; may be empty.
+  std::function<void()> begins = {};
+  /// No tick while it is true; null: never.
+  const std::atomic<bool>* paused = nullptr;
+  /// Of a run that goes on from a recording: from which, and where; else empty.
+  std::string parent = {};
+  /// What came before the first tick, of a run that goes on from a recording; null else.
+  std::shared_ptr<const EarlierRun> earlier = {};
+  /// Makes the text of summary.json when all else has ended: the recording keeps it. Null: it has
+  /// none.
+  std::function<std::string(const SessionResult&)> summarise = {};
+};
+
+/// A part of the program that ran, as the summary lists it.
+struct PartUse {
+  std::string name;
+  double seconds = 0.0;  // to set it up, or of its own work
+  std::size_t bytes = 0;
+  std::optional<bool> cached = {};  // of what may come from the load cache: whether it did
+};
+
+struct SessionResult {
+  RunStatistics statistics;
+  std::optional<OutcomeResult> outcome;  // of a scene with [cutting], from the first tooth on
+  std::optional<OutcomeResult> part;     // of a run that goes on from another: its own alone
+  std::string summary;                   // as `summarise` made it
+  std::vector<PartUse> parts;
+  std::uint64_t missed_ticks = 0;  // whole periods that late wakes cost
+  std::uint64_t dropped_rows = 0;  // not recorded: the disk did not keep up
+  bool interrupted = false;
+  std::vector<std::string> refused;  // by the system, at real pace
+  std::vector<std::string> files;    // written, in the order to be named
+  std::exception_ptr failure;        // of a part of it: the rest is whole
+  std::uint64_t frames = 0;
+  std::uint64_t pieces = 0;  // that came loose
+  double wall_seconds = 0.0;
+  double load_seconds = 0.0;  // from the start of the process to the first tick
+};
+
+/// Runs a simulation against a device until its ticks are over, a stop is requested
+/// (engine/core/stop.hpp) or a fault ends it: the haptic thread, and beside it that of the reports
+/// and, where the scene asks, recorder, renderer and the thread of loose pieces, each with a feed
+/// of its own. Returns after everything is on disk, also where one of these failed. Throws where it
+/// cannot begin.
+SessionResult run_session(Simulation& simulation, Device& device, const SessionOptions& options);
+
+}  // namespace sulcus

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+
+#include "app/session/queue.hpp"
+#include "haptics/device/device.hpp"
+
+namespace sulcus {
+
+/// A hand that holds the burr by a mouse: it goes smoothly where it was last told to be. Told by
+/// one thread, asked by the haptic one.
+class MouseDevice final : public Device {
+ public:
+  MouseDevice(const Pose& start, double rate_hz)
+      : now_(start), wanted_(start), part_(std::min(1.0, 1.0 / (kLag_s * rate_hz))) {}
+
+  void go_to(const Pose& pose) { told_.enqueue(pose); }
+
+  std::optional<Pose> pose(std::uint64_t) noexcept override {
+    while (told_.try_dequeue(wanted_)) {
+    }
+    now_.position += part_ * (wanted_.position - now_.position);
+    // Straight between the two, and no longer than 1 again: slerp calls the maths library.
+    Eigen::Vector4d wanted = wanted_.orientation.coeffs();
+    if (wanted.dot(now_.orientation.coeffs()) < 0.0) wanted = -wanted;
+    now_.orientation.coeffs() += part_ * (wanted - now_.orientation.coeffs());
+    now_.orientation.normalize();
+    return now_;
+  }
+  void apply(const Wrench&) noexcept override {}
+
+ private:
+  // A mouse is read at some 30 Hz: between two readings the hand moves on.
+  static constexpr double kLag_s = 0.05;
+
+  Queue<Pose> told_{64};
+  Pose now_, wanted_;
+  double part_;  // of the way that is left, a tick
+};
+
+}  // namespace sulcus

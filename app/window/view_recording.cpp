@@ -1,0 +1,108 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <optional>
+
+#include "app/playback/recorded_film.hpp"
+#include "app/report/results.hpp"
+#include "app/report/run_key.hpp"
+#include "app/session/session.hpp"
+#include "app/terminal/terminal.hpp"
+#include "app/window/view_camera.hpp"
+#include "app/window/view_windows.hpp"
+#include "engine/core/realtime.hpp"
+#include "engine/graphics/gl_scene.hpp"
+#include "engine/graphics/panels.hpp"
+#include "engine/graphics/window.hpp"
+#include "engine/import/meshes/mesh_file.hpp"
+#include "engine/surface/surface_mesh.hpp"
+
+namespace sulcus {
+
+namespace {
+
+/// Writes the tooth as it is; returns what to say of it.
+std::string export_tooth(const RecordedFilm& film, const std::string& folder, double time_s) {
+  char name[48];
+  std::snprintf(name, sizeof name, "/tooth_%.3f_s.stl", time_s);
+  write_mesh(folder + name, closed_surface(film.model()));
+  return folder + name;
+}
+
+void take_keys(const WindowInput& input, double tick_s, PlayerControls& player) {
+  for (const char key : input.keys) {
+    if (key == ' ') player.playing = !player.playing;
+    const double step_s = input.shift ? tick_s : 0.1;
+    if (key == '<') player.time_s -= static_cast<float>(step_s);
+    if (key == '>') player.time_s += static_cast<float>(step_s);
+    if (key == 'e') player.export_asked = true;
+  }
+}
+
+}  // namespace
+
+void view_recording(const ViewOptions& options) {
+  const RecordingReader reader(options.file);
+  RecordedFilm film(reader, options.file);
+  say_what_is_missing(reader);
+  std::optional<ResultsFolder> folder;  // once something is to be written
+  RenderSettings settings = film.scene().render.value_or(RenderSettings{});
+  settings.width = options.width;
+  settings.height = options.height;
+  Window window("Sulcus: " + film.scene().title, options.width, options.height);
+  GlScene drawing(settings, film.bodies(), film.burr().mesh_tool, film.burr().head_length_m);
+  ViewCamera camera(settings.camera);
+  PlayerControls player;
+  player.picture.arrows = settings.arrows;
+  const double tick_s = 1.0 / film.scene().haptics.rate_hz;  // a float's time may lie before it
+  player.first_s = player.time_s = static_cast<float>(film.rows().front().time_s);
+  player.end_s = static_cast<float>(film.rows().back().time_s);
+  std::uint64_t last_ns = steady_ns();
+  while (window.is_open()) {
+    const WindowInput input = window.begin();
+    draw_panels(player);
+    const std::uint64_t now_ns = steady_ns();
+    const auto passed_s = static_cast<float>(1e-9 * static_cast<double>(now_ns - last_ns));
+    last_ns = now_ns;
+    take_keys(input, tick_s, player);
+    if (player.playing) player.time_s += player.speed * passed_s;
+    const float wanted_s = player.time_s;
+    player.time_s = std::clamp(wanted_s, player.first_s, player.end_s);
+    if (player.time_s != wanted_s) player.playing = false;  // an end of the recording
+
+    camera.follow(input);
+    if (input.left && !input.shift) camera.turn(input);
+    if (input.middle || (input.left && input.shift)) camera.move(input);
+    drawing.set_hurried(player.playing);
+    const bool turning = input.left || input.middle || input.wheel != 0.0;
+    drawing.set_detail(turning ? Detail::kCoarse : Detail::kFull);
+    drawing.set_viewpoint(camera.from());
+    drawing.set_section(player.picture.section());
+    drawing.set_handpiece(false);  // as in the window of a scene
+    drawing.set_hud({true, player.picture.figures, player.picture.arrows});
+    const Eigen::Vector2i size = window.size();
+    drawing.set_size(size.x(), size.y());
+    drawing.draw(
+        film.seek_row(film.row_at(static_cast<double>(player.time_s) + 0.5 * tick_s), drawing));
+    window.end(drawing.frame());
+    if (player.export_asked) {
+      player.export_asked = false;
+      try {
+        if (!folder) {
+          folder.emplace(ResultsPlace{options.folder, folder_of_recording(options.file, "_view"),
+                                      options.force, key_of_view(reader), true});
+        }
+        player.said = export_tooth(film, folder->path(), static_cast<double>(player.time_s));
+        say("%s\n", player.said.c_str());
+        std::fflush(stdout);
+      } catch (const std::exception& error) {  // the window stays
+        player.said = error.what();
+      }
+    }
+  }
+}
+
+}  // namespace sulcus

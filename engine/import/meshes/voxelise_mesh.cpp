@@ -1,0 +1,253 @@
+#include "engine/import/meshes/voxelise_mesh.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <iomanip>
+#include <memory>
+#include <sstream>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <tbb/parallel_for.h>
+
+#include "engine/core/error.hpp"
+#include "engine/core/units.hpp"
+#include "engine/import/meshes/mesh_shells.hpp"
+#include "engine/import/meshes/ray_votes.hpp"
+#include "engine/import/meshes/winding_number.hpp"
+#include "engine/import/placement.hpp"
+
+namespace sulcus {
+namespace {
+
+void extend(Eigen::AlignedBox3d& box_file, const TriangleMesh& mesh) {
+  for (const auto& t : mesh.triangles) {
+    for (const std::uint32_t v : t) box_file.extend(mesh.positions[v].cast<double>());
+  }
+}
+
+std::vector<Eigen::Vector3d> positions_in_index(const TriangleMesh& mesh, const VoxelGrid& grid,
+                                                const Eigen::Affine3d& world_from_file) {
+  std::vector<Eigen::Vector3d> positions;
+  positions.reserve(mesh.positions.size());
+  for (const Eigen::Vector3f& p : mesh.positions) {
+    positions.push_back(grid.index_from_world(world_from_file * p.cast<double>()));
+  }
+  return positions;
+}
+
+bool reaches_beyond(const VoxelGrid& grid, const TriangleMesh& mesh,
+                    const std::vector<Eigen::Vector3d>& positions_index) {
+  constexpr double kSlack = 1e-3;  // voxels; file coordinates are floats
+  const Eigen::Array3d low = Eigen::Array3d::Constant(-0.5 - kSlack);
+  const Eigen::Array3d high = grid.cells.cast<double>().array() - 0.5 + kSlack;
+  return std::ranges::any_of(mesh.triangles, [&](const auto& t) {
+    return std::ranges::any_of(t, [&](std::uint32_t v) {
+      const Eigen::Array3d p = positions_index[v].array();
+      return (p < low).any() || (p > high).any();
+    });
+  });
+}
+
+/// Leaves that a triangle's box overlaps.
+std::vector<std::uint8_t> touched_leaves(const VoxelGrid& grid, const TriangleMesh& mesh,
+                                         const std::vector<Eigen::Vector3d>& positions_index) {
+  std::vector<std::uint8_t> touched(grid.leaf_count(), 0);
+  const Eigen::Array3d last = (grid.leaf_dims() - Eigen::Vector3i::Ones()).cast<double>().array();
+  for (const auto& t : mesh.triangles) {
+    Eigen::AlignedBox3d box;
+    for (const std::uint32_t v : t) box.extend(positions_index[v]);
+    // A centre on a face of the box belongs to it: half a voxel wider.
+    const Eigen::Array3d low = ((box.min().array() - 0.5) / kLeafEdge).floor();
+    const Eigen::Array3d high = ((box.max().array() + 0.5) / kLeafEdge).floor();
+    if ((high < 0.0).any() || (low > last).any()) continue;
+    const Eigen::Array3i from = low.max(0.0).cast<int>(), to = high.min(last).cast<int>();
+    for (int k = from.z(); k <= to.z(); ++k) {
+      for (int j = from.y(); j <= to.y(); ++j) {
+        for (int i = from.x(); i <= to.x(); ++i) {
+          touched[grid.leaf_of(Cell(i, j, k) * kLeafEdge)] = 1;
+        }
+      }
+    }
+  }
+  return touched;
+}
+
+/// Voxels of a leaf on lines that are sound.
+LeafBits sound_voxels(const VoxelGrid& grid, const RayVotes& votes, const Cell& origin) {
+  LeafBits sound;
+  sound.words.fill(~std::uint64_t{0});
+  if (votes.all_sound) return sound;
+  for (int v = 0; v < 512; ++v) {
+    const int i = v & 7, j = v >> 3 & 7, k = v >> 6;
+    if (votes.unsound[RayVotes::line(grid, votes.axis, origin + Cell(i, j, k))] != 0) {
+      sound.words[k] &= ~(std::uint64_t{1} << leaf_bit(i, j));
+    }
+  }
+  return sound;
+}
+
+/// Decides what it can of a leaf by the lines; the rest comes back in `open`.
+LeafBits count_votes(const VoxelGrid& grid, const std::array<RayVotes, 3>& votes,
+                     std::uint32_t leaf, LeafBits& open) {
+  const Cell origin = grid.leaf_origin(leaf);
+  const std::array<LeafBits, 3> sound = {sound_voxels(grid, votes[0], origin),
+                                         sound_voxels(grid, votes[1], origin),
+                                         sound_voxels(grid, votes[2], origin)};
+  LeafBits solid;
+  for (int k = 0; k < kLeafEdge; ++k) {
+    std::uint64_t yes = 0, no = 0;
+    for (int a = 0; a < 3; ++a) {
+      yes |= votes[a].solid[leaf].words[k] & sound[a].words[k];
+      no |= ~votes[a].solid[leaf].words[k] & sound[a].words[k];
+    }
+    const std::uint64_t x = sound[0].words[k], y = sound[1].words[k], z = sound[2].words[k];
+    const std::uint64_t two_sound = (x & y) | (y & z) | (z & x);
+    solid.words[k] = yes & ~no & two_sound;
+    open.words[k] = ~two_sound | (yes & no);
+  }
+  return solid;
+}
+
+class OpenVoxels {
+ public:
+  OpenVoxels(const VoxelGrid& grid, const TriangleMesh& mesh,
+             const std::vector<Eigen::Vector3d>& positions_index)
+      : grid_(grid),
+        winding_(positions_index, mesh.triangles),
+        touched_(touched_leaves(grid, mesh, positions_index)) {}
+
+  /// Adds the open voxels of a leaf that are inside to `solid`.
+  void decide(std::uint32_t leaf, const LeafBits& open, LeafBits& solid) const {
+    const Cell origin = grid_.leaf_origin(leaf);
+    // With no triangle in the leaf the number changes smoothly across it: where its corners and
+    // its middle are clear and agree, so does the rest. Worth it from more voxels than that.
+    if (touched_[leaf] == 0 && count_voxels(open) > 9) {
+      if (const int all = clear_side(origin); all >= 0) {
+        if (all == 1) solid |= open;
+        return;
+      }
+    }
+    for (int k = 0; k < kLeafEdge; ++k) {
+      for (std::uint64_t rest = open.words[k]; rest != 0; rest &= rest - 1) {
+        const int bit = std::countr_zero(rest);
+        if (winding(origin + Cell(bit & 7, bit >> 3, k)) > 0.5) {
+          solid.words[k] |= std::uint64_t{1} << bit;
+        }
+      }
+    }
+  }
+
+ private:
+  double winding(const Cell& c) const { return std::abs(winding_.at(c.cast<double>())); }
+
+  /// 1: all inside, 0: all outside, -1: not clear.
+  int clear_side(const Cell& origin) const {
+    constexpr double kClear = 0.25;
+    int inside = 0;
+    for (int probe = 0; probe < 9; ++probe) {
+      const Cell c = probe < 8 ? Cell(origin + 7 * Cell(probe & 1, probe >> 1 & 1, probe >> 2))
+                               : Cell(origin + Cell(4, 4, 4));
+      const double w = winding(c);
+      if (std::abs(w - 0.5) < kClear) return -1;
+      inside += w > 0.5 ? 1 : 0;
+    }
+    return inside == 9 ? 1 : inside == 0 ? 0 : -1;
+  }
+
+  const VoxelGrid& grid_;
+  WindingNumber winding_;
+  std::vector<std::uint8_t> touched_;
+};
+
+/// Fills a mesh into the leaves of an empty model; `file` for messages.
+void fill(const TriangleMesh& mesh, const Eigen::Affine3d& world_from_file, const std::string& file,
+          VoxelModel& model) {
+  const VoxelGrid& grid = model.grid;
+  const std::vector<Eigen::Vector3d> positions_index =
+      positions_in_index(mesh, grid, world_from_file);
+  check_shells(mesh, grid, positions_index, file);
+  const std::array<RayVotes, 3> votes = {cast_rays(grid, 0, positions_index, mesh.triangles),
+                                         cast_rays(grid, 1, positions_index, mesh.triangles),
+                                         cast_rays(grid, 2, positions_index, mesh.triangles)};
+  const OpenVoxels open_voxels(grid, mesh, positions_index);
+  model.leaves.resize(grid.leaf_count());
+  model.clipped = reaches_beyond(grid, mesh, positions_index);
+  tbb::parallel_for(std::uint32_t{0}, grid.leaf_count(), [&](std::uint32_t leaf) {
+    LeafBits open;
+    model.leaves[leaf] = count_votes(grid, votes, leaf, open);
+    if (open != LeafBits{}) open_voxels.decide(leaf, open, model.leaves[leaf]);
+  });
+  if (model.solid_count() == 0) {
+    Eigen::AlignedBox3d box_file;
+    extend(box_file, mesh);
+    std::ostringstream found;
+    found << std::setprecision(3) << "a mesh " << box_file.sizes().maxCoeff() / kMillimetre
+          << " mm long with no voxel of the grid inside";
+    throw InputError(file, "", found.str(), "a closed one, in mm, that reaches into the grid");
+  }
+}
+
+/// Adds what one mesh encloses to the solid and gives it its label, over those from before.
+void add_tissue(const VoxelModel& part, std::uint8_t label, VoxelModel& model, TissueMap& tissues) {
+  model.clipped |= part.clipped;
+  tbb::parallel_for(std::uint32_t{0}, model.grid.leaf_count(), [&](std::uint32_t leaf) {
+    if (!any(part.leaves[leaf])) return;
+    LabelBlock labels;
+    if (const LabelBlock* block = tissues.block(leaf)) {
+      labels = *block;
+    } else {
+      labels.fill(tissues.uniform_label(leaf));
+    }
+    for (int k = 0; k < kLeafEdge; ++k) {
+      for (std::uint64_t rest = part.leaves[leaf].words[k]; rest != 0; rest &= rest - 1) {
+        labels[static_cast<std::size_t>(std::countr_zero(rest) | k << 6)] = label;
+      }
+    }
+    model.leaves[leaf] |= part.leaves[leaf];
+    tissues.set_block(leaf, labels, model.leaves[leaf].words);
+  });
+}
+
+}  // namespace
+
+VoxelModel voxelise_mesh(const TriangleMesh& mesh, const VoxelGrid& grid,
+                         const WorkpieceSettings& settings) {
+  Eigen::AlignedBox3d box_file;
+  extend(box_file, mesh);
+  VoxelModel model;
+  model.grid = grid;
+  fill(mesh, placement(box_file.center(), settings), settings.file, model);
+  return model;
+}
+
+Eigen::Affine3d world_from_surfaces(std::span<const TissueSurface> surfaces,
+                                    const WorkpieceSettings& settings) {
+  Eigen::AlignedBox3d box_file;
+  for (const TissueSurface& surface : surfaces) extend(box_file, surface.mesh);
+  return placement(box_file.center(), settings);
+}
+
+VoxelModel voxelise_surfaces(std::span<const TissueSurface> surfaces, const VoxelGrid& grid,
+                             const WorkpieceSettings& settings) {
+  if (surfaces.size() == 1) return voxelise_mesh(surfaces.front().mesh, grid, settings);
+  const Eigen::Affine3d world_from_file = world_from_surfaces(surfaces, settings);
+  VoxelModel model;
+  model.grid = grid;
+  model.leaves.resize(grid.leaf_count());
+  const auto tissues = std::make_shared<TissueMap>(grid.leaf_count());
+  for (const TissueSurface& surface : surfaces) {
+    VoxelModel part;
+    part.grid = grid;
+    fill(surface.mesh, world_from_file, surface.file, part);
+    add_tissue(part, surface.label, model, *tissues);
+  }
+  model.tissues = tissues;
+  return model;
+}
+
+}  // namespace sulcus

@@ -1,0 +1,314 @@
+#include "engine/import/volumes/tiff_volume.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <tiffio.h>
+
+#include "engine/core/error.hpp"
+#include "engine/import/volumes/number_type.hpp"
+#include "engine/import/volumes/tiff_text.hpp"
+#include "engine/import/volumes/volume_checks.hpp"
+
+namespace sulcus {
+namespace {
+
+// What LZW makes of one byte at most: codes of 12 bits for strings of up to 3,839.
+constexpr std::uint64_t kMaxTiffRatio = 4096;
+constexpr std::uint64_t kMaxOtherRatio = std::uint64_t{1} << 20;
+constexpr std::array<int, 7> kLossless{
+    COMPRESSION_NONE,     COMPRESSION_LZW,  COMPRESSION_ADOBE_DEFLATE, COMPRESSION_DEFLATE,
+    COMPRESSION_PACKBITS, COMPRESSION_LZMA, COMPRESSION_ZSTD};
+
+using Tiff = std::unique_ptr<TIFF, void (*)(TIFF*)>;
+
+/// What must be the same of all pages.
+struct TiffForm {
+  std::uint32_t width = 0, height = 0;  // as they are stored
+  std::uint16_t bits = 1, format = SAMPLEFORMAT_UINT;
+  std::uint16_t compression = COMPRESSION_NONE;
+  std::uint16_t orientation = ORIENTATION_TOPLEFT;
+  bool tiled = false, white_is_zero = false;
+
+  bool operator==(const TiffForm&) const = default;
+  std::uint64_t row_bytes() const { return (std::uint64_t{width} * bits + 7) / 8; }
+  std::size_t pixels() const { return std::size_t{width} * height; }
+  bool transposed() const { return orientation >= ORIENTATION_LEFTTOP; }
+};
+
+Tiff open_tiff(const std::string& file) {
+  // Errors are told in one line, by exception.
+  TIFFSetWarningHandler(nullptr);
+  TIFFSetErrorHandler(nullptr);
+  Tiff tiff(TIFFOpen(file.c_str(), "rm"), TIFFClose);
+  if (!tiff) throw InputError(file, "header", "contents that cannot be one", "a TIFF file");
+  return tiff;
+}
+
+std::string page_place(unsigned page) { return "page " + std::to_string(page); }
+
+/// Of the page at which `tiff` stands.
+TiffForm form_of(const std::string& file, unsigned page, TIFF* tiff) {
+  const auto refuse = [&](const std::string& found, const std::string& expected) {
+    throw InputError(file, page_place(page), found, expected);
+  };
+  TiffForm form;
+  TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &form.width);
+  TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &form.height);
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_BITSPERSAMPLE, &form.bits);
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLEFORMAT, &form.format);
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &form.compression);
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_ORIENTATION, &form.orientation);
+  std::uint16_t samples = 1, photometric = PHOTOMETRIC_MINISBLACK;
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLESPERPIXEL, &samples);
+  TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &photometric);
+  std::uint32_t kind = 0;
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_SUBFILETYPE, &kind);
+  form.white_is_zero = photometric == PHOTOMETRIC_MINISWHITE;
+  if (samples != 1 || (photometric != PHOTOMETRIC_MINISBLACK && !form.white_is_zero)) {
+    refuse("colours (" + std::to_string(samples) + " samples, photometric " +
+               std::to_string(photometric) + ")",
+           "one grey value a pixel");
+  }
+  const bool words = form.bits == 8 || form.bits == 16 || form.bits == 32 || form.bits == 64;
+  const bool known = form.format == SAMPLEFORMAT_UINT  ? words || (form.bits > 0 && form.bits < 16)
+                     : form.format == SAMPLEFORMAT_INT ? words
+                                                       : form.format == SAMPLEFORMAT_IEEEFP &&
+                                                             (form.bits == 32 || form.bits == 64);
+  if (!known) {
+    refuse(std::to_string(form.bits) + " bits of sample format " + std::to_string(form.format),
+           "1 to 16, 32 or 64 bits, or a float of 32 or 64");
+  }
+  if (std::ranges::find(kLossless, form.compression) == kLossless.end() ||
+      TIFFIsCODECConfigured(form.compression) == 0) {
+    refuse("compression " + std::to_string(form.compression),
+           "none, LZW, deflate, PackBits, LZMA or Zstandard");
+  }
+  form.tiled = TIFFIsTiled(tiff) != 0;
+  if ((kind & ~std::uint32_t{FILETYPE_PAGE}) != 0) {
+    refuse("a reduced image or a mask", "pages of the volume alone");
+  }
+  if (form.orientation < ORIENTATION_TOPLEFT || form.orientation > ORIENTATION_LEFTBOT) {
+    refuse("orientation " + std::to_string(form.orientation), "1 to 8");
+  }
+  if (static_cast<std::uint64_t>(TIFFScanlineSize64(tiff)) != form.row_bytes()) {
+    refuse("rows of another length", std::to_string(form.row_bytes()) + " bytes");
+  }
+  return form;
+}
+
+/// Goes through the pages of a file; how many there are.
+unsigned check_pages(const std::string& file, const InputLimits& limits, TiffForm& first,
+                     bool is_first) {
+  const Tiff tiff = open_tiff(file);
+  unsigned pages = 0;
+  while (true) {
+    const TiffForm form = form_of(file, pages, tiff.get());
+    if (is_first && pages == 0) first = form;
+    if (form != first) {
+      throw InputError(file, page_place(pages), "a page of another form", "that of the first");
+    }
+    ++pages;
+    const std::array<std::int64_t, 3> sizes{first.width, first.height, pages};
+    checked_voxel_count(file, "sizes", sizes, limits);
+    if (TIFFLastDirectory(tiff.get()) != 0) break;
+    // The library would take a page that is cut off for the end.
+    if (TIFFReadDirectory(tiff.get()) == 0) {
+      throw InputError(file, page_place(pages), "a page that cannot be read", "a whole TIFF file");
+    }
+  }
+  const std::uint64_t announced = first.row_bytes() * first.height * pages;
+  const bool newer = first.compression == COMPRESSION_LZMA || first.compression == COMPRESSION_ZSTD;
+  const std::uint64_t ratio = first.compression == COMPRESSION_NONE ? 1
+                              : newer                               ? kMaxOtherRatio
+                                                                    : kMaxTiffRatio;
+  if (const std::uint64_t held = std::filesystem::file_size(file); held < announced / ratio) {
+    throw InputError(file, "data", std::to_string(held) + " bytes",
+                     "at least " + std::to_string(announced / ratio));
+  }
+  return pages;
+}
+
+/// A row of stored numbers; those of less than a byte, and of 9 to 15 bits, lie bit behind bit.
+void convert(const TiffForm& form, std::span<const std::byte> row, std::span<float> values) {
+  using Kind = NumberType::Kind;
+  const Kind kind = form.format == SAMPLEFORMAT_IEEEFP ? Kind::kFloat
+                    : form.format == SAMPLEFORMAT_INT  ? Kind::kSigned
+                                                       : Kind::kUnsigned;
+  if (form.bits % 8 == 0) return to_floats(row, {kind, form.bits / 8u}, false, values);
+  std::size_t bit = 0;
+  for (float& value : values) {
+    unsigned number = 0;
+    for (unsigned b = 0; b < form.bits; ++b, ++bit) {
+      const auto byte = static_cast<unsigned>(row[bit / 8]);
+      number = number << 1u | (byte >> (7u - bit % 8u) & 1u);
+    }
+    value = static_cast<float>(number);
+  }
+}
+
+[[noreturn]] void refuse_pixels(const std::string& file, unsigned page, const std::string& place) {
+  throw InputError(file, page_place(page) + ", " + place, "pixels that cannot be read",
+                   "a whole TIFF file");
+}
+
+/// The page at which `tiff` stands, as it is stored.
+void read_strips(const std::string& file, unsigned page, TIFF* tiff, const TiffForm& form,
+                 std::span<float> stored) {
+  std::vector<std::byte> row(form.row_bytes());
+  for (std::uint32_t line = 0; line < form.height; ++line) {
+    if (TIFFReadScanline(tiff, row.data(), line) != 1) {
+      refuse_pixels(file, page, "row " + std::to_string(line));
+    }
+    convert(form, row, stored.subspan(std::size_t{line} * form.width, form.width));
+  }
+}
+
+void read_tiles(const std::string& file, unsigned page, TIFF* tiff, const TiffForm& form,
+                std::span<float> stored) {
+  std::uint32_t width = 0, height = 0;
+  TIFFGetField(tiff, TIFFTAG_TILEWIDTH, &width);
+  TIFFGetField(tiff, TIFFTAG_TILELENGTH, &height);
+  constexpr std::uint32_t kMost = 1 << 14;
+  const std::uint64_t row_bytes = (std::uint64_t{width} * form.bits + 7) / 8;
+  if (width == 0 || height == 0 || width > kMost || height > kMost ||
+      static_cast<std::uint64_t>(TIFFTileSize64(tiff)) != row_bytes * height) {
+    refuse_pixels(file, page, "tiles of " + std::to_string(width) + " x " + std::to_string(height));
+  }
+  std::vector<std::byte> tile(row_bytes * height);
+  std::vector<float> row(width);
+  for (std::uint32_t y = 0; y < form.height; y += height) {
+    for (std::uint32_t x = 0; x < form.width; x += width) {
+      if (TIFFReadTile(tiff, tile.data(), x, y, 0, 0) < 0) {
+        refuse_pixels(file, page, "tile " + std::to_string(x) + ", " + std::to_string(y));
+      }
+      const std::uint32_t columns = std::min(width, form.width - x);
+      for (std::uint32_t r = 0; r < std::min(height, form.height - y); ++r) {
+        convert(form, std::span(tile).subspan(r * row_bytes, row_bytes), row);
+        std::copy_n(
+            row.begin(), columns,
+            stored.begin() + static_cast<std::ptrdiff_t>(std::size_t{y + r} * form.width + x));
+      }
+    }
+  }
+}
+
+/// Where its orientation puts what is stored in column `c` and row `r` [TIFF 6.0, "Orientation"].
+std::size_t upright(const TiffForm& form, std::uint32_t c, std::uint32_t r) {
+  const std::uint32_t c_end = form.width - 1 - c, r_end = form.height - 1 - r;
+  std::uint32_t x = c, y = r;
+  switch (form.orientation) {
+    case ORIENTATION_TOPRIGHT:
+      x = c_end;
+      break;
+    case ORIENTATION_BOTRIGHT:
+      x = c_end, y = r_end;
+      break;
+    case ORIENTATION_BOTLEFT:
+      y = r_end;
+      break;
+    case ORIENTATION_LEFTTOP:
+      x = r, y = c;
+      break;
+    case ORIENTATION_RIGHTTOP:
+      x = r_end, y = c;
+      break;
+    case ORIENTATION_RIGHTBOT:
+      x = r_end, y = c_end;
+      break;
+    case ORIENTATION_LEFTBOT:
+      x = r, y = c_end;
+      break;
+    default:
+      break;
+  }
+  return std::size_t{y} * (form.transposed() ? form.height : form.width) + x;
+}
+
+/// All pages into `values`; where the next file's begin.
+float* read_pages(const std::string& file, const TiffForm& form, unsigned pages, float* values) {
+  const Tiff tiff = open_tiff(file);
+  std::vector<float> stored(form.orientation == ORIENTATION_TOPLEFT ? 0 : form.pixels());
+  for (unsigned page = 0; page < pages; ++page) {
+    // The form once more: the file may have been written to.
+    if ((page > 0 && TIFFReadDirectory(tiff.get()) == 0) ||
+        form_of(file, page, tiff.get()) != form) {
+      throw InputError(file, page_place(page), "a page that changed", "a whole TIFF file");
+    }
+    const std::span<float> out(values, form.pixels());
+    const std::span<float> as_stored = stored.empty() ? out : std::span<float>(stored);
+    (form.tiled ? read_tiles : read_strips)(file, page, tiff.get(), form, as_stored);
+    for (std::size_t p = 0; p < stored.size(); ++p) {
+      out[upright(form, static_cast<std::uint32_t>(p % form.width),
+                  static_cast<std::uint32_t>(p / form.width))] = stored[p];
+    }
+    values += form.pixels();
+  }
+  return values;
+}
+
+/// What the first page says of the size of voxels, and of what its pages are.
+void take_text(const std::string& file, const TiffForm& form, std::int64_t pages,
+               MedicalVolume& volume) {
+  const Tiff tiff = open_tiff(file);
+  const char* description = nullptr;
+  if (TIFFGetField(tiff.get(), TIFFTAG_IMAGEDESCRIPTION, &description) != 1 || !description) return;
+  TiffText text = read_tiff_text(file, description);
+  if (text.others != 1) {
+    throw InputError(file, "ImageDescription", "several channels or points in time",
+                     "one stack of slices");
+  }
+  if (text.slices && *text.slices != pages) {
+    throw InputError(file, "ImageDescription", std::to_string(*text.slices) + " slices",
+                     std::to_string(pages) + ", as many as there are pages");
+  }
+  float across = 0.0f, down = 0.0f;  // pixels for a unit
+  if (text.unit_m && TIFFGetField(tiff.get(), TIFFTAG_XRESOLUTION, &across) == 1 &&
+      TIFFGetField(tiff.get(), TIFFTAG_YRESOLUTION, &down) == 1 && across > 0.0f && down > 0.0f) {
+    text.x_m = *text.unit_m / static_cast<double>(across);
+    text.y_m = *text.unit_m / static_cast<double>(down);
+  }
+  if (!text.x_m || !text.y_m || !text.z_m) return;
+  if (form.transposed()) std::swap(text.x_m, text.y_m);
+  volume.spacing_m = {*text.x_m, *text.y_m, *text.z_m};
+  for (int d = 0; d < 3; ++d) check_spacing(file, "spacing", volume.spacing_m[d] * 1e3);
+  volume.spacing_known = true;
+}
+
+}  // namespace
+
+MedicalVolume read_tiff_volume(std::span<const std::string> files, const InputLimits& limits) {
+  TiffForm form;
+  std::vector<unsigned> pages;
+  std::int64_t all = 0;
+  for (const std::string& file : files) {
+    pages.push_back(check_pages(file, limits, form, pages.empty()));
+    all += pages.back();
+    const std::array<std::int64_t, 3> sizes{form.width, form.height, all};
+    checked_voxel_count(file, "sizes", sizes, limits);
+  }
+  MedicalVolume volume;
+  volume.file = files.front();
+  volume.spacing_known = false;
+  if (files.size() == 1) take_text(files.front(), form, all, volume);
+  if (form.white_is_zero) {
+    volume.warnings.emplace_back("0 is white in it, a matter of display: values stay as stored");
+  }
+  std::array<std::int64_t, 3> sizes{form.width, form.height, all};
+  if (form.transposed()) std::swap(sizes[0], sizes[1]);
+  set_sizes(volume, sizes);
+  float* values = volume.values.data();
+  for (std::size_t f = 0; f < files.size(); ++f) {
+    values = read_pages(files[f], form, pages[f], values);
+  }
+  return volume;
+}
+
+}  // namespace sulcus

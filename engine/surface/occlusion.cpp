@@ -1,0 +1,219 @@
+#include "engine/surface/occlusion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "engine/core/units.hpp"
+
+namespace sulcus {
+namespace {
+
+// The blur's standard deviation is two cells: a quarter of a fissure's depth, a fifth of a burr.
+// One cell would do for the depth, but the lattice would show.
+constexpr double kCell = 0.14 * kMillimetre;
+constexpr int kHalfBlur = 4;
+constexpr int kBlur = 2 * kHalfBlur;
+constexpr int kKeptLevel = 2;  // of Density::quarter_count
+
+std::size_t at(const Eigen::Vector3i& dims, int x, int y, int z) {
+  return static_cast<std::size_t>(x) +
+         static_cast<std::size_t>(dims.x()) *
+             (static_cast<std::size_t>(y) + static_cast<std::size_t>(dims.y()) * z);
+}
+
+/// Holds no cell, and may be united with other boxes.
+Occlusion::Box no_cells(const Eigen::Vector3i& dims) { return {dims, Eigen::Vector3i::Zero()}; }
+
+bool empty(const Occlusion::Box& box) { return (box.low.array() >= box.high.array()).any(); }
+
+/// What the blur makes of a change in the cells of a box.
+Occlusion::Box blurred(const Occlusion::Box& box, const Eigen::Vector3i& dims) {
+  if (empty(box)) return {};
+  return {(box.low - Eigen::Vector3i::Constant(kBlur)).cwiseMax(0),
+          (box.high + Eigen::Vector3i::Constant(kBlur)).cwiseMin(dims)};
+}
+
+}  // namespace
+
+Occlusion::Occlusion(const VoxelModel& model, const Density& density)
+    : level_(std::clamp(static_cast<int>(std::lround(std::log2(kCell / model.grid.voxel_m))),
+                        kKeptLevel, 6)),
+      cell_m_(model.grid.voxel_m * (1 << level_)),
+      dims_((model.grid.cells + Eigen::Vector3i::Constant((1 << level_) - 1)) / (1 << level_)),
+      half_m_(0.5 * model.grid.voxel_m * model.grid.cells.cast<double>()),
+      raw_(static_cast<std::size_t>(dims_.x()) * dims_.y() * dims_.z()),
+      values_(raw_.size()) {
+  gather(density, Eigen::Vector3i::Zero(), dims_);
+  smooth({Eigen::Vector3i::Zero(), dims_});
+}
+
+void Occlusion::gather(const Density& density, const Eigen::Vector3i& low,
+                       const Eigen::Vector3i& high) {
+  const int edge = 1 << (level_ - kKeptLevel);
+  const float full = 1.0f / (64.0f * static_cast<float>(edge * edge * edge));
+  for (int z = low.z(); z < high.z(); ++z) {
+    for (int y = low.y(); y < high.y(); ++y) {
+      for (int x = low.x(); x < high.x(); ++x) {
+        const Eigen::Vector3i from = Eigen::Vector3i(x, y, z) * edge;
+        const Eigen::Vector3i to =
+            (from + Eigen::Vector3i::Constant(edge)).cwiseMin(density.quarter_dims());
+        int count = 0;
+        for (int k = from.z(); k < to.z(); ++k) {
+          for (int j = from.y(); j < to.y(); ++j) {
+            for (int i = from.x(); i < to.x(); ++i) count += density.quarter_count(i, j, k);
+          }
+        }
+        raw_[at(dims_, x, y, z)] = full * static_cast<float>(count);
+      }
+    }
+  }
+}
+
+void Occlusion::smooth(const Box& box) {
+  if (empty(box)) return;
+  const Eigen::Vector3i margin = Eigen::Vector3i::Constant(kBlur);
+  block_.reshape(box.low - margin, box.high - box.low + 2 * margin);
+  std::fill(block_.values.begin(), block_.values.end(), 0.0f);
+  const Eigen::Vector3i from = block_.first.cwiseMax(0);
+  const Eigen::Vector3i to = (block_.first + block_.dims).cwiseMin(dims_);
+  for (int z = from.z(); z < to.z(); ++z) {
+    for (int y = from.y(); y < to.y(); ++y) {
+      for (int x = from.x(); x < to.x(); ++x) {
+        const std::size_t cell = at(dims_, x, y, z);
+        const float pieces = raw_pieces_.empty() ? 0.0f : raw_pieces_[cell];
+        // Never denser than solid, also where a piece overlaps.
+        block_.values[at(block_.dims, x - block_.first.x(), y - block_.first.y(),
+                         z - block_.first.z())] = std::min(raw_[cell] + pieces, 1.0f);
+      }
+    }
+  }
+  blur(block_, kHalfBlur, scratch_);
+  blur(block_, kHalfBlur, scratch_);
+  for (int z = box.low.z(); z < box.high.z(); ++z) {
+    for (int y = box.low.y(); y < box.high.y(); ++y) {
+      for (int x = box.low.x(); x < box.high.x(); ++x) {
+        const float value = block_.values[at(block_.dims, x - block_.first.x(),
+                                             y - block_.first.y(), z - block_.first.z())];
+        values_[at(dims_, x, y, z)] = static_cast<std::uint16_t>(std::lround(65535.0f * value));
+      }
+    }
+  }
+}
+
+Occlusion::Box Occlusion::update(const VoxelModel& model, const Density& density,
+                                 std::span<const std::uint32_t> leaves) {
+  if (leaves.empty()) return {};
+  Box box = no_cells(dims_);
+  for (const std::uint32_t leaf : leaves) {
+    const Cell first = model.grid.leaf_origin(leaf);
+    const Eigen::Vector3i low = first / (1 << level_);
+    const Eigen::Vector3i high =
+        (first + Cell::Constant(kLeafEdge - 1)) / (1 << level_) + Eigen::Vector3i::Ones();
+    gather(density, low, high);
+    box.low = box.low.cwiseMin(low);
+    box.high = box.high.cwiseMax(high);
+  }
+  box = blurred(box, dims_);
+  smooth(box);
+  return box;
+}
+
+void Occlusion::add_piece(const VoxelGrid& grid, std::span<const std::uint32_t> voxels) {
+  std::vector<std::uint32_t> cells;  // of each voxel
+  cells.reserve(voxels.size());
+  for (const std::uint32_t voxel : voxels) {
+    const Cell c = grid.cell_of_linear(voxel) / (1 << level_);
+    cells.push_back(static_cast<std::uint32_t>(at(dims_, c.x(), c.y(), c.z())));
+  }
+  std::sort(cells.begin(), cells.end());
+  const float voxel_density = 1.0f / static_cast<float>(1 << (3 * level_));
+  Piece& piece = pieces_.emplace_back();
+  piece.box = no_cells(dims_);
+  for (std::size_t first = 0, end = 0; first < cells.size(); first = end) {
+    while (end < cells.size() && cells[end] == cells[first]) ++end;
+    const int cell = static_cast<int>(cells[first]);
+    piece.cells.push_back({Eigen::Vector3i(cell % dims_.x(), cell / dims_.x() % dims_.y(),
+                                           cell / dims_.x() / dims_.y()),
+                           voxel_density * static_cast<float>(end - first)});
+  }
+  raw_pieces_.resize(raw_.size());
+}
+
+/// Adds what a piece has in each cell to the eight cells nearest to where that is now.
+void Occlusion::put(Piece& piece) {
+  piece.box = no_cells(dims_);
+  if (!piece.pose) return;
+  const Eigen::Matrix3d turn = piece.pose->orientation.toRotationMatrix();
+  const Eigen::Vector3d half = Eigen::Vector3d::Constant(0.5);
+  for (const PieceCell& part : piece.cells) {
+    const Eigen::Vector3d start_world = (part.cell.cast<double>() + half) * cell_m_ - half_m_;
+    const Eigen::Vector3d now_world = turn * start_world + piece.pose->position;
+    const Eigen::Vector3d now = (now_world + half_m_) / cell_m_ - half;
+    // Said this way round so that a pose which is not finite is nowhere.
+    const bool inside =
+        (now.array() > -1.0).all() && (now.array() < dims_.cast<double>().array()).all();
+    if (!inside) continue;
+    const Eigen::Vector3i low = now.array().floor().cast<int>();
+    const Eigen::Vector3f t = (now - low.cast<double>()).cast<float>();
+    for (int corner = 0; corner < 8; ++corner) {
+      const Eigen::Vector3i step(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
+      const Eigen::Vector3i c = low + step;
+      if ((c.array() < 0).any() || (c.array() >= dims_.array()).any()) continue;
+      float weight = part.density;
+      for (int a = 0; a < 3; ++a) weight *= step[a] != 0 ? t[a] : 1.0f - t[a];
+      raw_pieces_[at(dims_, c.x(), c.y(), c.z())] += weight;
+      piece.box.low = piece.box.low.cwiseMin(c);
+      piece.box.high = piece.box.high.cwiseMax(c + Eigen::Vector3i::Ones());
+    }
+  }
+}
+
+std::vector<Occlusion::Box> Occlusion::place_pieces(std::span<const Pose> world_now_from_start) {
+  auto same = [](const Pose& a, const Pose& b) {
+    return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
+  };
+  std::vector<std::size_t> moved;
+  for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    std::optional<Pose> now;
+    if (i < world_now_from_start.size()) now = world_now_from_start[i];
+    std::optional<Pose>& last = pieces_[i].pose;
+    if (now.has_value() == last.has_value() && (!now || same(*now, *last))) continue;
+    last = now;
+    moved.push_back(i);
+  }
+  if (moved.empty()) return {};
+
+  // All anew, in one order: what comes out does not depend on the way there.
+  std::vector<Box> changed(moved.size());
+  for (std::size_t n = 0; n < moved.size(); ++n) changed[n] = pieces_[moved[n]].box;
+  for (const Piece& piece : pieces_) {
+    for (int z = piece.box.low.z(); z < piece.box.high.z(); ++z) {
+      for (int y = piece.box.low.y(); y < piece.box.high.y(); ++y) {
+        float* const row = raw_pieces_.data() + at(dims_, 0, y, z);
+        std::fill(row + piece.box.low.x(), row + piece.box.high.x(), 0.0f);
+      }
+    }
+  }
+  for (Piece& piece : pieces_) put(piece);
+  for (std::size_t n = 0; n < moved.size(); ++n) {
+    const Box& now = pieces_[moved[n]].box;
+    const Box both{changed[n].low.cwiseMin(now.low), changed[n].high.cwiseMax(now.high)};
+    changed[n] = blurred(both, dims_);
+    smooth(changed[n]);
+  }
+  return changed;
+}
+
+std::size_t Occlusion::memory_bytes() const {
+  std::size_t bytes =
+      values_.capacity() * sizeof(std::uint16_t) +
+      (raw_.capacity() + raw_pieces_.capacity() + block_.values.capacity() + scratch_.capacity()) *
+          sizeof(float);
+  for (const Piece& piece : pieces_) {
+    bytes += sizeof(Piece) + piece.cells.capacity() * sizeof(PieceCell);
+  }
+  return bytes;
+}
+
+}  // namespace sulcus

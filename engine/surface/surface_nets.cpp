@@ -1,0 +1,218 @@
+#include "engine/surface/surface_nets.hpp"
+
+#include <cstddef>
+#include <utility>
+
+namespace sulcus {
+namespace {
+
+constexpr int kAxisBit[3] = {1, 2, 4};
+
+/// The corner of a cell at the lower end of an edge.
+constexpr int edge_corner(int edge) {
+  const int axis = edge / 4;
+  return (edge & 1) * kAxisBit[(axis + 1) % 3] + (edge >> 1 & 1) * kAxisBit[(axis + 2) % 3];
+}
+
+/// Edge of a cell between two neighbouring corners.
+constexpr int edge_between(int a, int b) {
+  const int difference = a ^ b;
+  const int axis = difference == 1 ? 0 : difference == 2 ? 1 : 2;
+  const int low = a & b;
+  return 4 * axis + ((low & kAxisBit[(axis + 1) % 3]) != 0 ? 1 : 0) +
+         ((low & kAxisBit[(axis + 2) % 3]) != 0 ? 2 : 0);
+}
+
+/// On a face whose corners alternate, two curves separate the inside corners from each other, or,
+/// with `join`, the outside ones. Both cells at the face decide alike, so the mesh closes.
+constexpr NetsCase make_case(int code, bool join) {
+  int group[12] = {};
+  bool crossed[12] = {};
+  for (int e = 0; e < 12; ++e) {
+    group[e] = e;
+    const int low = edge_corner(e);
+    crossed[e] = (code >> low & 1) != (code >> (low | kAxisBit[e / 4]) & 1);
+  }
+  auto unite = [&](int a, int b) {
+    const int from = group[a];
+    const int to = group[b];
+    for (int& g : group) g = g == from ? to : g;
+  };
+  bool alternating[6] = {};
+  int face_edges[6][4] = {};
+  for (int face = 0; face < 6; ++face) {
+    const int axis = face / 2;
+    const int base = face % 2 * kAxisBit[axis];
+    const int u = kAxisBit[(axis + 1) % 3];
+    const int w = kAxisBit[(axis + 2) % 3];
+    const int corner[4] = {base, base | u, base | u | w, base | w};
+    int count = 0;
+    int found[4] = {};
+    for (int i = 0; i < 4; ++i) {
+      face_edges[face][i] = edge_between(corner[i], corner[(i + 1) % 4]);
+      if (crossed[face_edges[face][i]]) found[count++] = face_edges[face][i];
+    }
+    if (count == 2) unite(found[0], found[1]);
+    if (count != 4) continue;
+    alternating[face] = true;
+    for (int i = 0; i < 4; ++i) {
+      const bool inside = (code >> corner[i] & 1) != 0;
+      if (inside != join) unite(face_edges[face][(i + 3) % 4], face_edges[face][i]);
+    }
+  }
+  NetsCase result;
+  int number[12] = {};
+  for (int& n : number) n = -1;
+  for (int e = 0; e < 12; ++e) {
+    result.vertex_of_edge[e] = -1;
+    if (!crossed[e]) continue;
+    if (number[group[e]] < 0) number[group[e]] = result.vertices++;
+    result.vertex_of_edge[e] = static_cast<std::int8_t>(number[group[e]]);
+  }
+  for (int face = 0; face < 6; ++face) {
+    if (!alternating[face]) continue;
+    bool same = true;
+    for (int e : face_edges[face]) {
+      same = same && result.vertex_of_edge[e] == result.vertex_of_edge[face_edges[face][0]];
+    }
+    if (same) result.pinched_face = static_cast<std::int8_t>(face);
+  }
+  return result;
+}
+
+constexpr std::array<std::array<NetsCase, 256>, 2> make_cases() {
+  std::array<std::array<NetsCase, 256>, 2> cases{};
+  for (int join = 0; join < 2; ++join) {
+    for (int code = 0; code < 256; ++code) cases[join][code] = make_case(code, join != 0);
+  }
+  return cases;
+}
+
+constexpr std::array<std::array<NetsCase, 256>, 2> kCases = make_cases();
+
+}  // namespace
+
+void surface_nets(const NetsBlock& block, float level, NetsScratch& scratch, NetsMesh& mesh) {
+  mesh.vertices.clear();
+  mesh.quads.clear();
+  const std::ptrdiff_t step[3] = {1, block.dims.x(),
+                                  std::ptrdiff_t{block.dims.x()} * block.dims.y()};
+  const std::size_t count = block.values.size();
+  scratch.codes.assign(count, 0);
+  scratch.first_vertex.resize(count);
+  auto offset_of = [&](int x, int y, int z) {
+    return (x - block.first.x()) * step[0] + (y - block.first.y()) * step[1] +
+           (z - block.first.z()) * step[2];
+  };
+
+  // Codes, also one cell beyond those that get vertices: the rule for pinched faces looks there.
+  bool any = false;
+  const float* const values = block.values.data();
+  for (int z = block.begin.z() - 2; z <= block.end.z(); ++z) {
+    for (int y = block.begin.y() - 2; y <= block.end.y(); ++y) {
+      const std::ptrdiff_t row = offset_of(block.begin.x() - 2, y, z);
+      const int length = block.end.x() - block.begin.x() + 3;
+      const float* const r[4] = {values + row, values + row + step[1], values + row + step[2],
+                                 values + row + step[1] + step[2]};
+      std::uint8_t* const codes = scratch.codes.data() + row;
+      auto column = [&](int i) {
+        return (r[0][i] > level ? 1 : 0) | (r[1][i] > level ? 4 : 0) | (r[2][i] > level ? 16 : 0) |
+               (r[3][i] > level ? 64 : 0);
+      };
+      int left = column(0);
+      int mixed = 0;
+      for (int i = 0; i < length; ++i) {
+        const int right = column(i + 1);
+        const int code = left | right << 1;
+        codes[i] = static_cast<std::uint8_t>(code);
+        mixed |= code != 0 && code != 255 ? 1 : 0;
+        left = right;
+      }
+      any = any || mixed != 0;
+    }
+  }
+  if (!any) return;
+
+  // Where one curve crosses a face twice on both its sides, four quads would share a mesh edge.
+  // Joining instead of separating there splits the curves on both sides [Wenger 2013].
+  auto case_of = [&](std::ptrdiff_t cell) -> const NetsCase& {
+    const NetsCase& plain = kCases[0][scratch.codes[cell]];
+    if (plain.pinched_face < 0) return plain;
+    const int axis = plain.pinched_face / 2;
+    const int side = plain.pinched_face % 2;
+    const std::ptrdiff_t beyond = cell + (side != 0 ? step[axis] : -step[axis]);
+    const NetsCase& other = kCases[0][scratch.codes[beyond]];
+    return other.pinched_face == (plain.pinched_face ^ 1) ? kCases[1][scratch.codes[cell]] : plain;
+  };
+
+  for (int z = block.begin.z() - 1; z < block.end.z(); ++z) {
+    for (int y = block.begin.y() - 1; y < block.end.y(); ++y) {
+      for (int x = block.begin.x() - 1; x < block.end.x(); ++x) {
+        const std::ptrdiff_t cell = offset_of(x, y, z);
+        const std::uint8_t code = scratch.codes[cell];
+        if (code == 0 || code == 255) continue;
+        const NetsCase& shape = case_of(cell);
+        Eigen::Vector3f sum[4];
+        float crossings[4] = {};
+        for (Eigen::Vector3f& s : sum) s.setZero();
+        for (int e = 0; e < 12; ++e) {
+          const int part = shape.vertex_of_edge[e];
+          if (part < 0) continue;
+          const int axis = e / 4;
+          const int corner = edge_corner(e);
+          const std::ptrdiff_t low = cell + (corner & 1) * step[0] + (corner >> 1 & 1) * step[1] +
+                                     (corner >> 2 & 1) * step[2];
+          const float a = values[low];
+          const float b = values[low + step[axis]];
+          Eigen::Vector3f p(static_cast<float>(corner & 1), static_cast<float>(corner >> 1 & 1),
+                            static_cast<float>(corner >> 2 & 1));
+          p[axis] = (level - a) / (b - a);
+          sum[part] += p;
+          crossings[part] += 1.0f;
+        }
+        scratch.first_vertex[cell] = static_cast<std::uint32_t>(mesh.vertices.size());
+        for (int part = 0; part < shape.vertices; ++part) {
+          mesh.vertices.push_back({Eigen::Vector3i(x, y, z), static_cast<std::uint8_t>(part),
+                                   sum[part] / crossings[part]});
+        }
+      }
+    }
+  }
+
+  for (int z = block.begin.z(); z < block.end.z(); ++z) {
+    for (int y = block.begin.y(); y < block.end.y(); ++y) {
+      for (int x = block.begin.x(); x < block.end.x(); ++x) {
+        const std::ptrdiff_t cell = offset_of(x, y, z);
+        const int code = scratch.codes[cell];
+        if (code == 0 || code == 255) continue;
+        for (int axis = 0; axis < 3; ++axis) {
+          const bool low_inside = (code & 1) != 0;
+          if (low_inside == ((code >> kAxisBit[axis] & 1) != 0)) continue;
+          const std::ptrdiff_t u = step[(axis + 1) % 3];
+          const std::ptrdiff_t w = step[(axis + 2) % 3];
+          auto vertex = [&](int du, int dw) {
+            const std::ptrdiff_t c = cell - du * u - dw * w;
+            return scratch.first_vertex[c] +
+                   static_cast<std::uint32_t>(case_of(c).vertex_of_edge[4 * axis + du + 2 * dw]);
+          };
+          std::array<std::uint32_t, 4> quad{vertex(1, 1), vertex(0, 1), vertex(0, 0), vertex(1, 0)};
+          if (!low_inside) std::swap(quad[1], quad[3]);
+          mesh.quads.push_back(quad);
+        }
+      }
+    }
+  }
+}
+
+std::array<std::array<std::uint32_t, 3>, 2> split_quad(const std::array<std::uint32_t, 4>& quad,
+                                                       const Eigen::Vector3f& a,
+                                                       const Eigen::Vector3f& b,
+                                                       const Eigen::Vector3f& c,
+                                                       const Eigen::Vector3f& d) {
+  if ((a - c).squaredNorm() <= (b - d).squaredNorm()) {
+    return {{{quad[0], quad[1], quad[2]}, {quad[0], quad[2], quad[3]}}};
+  }
+  return {{{quad[0], quad[1], quad[3]}, {quad[1], quad[2], quad[3]}}};
+}
+
+}  // namespace sulcus

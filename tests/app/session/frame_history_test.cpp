@@ -1,0 +1,88 @@
+#include "app/session/frame_history.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/outcome/labelled_model.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace sulcus {
+namespace {
+
+Scene cutting_scene() {
+  Scene scene;
+  for (const char* name : {"dentine", "pulp", "caries"}) {
+    TissueSettings tissue;
+    tissue.name = name;
+    scene.tissues.push_back(tissue);
+  }
+  scene.workpiece.voxel_m = 1e-4;
+  scene.cutting.emplace();
+  return scene;
+}
+
+/// Pulp below, caries above, dentine between.
+VoxelModel layers() {
+  return test::labelled(test::block({16, 16, 16}, 1e-4, {0, 0, 0}, {16, 16, 16}),
+                        [](const Cell& c) {
+                          return static_cast<std::uint8_t>(c.z() < 4 ? 1 : c.z() < 12 ? 0 : 2);
+                        });
+}
+
+std::string line(const FrameHistory& history, const std::string& name) {
+  for (const OutcomeLine& outcome : history.state().outcome) {
+    if (outcome.name == name) return outcome.value;
+  }
+  return "none";
+}
+
+TEST(FrameHistory, TellsWhatThePreparationHasComeTo) {
+  const VoxelModel start = layers();
+  FrameHistory history(cutting_scene(), start);
+  EXPECT_EQ(line(history, "Caries left"), "1.024 mm\xC2\xB3");
+  EXPECT_EQ(line(history, "Pulp"), "covered");
+  history.add(Edit{100, start.grid.linear({5, 5, 15}), 0, EditCause::kCut});
+  EXPECT_EQ(line(history, "Caries left"), "1.023 mm\xC2\xB3");
+  EXPECT_EQ(line(history, "  caries"), "0.001 mm\xC2\xB3");
+  EXPECT_EQ(line(history, "  dentine"), "none");
+  history.add(Edit{2500, start.grid.linear({5, 5, 4}), 0, EditCause::kCut});
+  EXPECT_EQ(line(history, "Pulp"), "exposed at 2.5 s");
+}
+
+TEST(FrameHistory, TellsTheForceWhileInContact) {
+  FrameHistory history(cutting_scene(), layers());
+  TickRecord record;
+  record.force_N[0] = 9.0;  // with no contact: not counted
+  history.add(record, nullptr);
+  EXPECT_EQ(line(history, "In contact"), "none");
+  for (int i = 0; i < 200; ++i) {
+    record.contacts = 5;
+    record.force_N[0] = i < 100 ? 1.0 : 2.0;
+    history.add(record, nullptr);
+  }
+  EXPECT_EQ(line(history, "Peak, mean force"), "2.00, 1.50 N");
+  EXPECT_EQ(line(history, "In contact"), "0.2 s");
+}
+
+TEST(FrameHistory, TellsTheDamageToOtherBodiesOnceThereIsAny) {
+  Scene scene = cutting_scene();
+  for (const char* name : {"mesial",
+                           "a\xC3\xA4\xC3\xA4\xC3\xA4\xC3\xA4\xC3\xA4\xC3\xA4"
+                           "\xC3\xA4\xC3\xA4\xC3\xA4"}) {
+    scene.bodies.emplace_back().name = name;
+    scene.bodies.back().solid.voxel_m = 2e-4;
+  }
+  FrameHistory history(scene, layers());
+  EXPECT_EQ(line(history, "mesial"), "none");
+  for (std::uint32_t voxel = 0; voxel < 5; ++voxel) {
+    history.add(Edit{9, voxel, 1, EditCause::kCut});
+    history.add(Edit{9, voxel, 2, EditCause::kCut});
+  }
+  EXPECT_EQ(line(history, "mesial"), "0.040 mm\xC2\xB3");
+  // Nineteen bytes are too many; the eighth letter of two would be cut in half.
+  EXPECT_EQ(line(history, "a\xC3\xA4\xC3\xA4\xC3\xA4\xC3\xA4\xC3\xA4\xC3\xA4\xC3\xA4.."),
+            "0.040 mm\xC2\xB3");
+  EXPECT_EQ(line(history, "Caries left"), "1.024 mm\xC2\xB3") << "none of the workpiece's";
+}
+
+}  // namespace
+}  // namespace sulcus
