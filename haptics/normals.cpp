@@ -11,8 +11,8 @@ namespace sulcus {
 namespace {
 
 /// What normals of the first touch are made by.
-HapticsSettings first_tier(const HapticsSettings& settings, const KeptNormals* kept) {
-  HapticsSettings first = settings;
+NormalSettings first_tier(const HapticsSettings& settings, const KeptNormals* kept) {
+  NormalSettings first = settings;
   if (kept && settings.normals == NormalMethod::kLdm && settings.refine_per_tick > 0) {
     first.normals = NormalMethod::kLdmFast;
   }
@@ -130,7 +130,7 @@ void normals(const Workpiece& workpiece, const HapticsSettings& settings, const 
              ContactScratch& scratch, std::size_t first) noexcept {
   Contacts& contacts = scratch.contacts;
   const auto voxel_m = static_cast<float>(workpiece.grid().voxel_m);
-  const HapticsSettings at_first = first_tier(settings, kept);
+  const NormalSettings at_first = first_tier(settings, kept);
   scratch.vetoed.clear();
   const bool told = use_tool(settings.normals);
   if (first == 0) {

@@ -12,10 +12,10 @@ namespace {
 // at 5, which is within 0.04 of the best. No other method is on the front at any error.
 constexpr int kTrace = 12;
 constexpr NormalChoice kFront[] = {
-    {NormalMethod::kLdmFast, 1, kTrace, 8.70}, {NormalMethod::kLdmFast, 2, kTrace, 3.10},
-    {NormalMethod::kLdmFast, 3, kTrace, 1.75}, {NormalMethod::kLdmFast, 4, kTrace, 1.30},
-    {NormalMethod::kLdmFast, 5, kTrace, 1.20}, {NormalMethod::kLdmFast, 6, kTrace, 1.15},
-    {NormalMethod::kLdm, 5, kTrace, 1.05},
+    {{NormalMethod::kLdmFast, 1, kTrace}, 8.70}, {{NormalMethod::kLdmFast, 2, kTrace}, 3.10},
+    {{NormalMethod::kLdmFast, 3, kTrace}, 1.75}, {{NormalMethod::kLdmFast, 4, kTrace}, 1.30},
+    {{NormalMethod::kLdmFast, 5, kTrace}, 1.20}, {{NormalMethod::kLdmFast, 6, kTrace}, 1.15},
+    {{NormalMethod::kLdm, 5, kTrace}, 1.05},
 };
 
 }  // namespace

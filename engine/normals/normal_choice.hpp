@@ -2,15 +2,12 @@
 
 #include <optional>
 
-#include "engine/scene/scene.hpp"
+#include "engine/normals/normal_settings.hpp"
 
 namespace sulcus {
 
-/// A setting of [haptics] that normals can be had with, and the error that it promises.
-struct NormalChoice {
-  NormalMethod method = NormalMethod::kLdm;
-  int neighbourhood = 6;   // NS, voxels
-  int trace = 12;          // alpha, voxels
+/// Settings of normals, and the error that they promise.
+struct NormalChoice : NormalSettings {
   double error_deg = 0.0;  // mean over a smooth surface, away from its edges
 };
 

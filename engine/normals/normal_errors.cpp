@@ -15,7 +15,7 @@ namespace sulcus {
 namespace {
 
 /// Of the surface voxels of one leaf.
-VoxelValues::Block errors_of_leaf(const Workpiece& workpiece, const HapticsSettings& settings,
+VoxelValues::Block errors_of_leaf(const Workpiece& workpiece, const NormalSettings& settings,
                                   std::uint32_t leaf) {
   std::vector<VoxelQuery> queries;
   const Cell first = workpiece.grid().leaf_origin(leaf);
@@ -44,7 +44,7 @@ VoxelValues::Block errors_of_leaf(const Workpiece& workpiece, const HapticsSetti
 
 }  // namespace
 
-VoxelValues normal_errors(const Workpiece& workpiece, const HapticsSettings& settings) {
+VoxelValues normal_errors(const Workpiece& workpiece, const NormalSettings& settings) {
   prepare_normals();
   std::vector<std::uint32_t> leaves;
   for (std::uint32_t leaf = 0; leaf < workpiece.grid().leaf_count(); ++leaf) {

@@ -15,7 +15,7 @@ void prepare_normals() noexcept {
 }
 
 void estimate_surfaces(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
-                       const HapticsSettings& settings,
+                       const NormalSettings& settings,
                        std::span<SurfaceEstimate> estimates) noexcept {
   if (queries.empty()) return;
   const int ns = settings.neighbourhood, trace = settings.trace;
@@ -43,7 +43,7 @@ void estimate_surfaces(const Workpiece& workpiece, std::span<const VoxelQuery> q
 }
 
 SurfaceEstimate estimate_surface(const Workpiece& workpiece, const Cell& voxel,
-                                 const HapticsSettings& settings,
+                                 const NormalSettings& settings,
                                  const Eigen::Vector3f& outward) noexcept {
   const VoxelQuery query{voxel, outward};
   SurfaceEstimate estimate;

@@ -2,9 +2,9 @@
 
 #include <span>
 
+#include "engine/normals/normal_settings.hpp"
 #include "engine/normals/surface_estimate.hpp"
 #include "engine/normals/voxel_query.hpp"
-#include "engine/scene/scene.hpp"
 #include "engine/volume/workpiece.hpp"
 
 namespace sulcus {
@@ -19,11 +19,11 @@ constexpr bool use_tool(NormalMethod method) {
   return method == NormalMethod::kLdm || method == NormalMethod::kLdmFast;
 }
 void estimate_surfaces(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
-                       const HapticsSettings& settings,
+                       const NormalSettings& settings,
                        std::span<SurfaceEstimate> estimates) noexcept;
 
 SurfaceEstimate estimate_surface(const Workpiece& workpiece, const Cell& voxel,
-                                 const HapticsSettings& settings,
+                                 const NormalSettings& settings,
                                  const Eigen::Vector3f& outward = Eigen::Vector3f::Zero()) noexcept;
 
 }  // namespace sulcus

@@ -12,6 +12,7 @@
 
 #include "engine/core/input_limits.hpp"
 #include "engine/core/pose.hpp"
+#include "engine/normals/normal_settings.hpp"
 #include "engine/scene/section.hpp"
 
 namespace sulcus {
@@ -109,29 +110,13 @@ struct SpindleSettings {
   double inertia_kg_m2 = 5e-9;  // of rotor and burr
 };
 
-enum class NormalMethod : std::uint8_t {
-  kLdm,
-  kLdmFast,
-  kLdmPaper,
-  kWeightedSum,    // 1 / d, as [Kim and Park 2019] states it
-  kWeightedSumD2,  // 1 / d^2, as it plots it
-  kExact           // its offline reference
-};
-inline constexpr std::array<std::string_view, 6> kNormalMethodNames{
-    "ldm", "ldm_fast", "ldm_paper", "weighted_sum", "weighted_sum_d2", "exact"};
 enum class Scaling : std::uint8_t { kNone, kCount, kMcNeely, kSmooth };
 inline constexpr std::array<std::string_view, 4> kScalingNames{"none", "count", "mcneely",
                                                                "smooth"};
 
-struct HapticsSettings {
+struct HapticsSettings : NormalSettings {
   double rate_hz = 1000.0;
-  NormalMethod normals = NormalMethod::kLdm;
-  /// NS, voxels. 10 on a coupling under `ldm` and `ldm_fast`: a stiff contact on a soft spring
-  /// rests on a few voxels, so that no mean over many evens out what a window of 6 leaves of the
-  /// steps of a gentle slope.
-  int neighbourhood = 6;
-  int trace = 12;                          // alpha, voxels; 5 under ldm_paper
-  std::optional<double> normal_error_deg;  // asked for; the three above are what meets it
+  std::optional<double> normal_error_deg;  // asked for; the settings of normals are what meets it
   bool keep_normals = true;                // from tick to tick, under ldm and ldm_fast
   int refine_per_tick = 16;  // kept normals, from ldm_fast to ldm, under ldm; 0: ldm at once
   Scaling scaling = Scaling::kSmooth;

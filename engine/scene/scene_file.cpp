@@ -358,19 +358,17 @@ void read_normal_error(SceneTable& table, HapticsSettings& h) {
     std::ostringstream found, expected;
     found << *h.normal_error_deg;
     expected << best.error_deg << " or more, which normals = \""
-             << kNormalMethodNames[static_cast<std::size_t>(best.method)]
+             << kNormalMethodNames[static_cast<std::size_t>(best.normals)]
              << "\" with neighbourhood = " << best.neighbourhood << " meets, the best that can be";
     table.fail("normal_error_deg", found.str(), expected.str());
   }
-  h.normals = choice->method;
-  h.neighbourhood = choice->neighbourhood;
-  h.trace = choice->trace;
+  static_cast<NormalSettings&>(h) = *choice;
 }
 
-/// Where a scene names none: see HapticsSettings::neighbourhood.
+/// Where a scene names none: see NormalSettings::neighbourhood.
 int usual_neighbourhood(NormalMethod normals, bool coupled) {
   const bool ours = normals == NormalMethod::kLdm || normals == NormalMethod::kLdmFast;
-  return coupled && ours ? 10 : HapticsSettings{}.neighbourhood;
+  return coupled && ours ? 10 : NormalSettings{}.neighbourhood;
 }
 
 HapticsSettings read_haptics(SceneTable& root) {

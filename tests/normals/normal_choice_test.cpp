@@ -15,14 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-HapticsSettings haptics_of(const NormalChoice& choice) {
-  HapticsSettings settings;
-  settings.normals = choice.method;
-  settings.neighbourhood = choice.neighbourhood;
-  settings.trace = choice.trace;
-  return settings;
-}
-
 /// A rod aslant, curved one way only: not among the shapes that the table was made from.
 class Rod {
  public:
@@ -34,9 +26,8 @@ class Rod {
         cells_(test::inner_surface(solid_, 16)) {}
 
   test::NormalErrors errors_of(const NormalChoice& choice) const {
-    const HapticsSettings settings = haptics_of(choice);
     return test::measure_errors(
-        cells_, [&](const Cell& c) { return estimate_surface(solid_, c, settings); },
+        cells_, [&](const Cell& c) { return estimate_surface(solid_, c, choice); },
         [&](const Cell& c) {
           return test::SurfaceTruth{from_axis(c).normalized(), radius_ - from_axis(c).norm()};
         });
@@ -64,7 +55,7 @@ TEST(NormalChoice, WhatIsPromisedIsMetOnRodsAndWhatIsCheaperIsWorse) {
     const auto choice = choose_normals(asked_deg);
     if (!choice) break;
     const bool as_before = picks > 0 && choice->neighbourhood == last_neighbourhood;
-    if (as_before && choice->method == NormalMethod::kLdmFast) continue;
+    if (as_before && choice->normals == NormalMethod::kLdmFast) continue;
     SCOPED_TRACE(asked_deg);
     double mean_deg = 0.0, worst_deg = 0.0;
     for (const Rod& rod : rods) {
@@ -81,7 +72,7 @@ TEST(NormalChoice, WhatIsPromisedIsMetOnRodsAndWhatIsCheaperIsWorse) {
     EXPECT_LT(mean_deg, last_mean_deg);
     last_mean_deg = mean_deg;
     last_neighbourhood = choice->neighbourhood;
-    if (choice->method == NormalMethod::kLdm) break;
+    if (choice->normals == NormalMethod::kLdm) break;
     ++picks;
   }
   EXPECT_EQ(picks, 6u);
@@ -90,7 +81,7 @@ TEST(NormalChoice, WhatIsPromisedIsMetOnRodsAndWhatIsCheaperIsWorse) {
 TEST(NormalChoice, NothingIsPromisedBelowTheBest) {
   const NormalChoice best = most_accurate_normals();
   ASSERT_TRUE(choose_normals(best.error_deg));
-  EXPECT_EQ(choose_normals(best.error_deg)->method, best.method);
+  EXPECT_EQ(choose_normals(best.error_deg)->normals, best.normals);
   EXPECT_FALSE(choose_normals(best.error_deg - 1e-6));
   EXPECT_FALSE(choose_normals(0.0));
 }

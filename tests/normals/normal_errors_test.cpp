@@ -15,7 +15,7 @@ namespace {
 
 TEST(NormalErrors, AreTheAnglesToTheExactNormalsAtTheSurfaceAlone) {
   const Workpiece workpiece(test::two_balls());
-  HapticsSettings settings;
+  NormalSettings settings;
   settings.normals = NormalMethod::kWeightedSum;
   const VoxelValues errors = normal_errors(workpiece, settings);
   const std::vector<Cell> cells = test::surface_cells(workpiece);

@@ -33,7 +33,7 @@ TEST(NormalMethod, TheNamedMethodIsTakenWithItsSettings) {
     }
     return SurfaceEstimate{};
   };
-  HapticsSettings settings;
+  NormalSettings settings;
   settings.neighbourhood = 4;
   settings.trace = 7;
   std::array<int, kNormalMethodNames.size()> differ{};

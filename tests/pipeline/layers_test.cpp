@@ -31,7 +31,7 @@ std::vector<Include> includes_of(const fs::path& root) {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / top)) {
       const std::string extension = entry.path().extension().string();
       // .in: what configure_file makes sources of. C: the plug-ins'.
-      constexpr std::array kSources{".cpp", ".hpp", ".in", ".c", ".h"};
+      constexpr std::array kSources{".cpp", ".hpp", ".inl", ".in", ".c", ".h"};
       if (std::ranges::find(kSources, extension) == kSources.end()) continue;
       std::ifstream in(entry.path());
       std::string text;
@@ -117,6 +117,14 @@ TEST(Layers, OnlyDrawingAndAppKnowDrawing) {
 TEST(Layers, CoreStandsOnNothing) {
   expect_none("engine/core is the floor", [](const Include& i) {
     return is_in(i.file, "engine/core/") && is_in(i.header, "engine/") &&
+           !is_in(i.header, "engine/core/");
+  });
+}
+
+TEST(Layers, NormalsStandBelowTheScene) {
+  expect_none("normals have settings of their own, which a scene contains", [](const Include& i) {
+    return is_in(i.file, "engine/normals/") && is_in(i.header, "engine/") &&
+           !is_in(i.header, "engine/normals/") && !is_in(i.header, "engine/volume/") &&
            !is_in(i.header, "engine/core/");
   });
 }
