@@ -72,7 +72,7 @@ KeyHelp help_of(const SceneKey& key) {
   values << type_of(key);
   if (const std::string_view unit = unit_of_key(key.key); !unit.empty()) values << ", " << unit;
   if (has_range(key.kind)) values << ", " << key.range.least << " to " << key.range.most;
-  if (!key.otherwise.empty()) values << "; default " << key.otherwise;
+  if (!key.default_toml.empty()) values << "; default " << key.default_toml;
   return {std::string(key.key), values.str(), std::string(key.what)};
 }
 
@@ -84,8 +84,10 @@ std::string heading_of(const SceneTableKeys& table) {
 
 std::string text_of(const SceneTableKeys& table) {
   std::string text(table.what);
-  if (!table.also.empty()) {
-    text.append("; it has all that [").append(table.also).append("] may have, and besides:");
+  if (!table.inherits_from.empty()) {
+    text.append("; it has all that [")
+        .append(table.inherits_from)
+        .append("] may have, and besides:");
   }
   return text;
 }

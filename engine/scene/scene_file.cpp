@@ -1,6 +1,5 @@
 #include "engine/scene/scene_file.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -8,250 +7,18 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/input_limits.hpp"
-#include "engine/core/mesh_extension.hpp"
 #include "engine/core/units.hpp"
 #include "engine/normals/normal_choice.hpp"
 #include "engine/scene/burr_number.hpp"
 #include "engine/scene/device_tables.hpp"
 #include "engine/scene/scene_overrides.hpp"
-#include "engine/scene/scene_table.hpp"
-#include "engine/scene/tissue_table.hpp"
+#include "engine/scene/solid_tables.hpp"
+#include "engine/scene/tissue_tables.hpp"
 #include "engine/scene/toml_depth.hpp"
-#include "engine/volume/edit.hpp"
-#include "engine/volume/grid.hpp"
 
 namespace sulcus {
 
 namespace {
-
-Eigen::Vector3d vector3(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
-
-// --- [workpiece] --------------------------------------------------------------------------------
-
-/// The table of each shape; read for every shape, so that a scene may keep several.
-void read_shape_tables(SceneTable& table, WorkpieceSettings& w) {
-  if (auto t = table.table("molar")) {
-    w.molar_caries_radius_m = t->number("caries_radius_mm") * kMillimetre;
-    t->finish();
-  }
-  if (auto t = table.table("sphere")) {
-    w.sphere_radius_m = t->number("radius_mm") * kMillimetre;
-    t->finish();
-  }
-  if (auto t = table.table("box")) {
-    w.box_size_m = t->vector3("size_mm") * kMillimetre;
-    t->finish();
-  }
-  if (auto t = table.table("plate")) {
-    w.plate_thickness_m = t->number("thickness_mm") * kMillimetre;
-    w.plate_tilt = t->number("tilt_deg") * kDegree;
-    t->finish();
-  }
-  if (auto t = table.table("torus")) {
-    w.torus_major_m = t->number("major_mm") * kMillimetre;
-    w.torus_minor_m = t->number("minor_mm") * kMillimetre;
-    if (w.torus_minor_m >= w.torus_major_m) {
-      t->fail("minor_mm", "a tube as thick as its ring",
-              "less than major_mm (3 and 1 unless said)");
-    }
-    t->finish();
-  }
-  if (auto t = table.table("groove")) {
-    w.groove_angle = t->number("angle_deg") * kDegree;
-    w.groove_depth_m = t->number("depth_mm") * kMillimetre;
-    t->finish();
-  }
-}
-
-/// Which part of a volume is taken.
-void read_part(SceneTable& table, WorkpieceSettings& w) {
-  if (const std::vector<double> box = table.numbers_if("box_mm"); !box.empty()) {
-    const Eigen::Vector3d low(box[0], box[1], box[2]), high(box[3], box[4], box[5]);
-    if ((low.array() >= high.array()).any()) {
-      table.fail("box_mm", "a corner that is not below the other",
-                 "[x0, y0, z0, x1, y1, z1] with x0 < x1, y0 < y1, z0 < z1");
-    }
-    w.box_file = Eigen::AlignedBox3d(low * kMillimetre, high * kMillimetre);
-  }
-  w.labels = table.path("labels");
-  w.label = table.whole_if("label");
-  if (!w.labels.empty() && !w.label) table.fail("labels", "no label", "label = N beside it");
-  if (w.label && w.labels.empty() && w.solid_above) {
-    table.fail("label", "solid_above, and no labels",
-               "labels = \"FILE\", or a label map without solid_above");
-  }
-}
-
-/// What becomes voxels, of the workpiece or of another body.
-WorkpieceSettings read_solid(SceneTable& table) {
-  WorkpieceSettings w;
-  if (const auto shape = table.choice_if("shape")) w.shape = ShapeKind(*shape);
-  w.file = table.path("file");
-  if (w.shape.has_value() == !w.file.empty()) {
-    table.fail("shape", w.shape ? "both a shape and a file" : "neither a shape nor a file",
-               "one of them");
-  }
-  read_shape_tables(table, w);
-  w.solid_above = table.number_if("solid_above");
-  if (const std::vector<double> spacing = table.numbers_if("spacing_mm"); !spacing.empty()) {
-    w.spacing_m = vector3(spacing) * kMillimetre;
-  }
-  read_part(table, w);
-  w.voxel_m = table.number("voxel_mm") * kMillimetre;
-  const Eigen::Vector3d n = table.vector3("cells");
-  for (int a = 0; a < 3; ++a) {
-    w.cells[a] = static_cast<int>(n[a]);
-    if (n[a] != w.cells[a] || w.cells[a] % kLeafEdge != 0) {
-      std::ostringstream found;
-      found << n[a];
-      table.fail("cells", found.str(), "multiples of 8, at most 1024 each");
-    }
-  }
-  w.position_m = table.vector3("position_mm") * kMillimetre;
-  w.rotation = table.vector3("rotation_deg") * kDegree;
-  return w;
-}
-
-WorkpieceSettings read_workpiece(SceneTable& root) {
-  auto table = root.table("workpiece");
-  if (!table) root.fail("workpiece", "no such table", "[workpiece] with a shape or a file");
-  const WorkpieceSettings w = read_solid(*table);
-  table->finish();
-  return w;
-}
-
-// --- [[tissue]] ---------------------------------------------------------------------------------
-
-/// Behind a coupling a contact may be far stiffer than a device could render: grooves then hold.
-constexpr double kStifferBehindCoupling = 10.0;
-
-/// `other`: what one that is not known starts from.
-TissueSettings read_tissue(SceneTable& table, const std::vector<TissueSettings>& known,
-                           const TissueSettings& other) {
-  TissueSettings t = other;
-  t.name = table.text("name", "");
-  if (t.name.empty()) table.fail("name", "none", "a name such as \"enamel\"");
-  for (const TissueSettings& k : known) {
-    if (k.name == t.name) t = k;  // a known name brings its constants
-  }
-  t.above = table.number_if("above");
-  t.label = table.whole_if("label");
-  t.file = table.path("file");
-  t.stiffness_N_per_m =
-      table.number("stiffness_N_per_mm", t.stiffness_N_per_m / kNewtonPerMillimetre) *
-      kNewtonPerMillimetre;
-  t.specific_energy_J_per_m3 =
-      table.number("specific_energy_J_per_mm3", t.specific_energy_J_per_m3 / kJoulePerMm3) *
-      kJoulePerMm3;
-  const std::vector<double> colour = table.numbers_if("colour");
-  for (std::size_t c = 0; c < colour.size(); ++c) t.colour[c] = static_cast<float>(colour[c]);
-  table.finish();
-  return t;
-}
-
-/// The tissues of assets/tissues.toml.
-std::vector<TissueSettings> known_tissues() {
-  const toml::table parsed =
-      toml::parse(tissue_table_toml(), std::string_view("assets/tissues.toml"));
-  SceneTable root(TomlTable(parsed, "assets/tissues.toml", ""), "");
-  std::vector<TissueSettings> all;
-  for (SceneTable& table : root.tables("tissue")) all.push_back(read_tissue(table, {}, {}));
-  return all;
-}
-
-/// A tissue's own mesh stands beside the first one's, which is the workpiece's.
-void check_tissue_file(const SceneTable& table, const TissueSettings& t, bool first,
-                       const WorkpieceSettings& w) {
-  if (t.file.empty()) return;
-  if (t.above) table.fail("file", "both above and a file", "one of them");
-  if (w.shape) table.fail("file", "a file beside a workpiece that is a shape", "a mesh of both");
-  if (!is_mesh_file(w.file)) {
-    table.fail("file", "a file beside a workpiece that is a volume", "above, or a mesh of both");
-  }
-  if (!is_mesh_file(t.file)) {
-    table.fail("file", "no mesh ('" + std::filesystem::path(t.file).filename().string() + "')",
-               ".stl, .obj or .ply");
-  }
-  if (first) {
-    table.fail("file", "a file of the first tissue", "none: workpiece.file is its surface");
-  }
-}
-
-std::vector<TissueSettings> read_tissues(SceneTable& root, const WorkpieceSettings& workpiece) {
-  std::vector<TissueSettings> known = known_tissues();
-  TissueSettings other;
-  if (root.has("coupling")) {
-    for (TissueSettings& t : known) t.stiffness_N_per_m *= kStifferBehindCoupling;
-    other.stiffness_N_per_m *= kStifferBehindCoupling;
-  }
-  std::vector<TissueSettings> tissues;
-  if (const std::vector<std::string> names = root.strings("tissue"); !names.empty()) {
-    for (const std::string& name : names) {
-      const auto found = std::find_if(known.begin(), known.end(),
-                                      [&](const TissueSettings& t) { return t.name == name; });
-      if (found == known.end()) {
-        root.fail("tissue", "'" + name + "'", "enamel, dentine, pulp or caries, or a [[tissue]]");
-      }
-      tissues.push_back(*found);
-    }
-  } else {
-    for (SceneTable& table : root.tables("tissue")) {
-      tissues.push_back(read_tissue(table, known, other));
-      check_tissue_file(table, tissues.back(), tissues.size() == 1, workpiece);
-    }
-  }
-  if (tissues.empty()) tissues.push_back(known.front());  // one tissue, no labels
-  if (tissues.size() > 255) root.fail("tissue", std::to_string(tissues.size()), "at most 255");
-  for (std::size_t i = 0; i < tissues.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      if (tissues[i].name == tissues[j].name) {
-        root.fail("tissue", "'" + tissues[i].name + "' twice", "names that differ");
-      }
-      if (tissues[i].label && tissues[i].label == tissues[j].label) {
-        root.fail("tissue", "label " + std::to_string(*tissues[i].label) + " twice",
-                  "labels that differ");
-      }
-    }
-  }
-  const bool labels = std::ranges::any_of(tissues, [](const auto& t) { return !!t.label; });
-  const bool greys = std::ranges::any_of(tissues, [](const auto& t) { return !!t.above; });
-  if (labels && greys) root.fail("tissue", "above and label in one scene", "one of them");
-  return tissues;
-}
-
-// --- [[body]] -----------------------------------------------------------------------------------
-
-std::vector<BodySettings> read_bodies(SceneTable& root,
-                                      const std::vector<TissueSettings>& tissues) {
-  std::vector<SceneTable> tables = root.tables("body");
-  if (tables.size() > kMaxBodies) {
-    root.fail("body", std::to_string(tables.size()), "at most " + std::to_string(kMaxBodies));
-  }
-  std::vector<BodySettings> bodies;
-  for (SceneTable& table : tables) {
-    BodySettings& b = bodies.emplace_back();
-    b.name = table.text("name", "body " + std::to_string(bodies.size()));
-    b.solid = read_solid(table);
-    b.world_from_grid = {b.solid.position_m, rotation_xyz(b.solid.rotation)};
-    b.solid.position_m = b.solid.rotation = Eigen::Vector3d::Zero();
-    b.cuttable = table.boolean("cuttable");
-    if (b.cuttable && !root.has("cutting")) {
-      table.fail("cuttable", "a cuttable body without [cutting]", "both of them");
-    }
-    if (const std::string name = table.text("tissue", ""); !name.empty()) {
-      const auto found = std::ranges::find(tissues, name, &TissueSettings::name);
-      if (found == tissues.end()) table.fail("tissue", "'" + name + "'", "a tissue of the scene");
-      b.tissue = static_cast<std::size_t>(found - tissues.begin());
-    }
-    for (std::size_t other = 0; other + 1 < bodies.size(); ++other) {
-      if (bodies[other].name == b.name) {
-        table.fail("name", "'" + b.name + "' twice", "names that differ");
-      }
-    }
-    table.finish();
-  }
-  return bodies;
-}
 
 // --- [burr], [trajectory], [haptics] ------------------------------------------------------------
 
@@ -316,7 +83,7 @@ TrajectorySettings read_trajectory(SceneTable& root) {
   auto table = root.table("trajectory");
   if (!table) root.fail("trajectory", "no such table", "[trajectory] with points_mm or a file");
   for (const auto& p : table->rows("points_mm")) {
-    t.points_m.push_back(vector3(p) * kMillimetre);
+    t.points_m.push_back(Eigen::Vector3d(p.data()) * kMillimetre);
   }
   t.file = table->path("file");
   t.recording = table->path("recording");
@@ -390,47 +157,6 @@ HapticsSettings read_haptics(SceneTable& root) {
   h.max_contacts = table->whole("max_contacts");
   table->finish();
   return h;
-}
-
-// --- [goal] -------------------------------------------------------------------------------------
-
-GoalSettings read_goal(SceneTable& table) {
-  GoalSettings g;
-  const auto shape = table.choice_if("shape");
-  g.file = table.path("file");
-  if (shape.has_value() == !g.file.empty()) {
-    table.fail("shape", shape ? "both a shape and a file" : "neither a shape nor a file",
-               "box, cylinder, or a file");
-  }
-  g.position_m = table.vector3("position_mm") * kMillimetre;
-  g.rotation = table.vector3("rotation_deg") * kDegree;
-  if (!shape) {
-    g.shape = GoalShape::kFile;
-    g.solid_above = table.number_if("solid_above");
-    table.finish();
-    return g;
-  }
-  g.shape = GoalShape(*shape);
-  const std::vector<double> size_mm = table.numbers_if("size_mm");
-  const auto diameter_mm = table.number_if("diameter_mm");
-  const auto depth_mm = table.number_if("depth_mm");
-  const bool is_box = g.shape == GoalShape::kBox;
-  if (is_box == size_mm.empty() || is_box == diameter_mm.has_value() ||
-      is_box == depth_mm.has_value()) {
-    table.fail("shape", is_box ? "a box with other sizes" : "a cylinder with other sizes",
-               is_box ? "size_mm, and it alone" : "diameter_mm and depth_mm, and them alone");
-  }
-  if (is_box) g.size_m = vector3(size_mm) * kMillimetre;
-  g.diameter_m = diameter_mm.value_or(0.0) * kMillimetre;
-  g.depth_m = depth_mm.value_or(0.0) * kMillimetre;
-  g.taper = table.number("taper_deg") * kDegree;
-  const double height_m = is_box ? g.size_m.z() : g.depth_m;
-  const double width_m = is_box ? std::min(g.size_m.x(), g.size_m.y()) : g.diameter_m;
-  if (std::tan(std::abs(g.taper)) * height_m >= width_m) {
-    table.fail("taper_deg", "walls that meet inside", "a smaller angle for this size");
-  }
-  table.finish();
-  return g;
 }
 
 // --- [device], [coupling] -----------------------------------------------------------------------

@@ -22,29 +22,29 @@ constexpr Range kTorque_mNm{0, 1e5};
 
 using Text = std::string_view;
 
-constexpr SceneKey number(Text key, Range range, Text otherwise, Text what) {
-  return {key, KeyKind::kNumber, range, 1, {}, otherwise, what, {}};
+constexpr SceneKey number(Text key, Range range, Text default_toml, Text what) {
+  return {key, KeyKind::kNumber, range, 1, {}, default_toml, what, {}};
 }
-constexpr SceneKey whole(Text key, Range range, Text otherwise, Text what) {
-  return {key, KeyKind::kWhole, range, 1, {}, otherwise, what, {}};
+constexpr SceneKey whole(Text key, Range range, Text default_toml, Text what) {
+  return {key, KeyKind::kWhole, range, 1, {}, default_toml, what, {}};
 }
-constexpr SceneKey numbers(Text key, std::size_t count, Range range, Text otherwise, Text what) {
-  return {key, KeyKind::kNumbers, range, count, {}, otherwise, what, {}};
+constexpr SceneKey numbers(Text key, std::size_t count, Range range, Text default_toml, Text what) {
+  return {key, KeyKind::kNumbers, range, count, {}, default_toml, what, {}};
 }
 constexpr SceneKey rows(Text key, std::size_t count, Text fields, Range range, Text what) {
   return {key, KeyKind::kRows, range, count, {}, {}, what, fields};
 }
-constexpr SceneKey direction(Text key, Text otherwise, Text what) {
-  return {key, KeyKind::kDirection, {-1e6, 1e6}, 3, {}, otherwise, what, {}};
+constexpr SceneKey direction(Text key, Text default_toml, Text what) {
+  return {key, KeyKind::kDirection, {-1e6, 1e6}, 3, {}, default_toml, what, {}};
 }
-constexpr SceneKey boolean(Text key, Text otherwise, Text what) {
-  return {key, KeyKind::kBoolean, {}, 1, {}, otherwise, what, {}};
+constexpr SceneKey boolean(Text key, Text default_toml, Text what) {
+  return {key, KeyKind::kBoolean, {}, 1, {}, default_toml, what, {}};
 }
-constexpr SceneKey text(Text key, Text otherwise, Text what) {
-  return {key, KeyKind::kText, {}, 1, {}, otherwise, what, {}};
+constexpr SceneKey text(Text key, Text default_toml, Text what) {
+  return {key, KeyKind::kText, {}, 1, {}, default_toml, what, {}};
 }
-constexpr SceneKey choice(Text key, std::span<const Text> words, Text otherwise, Text what) {
-  return {key, KeyKind::kChoice, {}, 1, words, otherwise, what, {}};
+constexpr SceneKey choice(Text key, std::span<const Text> words, Text default_toml, Text what) {
+  return {key, KeyKind::kChoice, {}, 1, words, default_toml, what, {}};
 }
 constexpr SceneKey path(Text key, Text what) {
   return {key, KeyKind::kPath, {}, 1, {}, {}, what, {}};
@@ -304,11 +304,11 @@ constexpr std::array<std::pair<Text, Text>, 22> kUnits{{{"_mNm_s_per_rad", "mN m
 const SceneTableKeys* table_behind(Text name) noexcept {
   const Text top = name.substr(0, name.find('.'));
   for (const SceneTableKeys& table : kTables) {
-    if (table.name != top || table.also.empty()) continue;
+    if (table.name != top || table.inherits_from.empty()) continue;
     for (const SceneTableKeys& other : kTables) {
       const Text rest = name.substr(top.size());
-      if (other.name.size() == table.also.size() + rest.size() &&
-          other.name.starts_with(table.also) && other.name.ends_with(rest)) {
+      if (other.name.size() == table.inherits_from.size() + rest.size() &&
+          other.name.starts_with(table.inherits_from) && other.name.ends_with(rest)) {
         return &other;
       }
     }

@@ -5,12 +5,15 @@
 #include <span>
 #include <string_view>
 
-#include "engine/scene/range.hpp"
-
 namespace sulcus {
 
 // Every key that a scene may have, once: the reader (scene_table.hpp) takes kinds, ranges and
 // defaults from here and can read no key that is not here; `sulcus help scene` prints it.
+
+/// A range that a number must lie in, ends included.
+struct Range {
+  double least, most;
+};
 
 enum class KeyKind : std::uint8_t {
   kNumber,
@@ -32,7 +35,7 @@ struct SceneKey {
   std::span<const std::string_view> words;  // of a choice
   /// As TOML: what the reader takes where the key is not there. In brackets "(...)": where that
   /// comes from. Empty: it must be there, or nothing follows from its absence.
-  std::string_view otherwise;
+  std::string_view default_toml;
   std::string_view what;    // with the source of a value in [], where it is not ours
   std::string_view fields;  // of a row, "x, y, z"
 };
@@ -42,7 +45,7 @@ struct SceneTableKeys {
   bool repeated;          // [[name]]
   std::string_view what;
   std::span<const SceneKey> keys;
-  std::string_view also;  // a table whose keys, and tables, it may have as well
+  std::string_view inherits_from;  // a table whose keys, and tables, it may have as well
 };
 
 /// All tables, in the order of the reader.
@@ -54,9 +57,9 @@ const SceneTableKeys* find_scene_table(std::string_view name) noexcept;
 /// A key of a table, its own or one that it has from another. Null: there is none.
 const SceneKey* find_scene_key(std::string_view table, std::string_view key) noexcept;
 
-/// Whether the reader takes `otherwise` itself.
+/// Whether `default_toml` is what the reader takes, not words about it.
 constexpr bool has_default(const SceneKey& key) {
-  return !key.otherwise.empty() && key.otherwise.front() != '(';
+  return !key.default_toml.empty() && key.default_toml.front() != '(';
 }
 
 /// The unit that a key's name ends in, as it is printed ("N/mm" for stiffness_N_per_mm); empty: it

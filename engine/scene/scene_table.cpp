@@ -7,24 +7,15 @@ namespace sulcus {
 
 namespace {
 
-/// `read` of the default of a key: through the same checks as what a file says.
+/// What `read` finds in the table, else in the key's default: through the same checks as a file.
 template <class Read>
-auto read_default(const SceneKey& key, const Read& read) {
+auto read_or_default(TomlTable& table, const SceneKey& key, const Read& read) {
+  if (const auto value = read(table)) return *value;
   if (!has_default(key)) throw std::logic_error("no default: " + std::string(key.key));
-  std::string text(key.key);
-  text.append(" = ").append(key.otherwise);
-  const toml::table parsed = toml::parse(text);
-  TomlTable table(parsed, "scene_keys.cpp", "");
-  return read(table);
-}
-
-std::optional<double> read_number(TomlTable& table, const SceneKey& key) {
-  return table.number(key.key, key.range);
-}
-std::optional<int> read_whole(TomlTable& table, const SceneKey& key) {
-  const bool there = table.has(key.key);
-  const int value = table.integer(key.key, key.range, 0);  // asked for in any case: it is known
-  return there ? std::optional(value) : std::nullopt;
+  const toml::table parsed =
+      toml::parse(std::string(key.key).append(" = ").append(key.default_toml));
+  TomlTable defaults(parsed, "scene_keys.cpp", "");
+  return *read(defaults);
 }
 
 }  // namespace
@@ -57,7 +48,7 @@ std::vector<SceneTable> SceneTable::tables(std::string_view key) {
 }
 
 std::optional<double> SceneTable::number_if(std::string_view key) {
-  return read_number(table_, key_of(key, KeyKind::kNumber));
+  return table_.number(key, key_of(key, KeyKind::kNumber).range);
 }
 
 double SceneTable::number(std::string_view key, double otherwise) {
@@ -65,13 +56,13 @@ double SceneTable::number(std::string_view key, double otherwise) {
 }
 
 double SceneTable::number(std::string_view key) {
-  if (const auto value = number_if(key)) return *value;
   const SceneKey& row = key_of(key, KeyKind::kNumber);
-  return *read_default(row, [&](TomlTable& table) { return read_number(table, row); });
+  return read_or_default(table_, row,
+                         [&](TomlTable& table) { return table.number(key, row.range); });
 }
 
 std::optional<int> SceneTable::whole_if(std::string_view key) {
-  return read_whole(table_, key_of(key, KeyKind::kWhole));
+  return table_.integer(key, key_of(key, KeyKind::kWhole).range);
 }
 
 int SceneTable::whole(std::string_view key, int otherwise) {
@@ -80,8 +71,8 @@ int SceneTable::whole(std::string_view key, int otherwise) {
 
 int SceneTable::whole(std::string_view key) {
   const SceneKey& row = key_of(key, KeyKind::kWhole);
-  if (const auto value = read_whole(table_, row)) return *value;
-  return *read_default(row, [&](TomlTable& table) { return read_whole(table, row); });
+  return read_or_default(table_, row,
+                         [&](TomlTable& table) { return table.integer(key, row.range); });
 }
 
 std::vector<double> SceneTable::numbers_if(std::string_view key) {
@@ -90,11 +81,11 @@ std::vector<double> SceneTable::numbers_if(std::string_view key) {
 }
 
 std::vector<double> SceneTable::numbers(std::string_view key) {
-  const std::vector<double> values = numbers_if(key);
-  if (!values.empty()) return values;
   const SceneKey& row = key_of(key, KeyKind::kNumbers);
-  return read_default(row,
-                      [&](TomlTable& table) { return table.numbers(key, row.count, row.range); });
+  return read_or_default(table_, row, [&](TomlTable& table) {
+    std::vector<double> values = table.numbers(key, row.count, row.range);
+    return values.empty() ? std::nullopt : std::optional(std::move(values));
+  });
 }
 
 Eigen::Vector3d SceneTable::vector3(std::string_view key) {
@@ -103,9 +94,8 @@ Eigen::Vector3d SceneTable::vector3(std::string_view key) {
 }
 
 bool SceneTable::boolean(std::string_view key) {
-  const SceneKey& row = key_of(key, KeyKind::kBoolean);
-  const bool otherwise = row.otherwise == "true";
-  return table_.boolean(key, otherwise);
+  return read_or_default(table_, key_of(key, KeyKind::kBoolean),
+                         [&](TomlTable& table) { return table.boolean(key); });
 }
 
 std::optional<std::size_t> SceneTable::choice_if(std::string_view key) {
@@ -113,14 +103,14 @@ std::optional<std::size_t> SceneTable::choice_if(std::string_view key) {
 }
 
 std::size_t SceneTable::choice(std::string_view key) {
-  if (const auto place = choice_if(key)) return *place;
   const SceneKey& row = key_of(key, KeyKind::kChoice);
-  return *read_default(row, [&](TomlTable& table) { return table.choice(key, row.words); });
+  return read_or_default(table_, row,
+                         [&](TomlTable& table) { return table.choice(key, row.words); });
 }
 
 std::string SceneTable::text(std::string_view key, std::string otherwise) {
   (void)key_of(key, KeyKind::kText);
-  return table_.text(key, std::move(otherwise));
+  return table_.text(key).value_or(std::move(otherwise));
 }
 
 std::optional<Eigen::Vector3d> SceneTable::direction_if(std::string_view key) {
@@ -129,9 +119,8 @@ std::optional<Eigen::Vector3d> SceneTable::direction_if(std::string_view key) {
 }
 
 Eigen::Vector3d SceneTable::direction(std::string_view key) {
-  if (const auto given = direction_if(key)) return *given;
-  const SceneKey& row = key_of(key, KeyKind::kDirection);
-  return *read_default(row, [&](TomlTable& table) { return table.direction(key); });
+  return read_or_default(table_, key_of(key, KeyKind::kDirection),
+                         [&](TomlTable& table) { return table.direction(key); });
 }
 
 std::vector<std::vector<double>> SceneTable::rows(std::string_view key) {

@@ -26,7 +26,7 @@ class SceneTable {
   bool boolean(std::string_view key);
   std::size_t choice(std::string_view key);
   Eigen::Vector3d direction(std::string_view key);
-  /// Those that have none: `otherwise`, or nothing.
+  /// Those that have none: `otherwise`, or none.
   double number(std::string_view key, double otherwise);
   int whole(std::string_view key, int otherwise);
   std::string text(std::string_view key, std::string otherwise);

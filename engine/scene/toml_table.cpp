@@ -124,27 +124,23 @@ std::optional<double> TomlTable::number(std::string_view key, Range range) {
   return checked(key, *node, range);
 }
 
-double TomlTable::number(std::string_view key, Range range, double otherwise) {
-  return number(key, range).value_or(otherwise);
-}
-
-int TomlTable::integer(std::string_view key, Range range, int otherwise) {
+std::optional<int> TomlTable::integer(std::string_view key, Range range) {
   const toml::node* node = find(key);
-  if (!node) return otherwise;
+  if (!node) return {};
   if (!node->is_integer()) fail(key, describe(*node), "a whole number, " + range_text(range));
   return static_cast<int>(checked(key, *node, range));
 }
 
-bool TomlTable::boolean(std::string_view key, bool otherwise) {
+std::optional<bool> TomlTable::boolean(std::string_view key) {
   const toml::node* node = find(key);
-  if (!node) return otherwise;
+  if (!node) return {};
   if (!node->is_boolean()) fail(key, describe(*node), "true or false");
   return *node->value<bool>();
 }
 
-std::string TomlTable::text(std::string_view key, std::string otherwise) {
+std::optional<std::string> TomlTable::text(std::string_view key) {
   const toml::node* node = find(key);
-  if (!node) return otherwise;
+  if (!node) return {};
   if (!node->is_string()) fail(key, describe(*node), "a text in quotes");
   return *node->value<std::string>();
 }
@@ -181,7 +177,7 @@ std::vector<std::vector<double>> TomlTable::rows(std::string_view key, std::size
 std::optional<Eigen::Vector3d> TomlTable::direction(std::string_view key) {
   const std::vector<double> v = numbers(key, 3, {-1e6, 1e6});
   if (v.empty()) return {};
-  const Eigen::Vector3d along(v[0], v[1], v[2]);
+  const Eigen::Vector3d along(v.data());
   const double length = along.norm();
   if (!(length > 1e-9)) fail(key, "a vector of no length", "a direction");
   return along / length;
@@ -209,7 +205,7 @@ std::vector<std::string> TomlTable::strings(std::string_view key) {
 }
 
 std::string TomlTable::path(std::string_view key) {
-  const std::string given = text(key, "");
+  const std::string given = text(key).value_or("");
   if (given.empty()) {
     if (has(key)) fail(key, "an empty text", "a path");
     return given;

@@ -10,7 +10,7 @@
 #include <Eigen/Core>
 #include <toml++/toml.h>
 
-#include "engine/scene/range.hpp"
+#include "engine/scene/scene_keys.hpp"
 
 namespace sulcus {
 
@@ -29,11 +29,11 @@ class TomlTable {
   /// The tables of an array of tables; none when absent.
   std::vector<TomlTable> tables(std::string_view key);
 
-  double number(std::string_view key, Range range, double otherwise);
+  // None when absent.
   std::optional<double> number(std::string_view key, Range range);
-  int integer(std::string_view key, Range range, int otherwise);
-  bool boolean(std::string_view key, bool otherwise);
-  std::string text(std::string_view key, std::string otherwise);
+  std::optional<int> integer(std::string_view key, Range range);
+  std::optional<bool> boolean(std::string_view key);
+  std::optional<std::string> text(std::string_view key);
   /// Exactly `count` numbers; empty when absent.
   std::vector<double> numbers(std::string_view key, std::size_t count, Range range);
   /// Rows of as many numbers as `names` ("x, y, z") says, at least one row; empty when absent.

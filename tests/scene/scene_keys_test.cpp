@@ -44,9 +44,9 @@ std::string text_of(const std::vector<Line>& lines, const std::string& omitted =
   };
   for (const SceneTableKeys& table : scene_tables()) {
     add(std::string(table.name), table.repeated);
-    if (table.also.empty()) continue;
+    if (table.inherits_from.empty()) continue;
     for (const SceneTableKeys& other : scene_tables()) {
-      const std::string beginning = std::string(table.also) + ".";
+      const std::string beginning = std::string(table.inherits_from) + ".";
       if (!other.name.starts_with(beginning)) continue;
       add(std::string(table.name) + "." + std::string(other.name.substr(beginning.size())), false);
     }
@@ -82,9 +82,11 @@ void for_every_key(const Visit& visit) {
     for (const SceneKey& key : table.keys) {
       visit(std::string(table.name), key);
       for (const SceneTableKeys& heir : scene_tables()) {
-        if (heir.also.empty() || !table.name.starts_with(heir.also)) continue;
-        if (find_scene_key(heir.name, key.key) != &key && table.name == heir.also) continue;  // own
-        visit(std::string(heir.name) + std::string(table.name.substr(heir.also.size())), key);
+        if (heir.inherits_from.empty() || !table.name.starts_with(heir.inherits_from)) continue;
+        if (find_scene_key(heir.name, key.key) != &key && table.name == heir.inherits_from)
+          continue;  // own
+        visit(std::string(heir.name) + std::string(table.name.substr(heir.inherits_from.size())),
+              key);
       }
     }
   }
@@ -126,7 +128,7 @@ TEST(SceneKeys, EveryDefaultIsTaken) {
   int count = 0;
   for_every_key([&](const std::string& table, const SceneKey& key) {
     if (!has_default(key)) return;
-    std::string text = scene_with(table, key, std::string(key.otherwise));
+    std::string text = scene_with(table, key, std::string(key.default_toml));
     EXPECT_EQ(error_of(text), "no error") << table << "." << key.key << "\n" << text;
     ++count;
   });

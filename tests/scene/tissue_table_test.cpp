@@ -1,10 +1,10 @@
-#include "engine/scene/tissue_table.hpp"
-
 #include <fstream>
 #include <sstream>
 #include <string>
 
 #include <gtest/gtest.h>
+
+#include "engine/scene/tissue_tables.hpp"
 
 namespace sulcus {
 namespace {
