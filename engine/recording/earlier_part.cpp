@@ -85,16 +85,15 @@ VoxelModel as_it_was(const VoxelModel& now, const VoxelModel& touched) {
 
 std::vector<Edit> read_edits(const Hdf5Handle& group, std::span<const VoxelGrid> grids,
                              std::uint64_t file_bytes) {
-  const FixedRows stored(group, "edits", edit_type(), 1, kMaxEdits, file_bytes);
-  std::vector<EditRow> rows(stored.rows());
-  stored.read(rows.data());
+  const Hdf5Handle type = row_type<EditRow>();
+  const auto rows = read_fixed_rows<EditRow>(group, {"edits", type, 1, kMaxEdits}, file_bytes);
   std::vector<Edit> edits;
   edits.reserve(rows.size());
   for (const EditRow& row : rows) {
     if (!is_intact(row, grids) || (!edits.empty() && row.tick < edits.back().tick)) {
       throw Hdf5Error("earlier/edits: row " + std::to_string(edits.size()) + " is damaged");
     }
-    edits.push_back({row.tick, row.voxel, row.body, static_cast<EditCause>(row.cause)});
+    edits.push_back(unpacked(row));
   }
   return edits;
 }
@@ -115,8 +114,7 @@ void check_edits(VoxelModel model, std::span<const Edit> edits, const VoxelModel
 }  // namespace
 
 void write_earlier(const Hdf5Handle& file, const EarlierRun& earlier) {
-  const auto group = hdf5_checked(
-      H5Gcreate2(file, "earlier", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, "earlier");
+  const auto group = create_group(file, "earlier");
   write_text_attribute(group, "recording", earlier.recording);
   write_text_attribute(group, "scene_sha256", earlier.scene_sha256);
   for_each_count(earlier.measures, [&](const char* name, const std::uint64_t& count) {
@@ -125,21 +123,18 @@ void write_earlier(const Hdf5Handle& file, const EarlierRun& earlier) {
   for_each_force(earlier.measures, [&](const char* name, const double& force) {
     write_attribute(group, name, H5T_IEEE_F64LE, &force);
   });
-  const std::uint64_t check = check_of(earlier);
-  write_attribute(group, "check", H5T_STD_U64LE, &check);
+  write_check(group, check_of(earlier));
   std::vector<EditRow> rows;
   rows.reserve(earlier.edits.size());
   for (const Edit& edit : earlier.edits) rows.push_back(packed(edit));
-  write_fixed_rows(group, "edits", edit_type(), rows.data(), rows.size());
+  write_fixed_rows(group, "edits", row_type<EditRow>(), rows.data(), rows.size());
   write_model(group, "workpiece", touched_leaves(earlier.start, earlier.edits));
 }
 
 std::optional<EarlierRun> read_earlier(const Hdf5Handle& file, const VoxelModel& now,
                                        std::span<const VoxelGrid> grids, std::uint64_t file_bytes) {
-  const htri_t exists = H5Lexists(file, "earlier", H5P_DEFAULT);
-  hdf5_check(exists, "earlier");
-  if (exists == 0) return {};
-  const auto group = hdf5_checked(H5Gopen2(file, "earlier", H5P_DEFAULT), H5Gclose, "earlier");
+  const auto group = open_group_if(file, "earlier");
+  if (!group.valid()) return {};
   EarlierRun earlier;
   earlier.recording = read_text_attribute(group, "recording", kMaxNameBytes);
   earlier.scene_sha256 = read_text_attribute(group, "scene_sha256", kMaxNameBytes);
@@ -150,11 +145,7 @@ std::optional<EarlierRun> read_earlier(const Hdf5Handle& file, const VoxelModel&
     read_attribute(group, name, H5T_NATIVE_DOUBLE, &force);
     if (!std::isfinite(force)) throw Hdf5Error("earlier: a force that is not finite");
   });
-  std::uint64_t check = 0;
-  read_attribute(group, "check", H5T_NATIVE_UINT64, &check);
-  if (check != check_of(earlier)) {
-    throw Hdf5Error("earlier: its check does not fit, it is damaged");
-  }
+  verify_check(group, "earlier", check_of(earlier));
   earlier.edits = read_edits(group, grids, file_bytes);
   earlier.start = as_it_was(now, read_model(group, "workpiece", file_bytes));
   check_edits(earlier.start, earlier.edits, now);

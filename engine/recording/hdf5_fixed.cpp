@@ -1,7 +1,6 @@
 #include "engine/recording/hdf5_fixed.hpp"
 
 #include <algorithm>
-#include <span>
 
 #include "engine/recording/hdf5_storage.hpp"
 
@@ -31,6 +30,24 @@ Hdf5Handle open_attribute(hid_t object, const char* name, hsize_t count) {
 }
 
 }  // namespace
+
+Hdf5Handle create_group(const Hdf5Handle& parent, const char* name) {
+  return hdf5_checked(H5Gcreate2(parent, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose,
+                      name);
+}
+
+Hdf5Handle open_group(const Hdf5Handle& parent, const char* name) {
+  Hdf5Handle group = open_group_if(parent, name);
+  if (!group.valid()) throw Hdf5Error(std::string(name) + ": no such group");
+  return group;
+}
+
+Hdf5Handle open_group_if(const Hdf5Handle& parent, const char* name) {
+  const htri_t exists = H5Lexists(parent, name, H5P_DEFAULT);
+  hdf5_check(exists, name);
+  if (exists == 0) return {};
+  return hdf5_checked(H5Gopen2(parent, name, H5P_DEFAULT), H5Gclose, name);
+}
 
 void write_attribute(hid_t object, const char* name, hid_t type, const void* value, hsize_t count) {
   const auto space = hdf5_checked(
@@ -66,6 +83,18 @@ void read_attribute(hid_t object, const char* name, hid_t memory_type, void* val
   hdf5_check(H5Aread(attribute, memory_type, value), name);
 }
 
+void write_check(const Hdf5Handle& group, std::uint64_t check) {
+  write_attribute(group, "check", H5T_STD_U64LE, &check);
+}
+
+void verify_check(const Hdf5Handle& group, const char* name, std::uint64_t check) {
+  std::uint64_t stored = 0;
+  read_attribute(group, "check", H5T_NATIVE_UINT64, &stored);
+  if (stored != check) {
+    throw Hdf5Error(std::string(name) + ": its check does not fit, it is damaged");
+  }
+}
+
 void write_fixed_rows(const Hdf5Handle& group, const char* name, hid_t type, const void* values,
                       hsize_t rows, hsize_t columns) {
   const hsize_t dims[2] = {rows, columns};
@@ -84,32 +113,36 @@ void write_fixed_rows(const Hdf5Handle& group, const char* name, hid_t type, con
   if (rows > 0) hdf5_check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), name);
 }
 
-FixedRows::FixedRows(const Hdf5Handle& group, const char* name, hid_t type, hsize_t columns,
-                     hsize_t max_rows, std::uint64_t file_bytes)
-    : name_(name), type_(hdf5_checked(H5Tcopy(type), H5Tclose, name)) {
-  if (H5Lexists(group, name, H5P_DEFAULT) <= 0) throw Hdf5Error(name_ + ": no such data set");
-  dataset_ = hdf5_checked(H5Dopen2(group, name, H5P_DEFAULT), H5Dclose, name);
-  const auto stored_type = hdf5_checked(H5Dget_type(dataset_), H5Tclose, name);
-  if (H5Tequal(stored_type, type) <= 0) throw Hdf5Error(name_ + ": another type of values");
-  const auto space = hdf5_checked(H5Dget_space(dataset_), H5Sclose, name);
-  hsize_t dims[2] = {0, 1};
-  const int rank = columns == 1 ? 1 : 2;
-  if (H5Sget_simple_extent_ndims(space) != rank ||
-      H5Sget_simple_extent_dims(space, dims, nullptr) != rank || dims[1] != columns) {
-    throw Hdf5Error(name_ + ": another shape");
-  }
-  rows_ = dims[0];
-  if (rows_ > max_rows) throw Hdf5Error(name_ + ": more rows than there can be");
-  if (rows_ == 0) return;
-  const Hdf5Storage stored =
-      storage_of(dataset_, name_, std::span(dims).first(static_cast<std::size_t>(rank)),
-                 H5Tget_size(type), file_bytes);
-  if (stored.rows < rows_) throw Hdf5Error(name_ + ": more rows than the file has room for");
+Hdf5Handle open_data_set(const Hdf5Handle& group, const char* name, hid_t type,
+                         std::span<hsize_t> dims) {
+  const std::string place = name;
+  if (H5Lexists(group, name, H5P_DEFAULT) <= 0) throw Hdf5Error(place + ": no such data set");
+  Hdf5Handle dataset = hdf5_checked(H5Dopen2(group, name, H5P_DEFAULT), H5Dclose, name);
+  const auto stored_type = hdf5_checked(H5Dget_type(dataset), H5Tclose, name);
+  if (H5Tequal(stored_type, type) <= 0) throw Hdf5Error(place + ": rows of another type");
+  const auto space = hdf5_checked(H5Dget_space(dataset), H5Sclose, name);
+  const int rank = static_cast<int>(dims.size());
+  const bool fits = rank == 0 ? H5Sget_simple_extent_npoints(space) == 1
+                              : H5Sget_simple_extent_ndims(space) == rank &&
+                                    H5Sget_simple_extent_dims(space, dims.data(), nullptr) == rank;
+  if (!fits) throw Hdf5Error(place + ": another shape");
+  return dataset;
 }
 
-void FixedRows::read(void* values) const {
-  if (rows_ == 0) return;
-  hdf5_check(H5Dread(dataset_, type_, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), name_.c_str());
+Hdf5Handle open_fixed_rows(const Hdf5Handle& group, const FixedRows& expected,
+                           std::uint64_t file_bytes, hsize_t& rows) {
+  const std::string place = expected.name;
+  hsize_t all[2] = {0, 1};
+  const std::span dims(all, expected.columns == 1 ? 1 : 2);
+  Hdf5Handle dataset = open_data_set(group, expected.name, expected.type, dims);
+  if (all[1] != expected.columns) throw Hdf5Error(place + ": another shape");
+  rows = all[0];
+  if (rows > expected.max_rows) throw Hdf5Error(place + ": more rows than there can be");
+  if (rows == 0) return dataset;
+  const Hdf5Storage stored =
+      storage_of(dataset, place, dims, H5Tget_size(expected.type), file_bytes);
+  if (stored.rows < rows) throw Hdf5Error(place + ": more rows than the file has room for");
+  return dataset;
 }
 
 }  // namespace sulcus

@@ -3,10 +3,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string>
 
 #include "engine/recording/hdf5_handle.hpp"
-#include "engine/recording/recording_header.hpp"
+#include "engine/recording/tick_record.hpp"
 #include "engine/volume/edit.hpp"
 #include "engine/volume/grid.hpp"
 
@@ -15,6 +14,7 @@ namespace sulcus {
 // The layout of a recording, shared by the writer and the reader:
 //
 //   recording_layout.hpp     every attribute, data set and column
+//   header_part.hpp          the attributes of the file
 //   recording_workpiece.hpp  the solids and the burr
 //   earlier_part.hpp         what came before the first tick of one that goes on from another
 //
@@ -26,19 +26,6 @@ namespace sulcus {
 //
 // Texts are of fixed length: HDF5 keeps those of variable length in a heap without checksums, and
 // 1.10.8 writes beyond its buffer when a size in that heap is damaged.
-
-inline constexpr char kFormatName[] = "sulcus-recording";
-
-// Rows per chunk. A flush writes the last chunk whole, so it is about as long as 50 ms of rows.
-inline constexpr hsize_t kTickChunk = 128;
-inline constexpr hsize_t kCuttingChunk = 128;
-inline constexpr hsize_t kPortChunk = 128;
-inline constexpr hsize_t kPieceChunk = 128;
-inline constexpr hsize_t kEditChunk = 1024;
-inline constexpr hsize_t kStateHashChunk = 512;
-inline constexpr hsize_t kKeyframeChunk = 16;        // of the index
-inline constexpr hsize_t kKeyframeBytes = 1u << 14;  // of the states
-inline constexpr hsize_t kSummaryBytes = 1u << 13;
 
 #pragma pack(push, 1)
 /// A row of /edits.
@@ -89,33 +76,56 @@ struct SummaryCheckRow {
 };
 static_assert(sizeof(SummaryCheckRow) == 24);
 
-/// XXH3-64 of what stands before the row's `check`.
-std::uint64_t check_of(const StateHashRow& row);
-std::uint64_t check_of(const KeyframeRow& row);
-std::uint64_t check_of(const EndRow& row);
-std::uint64_t check_of(const SummaryCheckRow& row);
-/// The low half of it.
-std::uint32_t check_of(const EditRow& row);
+/// Where the rows of a type are, and how many of them a chunk holds. A flush writes the last chunk
+/// whole, so it is about as long as 50 ms of rows.
+struct RowTable {
+  const char* name = nullptr;
+  hsize_t chunk_rows = 1;
+};
+template <class Row>
+inline constexpr RowTable kRowTable;
+template <>
+inline constexpr RowTable kRowTable<TickRecord>{"ticks", 128};
+template <>
+inline constexpr RowTable kRowTable<CuttingRecord>{"cutting", 128};
+template <>
+inline constexpr RowTable kRowTable<PortRecord>{"port", 128};
+template <>
+inline constexpr RowTable kRowTable<PieceRow>{"pieces", 128};
+template <>
+inline constexpr RowTable kRowTable<PiecePoseRow>{"piece_poses", 128};
+template <>
+inline constexpr RowTable kRowTable<TakenAnswerRow>{"taken_answers", 128};
+template <>
+inline constexpr RowTable kRowTable<EditRow>{"edits", 1024};
+template <>
+inline constexpr RowTable kRowTable<StateHashRow>{"state_hashes", 512};
+template <>
+inline constexpr RowTable kRowTable<KeyframeRow>{"keyframe_index", 16};
+template <>
+inline constexpr RowTable kRowTable<EndRow>{"end"};
+template <>
+inline constexpr RowTable kRowTable<SummaryCheckRow>{"summary_check"};
+
+/// Data sets of bytes: the states, and summary.json.
+inline constexpr RowTable kKeyframeBytes{"keyframes", 1u << 14};
+inline constexpr RowTable kSummaryBytes{"summary", 1u << 13};
 
 EditRow packed(const Edit& edit);
+Edit unpacked(const EditRow& row);
 /// Whether its check fits and it is of a voxel of these bodies, the workpiece first.
 bool is_intact(const EditRow& row, std::span<const VoxelGrid> grids);
 
-/// The types of the rows, in memory and in the file alike: packed, little-endian, as the layout has
-/// them.
-Hdf5Handle tick_type();
-Hdf5Handle cutting_type();
-Hdf5Handle port_type();
-Hdf5Handle piece_type();
-Hdf5Handle piece_pose_type();
-Hdf5Handle taken_answer_type();
-Hdf5Handle edit_type();
-Hdf5Handle state_hash_type();
-Hdf5Handle keyframe_type();
-Hdf5Handle end_type();
-Hdf5Handle summary_check_type();
-
-/// What the attribute `header_check` holds for a header of its version.
-std::uint64_t header_check(const RecordingHeader& header);
+/// The type of the rows of a table, in memory and in the file alike: packed, little-endian, as the
+/// layout has them. std::logic_error where that is not `bytes` long.
+Hdf5Handle row_type(const RowTable& table, std::size_t bytes);
+template <class Row>
+Hdf5Handle row_type() {
+  return row_type(kRowTable<Row>, sizeof(Row));
+}
+template <>
+inline Hdf5Handle row_type<std::byte>() {
+  return hdf5_checked(H5Tcopy(H5T_STD_U8LE), H5Tclose, "type");
+}
 
 }  // namespace sulcus

@@ -8,105 +8,16 @@
 #include "engine/core/error.hpp"
 #include "engine/core/hash.hpp"
 #include "engine/recording/earlier_part.hpp"
-#include "engine/recording/hdf5_fixed.hpp"
-#include "engine/recording/hdf5_handle.hpp"
-#include "engine/recording/hdf5_storage.hpp"
-#include "engine/recording/recording_format.hpp"
+#include "engine/recording/header_part.hpp"
 #include "engine/recording/recording_workpiece.hpp"
+#include "engine/recording/row_tables.hpp"
 
 namespace sulcus {
 namespace {
 
-constexpr std::uint64_t kMaxSceneBytes = 16u << 20;
-constexpr std::uint64_t kMaxShortText = 4096;
-
 /// How often a block of metadata that a living writer is just changing is read again; the pauses
 /// double from 1 ns, so that a damaged one costs about a millisecond with the system's own delays.
 constexpr unsigned kReadAttempts = 16;
-
-/// An extensible data set of the file, checked before memory is taken for it.
-template <class Row>
-class StoredTable {
- public:
-  StoredTable(const Hdf5Handle& file, const char* name, Hdf5Handle type, std::uint64_t file_bytes)
-      : name_(name), type_(std::move(type)) {
-    if (H5Lexists(file, name, H5P_DEFAULT) <= 0) throw Hdf5Error(name_ + ": no such data set");
-    dataset_ = hdf5_checked(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose, name);
-    const auto stored_type = hdf5_checked(H5Dget_type(dataset_), H5Tclose, name);
-    if (H5Tequal(stored_type, type_) <= 0) throw Hdf5Error(name_ + ": rows of other fields");
-    const auto space = hdf5_checked(H5Dget_space(dataset_), H5Sclose, name);
-    if (H5Sget_simple_extent_ndims(space) != 1 ||
-        H5Sget_simple_extent_dims(space, &announced_, nullptr) != 1) {
-      throw Hdf5Error(name_ + ": another shape");
-    }
-    const Hdf5Storage stored =
-        storage_of(dataset_, name_, std::span(&announced_, 1), sizeof(Row), file_bytes);
-    chunk_rows_ = stored.chunk_rows;
-    rows_ = stored.rows;
-  }
-
-  /// Rows that the file says it has; and how many of them it has room for.
-  hsize_t announced() const { return announced_; }
-  hsize_t rows() const { return rows_; }
-  /// What to read at a time: some whole chunks.
-  hsize_t block_rows() const { return chunk_rows_ * std::max<hsize_t>(1, 4096 / chunk_rows_); }
-  hsize_t chunk_rows() const { return chunk_rows_; }
-
-  /// `count` rows from `first`, unchecked. Throws Hdf5Error.
-  std::vector<Row> read(hsize_t first, hsize_t count) const {
-    std::vector<Row> rows(count);
-    if (count == 0) return rows;
-    const auto memory = hdf5_checked(H5Screate_simple(1, &count, nullptr), H5Sclose, "rows");
-    const auto space = hdf5_checked(H5Dget_space(dataset_), H5Sclose, "rows");
-    hdf5_check(H5Sselect_hyperslab(space, H5S_SELECT_SET, &first, nullptr, &count, nullptr),
-               name_.c_str());
-    hdf5_check(H5Dread(dataset_, type_, memory, space, H5P_DEFAULT, rows.data()), name_.c_str());
-    return rows;
-  }
-
- private:
-  std::string name_;
-  Hdf5Handle type_;
-  Hdf5Handle dataset_;
-  hsize_t announced_ = 0;
-  hsize_t rows_ = 0;
-  hsize_t chunk_rows_ = 0;
-};
-
-/// The rows of a table one by one, read by blocks.
-template <class Row>
-class RowCursor {
- public:
-  explicit RowCursor(const StoredTable<Row>& table) : table_(table) {}
-
-  /// The next row, or null where there is none or its chunk cannot be read.
-  const Row* next() {
-    if (at_ == block_.size()) {
-      first_ += block_.size();
-      at_ = 0;
-      read_block();
-    }
-    return at_ < block_.size() ? &block_[at_++] : nullptr;
-  }
-
- private:
-  void read_block() {
-    const hsize_t left = table_.rows() - first_;
-    for (hsize_t count : {table_.block_rows(), table_.chunk_rows()}) {
-      try {
-        block_ = table_.read(first_, std::min(count, left));
-        return;
-      } catch (const Hdf5Error&) {
-        block_.clear();  // one chunk of the block cannot be read: those before it may
-      }
-    }
-  }
-
-  const StoredTable<Row>& table_;
-  std::vector<Row> block_;
-  hsize_t first_ = 0;
-  std::size_t at_ = 0;
-};
 
 Hdf5Handle open_file(const std::string& path) {
   namespace fs = std::filesystem;
@@ -142,63 +53,6 @@ Hdf5Handle open_file(const std::string& path) {
   throw InputError(path, "", "a damaged or unfinished HDF5 file (" + why + ")", "a recording");
 }
 
-void check_format(const std::string& path, const Hdf5Handle& file) {
-  if (H5Aexists(file, "format") <= 0) {
-    throw InputError(path, "format", "an HDF5 file without it", kFormatName);
-  }
-  const std::string format = read_text_attribute(file, "format", kMaxShortText);
-  if (format != kFormatName) throw InputError(path, "format", '"' + format + '"', kFormatName);
-  std::uint64_t version = 0;
-  read_attribute(file, "version", H5T_NATIVE_UINT64, &version);
-  if (version < 1 || version > kRecordingVersion) {
-    throw InputError(
-        path, "version", std::to_string(version),
-        "1 to " + std::to_string(kRecordingVersion) + ", the newest that this program reads");
-  }
-}
-
-/// Text that is only there where it says something.
-std::string read_optional_text(const Hdf5Handle& file, const char* name) {
-  return H5Aexists(file, name) > 0 ? read_text_attribute(file, name, kMaxShortText) : "";
-}
-
-RecordingHeader read_header(const Hdf5Handle& file, std::uint64_t file_bytes) {
-  RecordingHeader header;
-  header.scene_toml = read_text_attribute(file, "scene", std::min(kMaxSceneBytes, file_bytes));
-  header.scene_sha256 = read_text_attribute(file, "scene_sha256", kMaxShortText);
-  header.build = read_text_attribute(file, "build", kMaxShortText);
-  read_attribute(file, "rate_hz", H5T_NATIVE_DOUBLE, &header.rate_hz);
-  read_attribute(file, "workpiece_hash", H5T_NATIVE_UINT64, &header.workpiece_hash);
-  read_attribute(file, "version", H5T_NATIVE_UINT32, &header.version);
-  header.parent = read_optional_text(file, "parent");
-  header.repaired = read_optional_text(file, "repaired");
-  std::uint64_t check = 0;
-  read_attribute(file, "header_check", H5T_NATIVE_UINT64, &check);
-  if (check != header_check(header)) {
-    throw Hdf5Error("attributes: their header_check does not fit, one was changed");
-  }
-  if (!(std::isfinite(header.rate_hz) && header.rate_hz > 0.0)) {
-    throw Hdf5Error("rate_hz: not a positive number");
-  }
-  return header;
-}
-
-/// A data set of one row.
-template <class Row>
-Row read_row(const Hdf5Handle& file, const char* name, const Hdf5Handle& type) {
-  const std::string place = name;
-  if (H5Lexists(file, name, H5P_DEFAULT) <= 0) throw Hdf5Error(place + ": no such data set");
-  const auto dataset = hdf5_checked(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose, name);
-  const auto stored_type = hdf5_checked(H5Dget_type(dataset), H5Tclose, name);
-  const auto space = hdf5_checked(H5Dget_space(dataset), H5Sclose, name);
-  if (H5Tequal(stored_type, type) <= 0 || H5Sget_simple_extent_npoints(space) != 1) {
-    throw Hdf5Error(place + ": another shape");
-  }
-  Row row;
-  hdf5_check(H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &row), name);
-  return row;
-}
-
 std::string row_name(const char* table, std::uint64_t row) {
   return "row " + std::to_string(row) + " of /" + table;
 }
@@ -232,38 +86,27 @@ struct RecordingReader::File {
   std::optional<std::string> summary;
 
   void open() {
-    check_format(path, file);
-    header = read_header(file, bytes);
+    header = read_header(file, path, bytes);
     grids = read_grids(file);
-    tick_table.emplace(file, "ticks", tick_type(), bytes);
-    edit_table.emplace(file, "edits", edit_type(), bytes);
-    if (H5Lexists(file, "cutting", H5P_DEFAULT) > 0) {
-      cutting_table.emplace(file, "cutting", cutting_type(), bytes);
-    }
-    if (H5Lexists(file, "port", H5P_DEFAULT) > 0) {
-      port_table.emplace(file, "port", port_type(), bytes);
-    }
-    const StoredTable<StateHashRow> hash_table(file, "state_hashes", state_hash_type(), bytes);
-    const auto end = read_row<EndRow>(file, "end", end_type());
+    tick_table.emplace(file, bytes);
+    edit_table.emplace(file, bytes);
+    if (H5Lexists(file, "cutting", H5P_DEFAULT) > 0) cutting_table.emplace(file, bytes);
+    if (H5Lexists(file, "port", H5P_DEFAULT) > 0) port_table.emplace(file, bytes);
+    const auto end = read_row<EndRow>(file);
     const std::string row_damage = scan_rows();
-    std::string hash_damage = scan_state_hashes(hash_table);
+    std::string hash_damage = scan_state_hashes();
     if (header.version > 1) {
-      keyframe_bytes.emplace(file, "keyframes",
-                             hdf5_checked(H5Tcopy(H5T_STD_U8LE), H5Tclose, "type"), bytes);
+      keyframe_bytes.emplace(file, bytes, kKeyframeBytes);
       join(hash_damage, scan_keyframes());
     }
     has_pieces = H5Lexists(file, "pieces", H5P_DEFAULT) > 0;
     if (has_pieces) {
-      for (const std::string& small :
-           {scan_sealed("pieces", piece_type(), &PieceRow::tick, pieces),
-            scan_sealed("piece_poses", piece_pose_type(), &PiecePoseRow::tick, piece_poses),
-            scan_sealed("taken_answers", taken_answer_type(), &TakenAnswerRow::taken,
-                        taken_answers)}) {
-        join(hash_damage, small);
-      }
+      join(hash_damage, scan_pieces(&PieceRow::tick, pieces));
+      join(hash_damage, scan_pieces(&PiecePoseRow::tick, piece_poses));
+      join(hash_damage, scan_pieces(&TakenAnswerRow::taken, taken_answers));
     }
     summary = read_summary();
-    const bool closed = end.check == check_of(end);
+    const bool closed = is_sealed(end);
     announced_ticks = closed ? end.ticks : tick_table->announced();
     damage = row_damage;
     join(damage, hash_damage);
@@ -341,41 +184,56 @@ struct RecordingReader::File {
     return ticks == tick_table->announced() ? "" : row_name("ticks", ticks) + " cannot be read";
   }
 
-  std::string scan_state_hashes(const StoredTable<StateHashRow>& table) {
-    RowCursor<StateHashRow> rows(table);
+  /// Calls `take(row)` for the rows of a small table that belong to the ticks that can be trusted.
+  /// `follows(row)`: whether one can stand behind those taken. Says what is wrong with the first
+  /// that cannot, or cannot be read.
+  template <class Row, class Follows, class Take>
+  std::string scan_table(std::uint64_t Row::*tick, const Follows& follows, const Take& take) {
+    const StoredTable<Row> table(file, bytes);
+    const char* const name = kRowTable<Row>.name;
+    RowCursor<Row> rows(table);
     std::uint64_t at = 0;
-    for (; const StateHashRow* row = rows.next(); ++at) {
-      if (row->check != check_of(*row) ||
-          (!state_hashes.empty() && row->tick <= state_hashes.back().tick)) {
-        return row_name("state_hashes", at) + " is damaged";
-      }
-      if (ticks == 0 || row->tick > last_tick) return "";
-      state_hashes.push_back({row->tick, row->volume, row->state});
+    for (; const Row* row = rows.next(); ++at) {
+      if (!is_sealed(*row) || !follows(*row)) return row_name(name, at) + " is damaged";
+      if (ticks == 0 || row->*tick > last_tick) return "";
+      take(*row);
     }
-    return at == table.announced() ? "" : row_name("state_hashes", at) + " cannot be read";
+    return at == table.announced() ? "" : row_name(name, at) + " cannot be read";
+  }
+
+  std::string scan_state_hashes() {
+    return scan_table<StateHashRow>(
+        &StateHashRow::tick,
+        [&](const StateHashRow& row) {
+          return state_hashes.empty() || row.tick > state_hashes.back().tick;
+        },
+        [&](const StateHashRow& row) {
+          state_hashes.push_back({row.tick, row.volume, row.state});
+        });
   }
 
   /// Which states there are, as far as the rows go; whether their bytes are whole is seen when they
   /// are read.
   std::string scan_keyframes() {
-    const StoredTable<KeyframeRow> table(file, "keyframe_index", keyframe_type(), bytes);
-    RowCursor<KeyframeRow> rows(table);
-    std::uint64_t at = 0, end = 0;
-    for (; const KeyframeRow* row = rows.next(); ++at) {
-      if (row->check != check_of(*row) || row->offset != end ||
-          row->bytes > keyframe_bytes->rows() ||
-          (!keyframes.empty() && row->tick <= keyframes.back().tick)) {
-        return row_name("keyframe_index", at) + " is damaged";
-      }
-      const bool before = keyframes.empty() && row->tick + 1 == first_tick;
-      if (ticks == 0 || row->tick > last_tick) return "";
-      if (row->tick < first_tick && !before) {
-        return row_name("keyframe_index", at) + " is of no tick";
-      }
-      end += row->bytes;
-      keyframes.push_back({row->tick, row->offset, row->bytes, row->content});
-    }
-    return at == table.announced() ? "" : row_name("keyframe_index", at) + " cannot be read";
+    std::uint64_t end = 0;
+    return scan_table<KeyframeRow>(
+        &KeyframeRow::tick,
+        [&](const KeyframeRow& row) {
+          const bool rises =
+              keyframes.empty() ? row.tick + 1 >= first_tick : row.tick > keyframes.back().tick;
+          return rises && row.offset == end && row.bytes <= keyframe_bytes->rows();
+        },
+        [&](const KeyframeRow& row) {
+          end += row.bytes;
+          keyframes.push_back({row.tick, row.offset, row.bytes, row.content});
+        });
+  }
+
+  template <class Row>
+  std::string scan_pieces(std::uint64_t Row::*tick, std::vector<Row>& found) {
+    return scan_table<Row>(
+        tick, [&](const Row& row) { return found.empty() || row.*tick >= found.back().*tick; },
+        [&](const Row& row) { found.push_back(row); });
   }
 
   std::optional<std::vector<std::byte>> keyframe(const KeyframeInfo& info) const {
@@ -392,32 +250,13 @@ struct RecordingReader::File {
     return {};
   }
 
-  /// The rows of a small table that belong to the ticks that can be trusted.
-  template <class Row>
-  std::string scan_sealed(const char* name, Hdf5Handle type, std::uint64_t Row::*tick,
-                          std::vector<Row>& found) {
-    const StoredTable<Row> table(file, name, std::move(type), bytes);
-    RowCursor<Row> rows(table);
-    std::uint64_t at = 0;
-    for (; const Row* row = rows.next(); ++at) {
-      if (!is_sealed(*row) || (!found.empty() && row->*tick < found.back().*tick)) {
-        return row_name(name, at) + " is damaged";
-      }
-      if (ticks == 0 || row->*tick > last_tick) return "";
-      found.push_back(*row);
-    }
-    return at == table.announced() ? "" : row_name(name, at) + " cannot be read";
-  }
-
   /// None where it was not written, is damaged, or before recordings had one.
   std::optional<std::string> read_summary() const {
     if (H5Lexists(file, "summary", H5P_DEFAULT) <= 0) return {};
     try {
-      const auto check = read_row<SummaryCheckRow>(file, "summary_check", summary_check_type());
-      const StoredTable<std::byte> text(
-          file, "summary", hdf5_checked(H5Tcopy(H5T_STD_U8LE), H5Tclose, "type"), bytes);
-      if (check.bytes == 0 || check.check != check_of(check) || check.bytes > text.rows())
-        return {};
+      const auto check = read_row<SummaryCheckRow>(file);
+      const StoredTable<std::byte> text(file, bytes, kSummaryBytes);
+      if (check.bytes == 0 || !is_sealed(check) || check.bytes > text.rows()) return {};
       const std::vector<std::byte> read = text.read(0, check.bytes);
       if (hash_bytes(read.data(), read.size()) != check.content) return {};
       return std::string(reinterpret_cast<const char*>(read.data()), read.size());
@@ -428,7 +267,7 @@ struct RecordingReader::File {
 
   std::string what_is_missing(const EndRow& end, const std::string& row_damage,
                               const std::string& hash_damage) const {
-    const bool closed = end.check == check_of(end);
+    const bool closed = is_sealed(end);
     if (closed && is_whole(end) && hash_damage.empty()) return "";
     std::string text = ticks == 0 ? "recording holds no tick"
                                   : "recording ends at tick " + std::to_string(last_tick);
@@ -493,13 +332,13 @@ std::optional<InputGeometry> RecordingReader::input() const {
 
 std::optional<EarlierRun> RecordingReader::earlier() const {
   return file_->guarded([this] {
-    return read_earlier(file_->file, read_workpiece(file_->file, file_->bytes), file_->grids,
-                        file_->bytes);
+    return read_earlier(file_->file, read_model(file_->file, "workpiece", file_->bytes),
+                        file_->grids, file_->bytes);
   });
 }
 
 VoxelModel RecordingReader::workpiece() const {
-  return file_->guarded([this] { return read_workpiece(file_->file, file_->bytes); });
+  return file_->guarded([this] { return read_model(file_->file, "workpiece", file_->bytes); });
 }
 
 std::optional<TriangleMesh> RecordingReader::burr_mesh() const {
@@ -535,7 +374,7 @@ std::vector<Edit> RecordingReader::edits(std::size_t first, std::size_t count) c
     edits.reserve(rows.size());
     for (const EditRow& row : rows) {
       if (!is_intact(row, file_->grids)) throw Hdf5Error("edits: changed since it was opened");
-      edits.push_back({row.tick, row.voxel, row.body, static_cast<EditCause>(row.cause)});
+      edits.push_back(unpacked(row));
     }
     return edits;
   });

@@ -46,32 +46,11 @@ std::uint64_t check_of(const TriangleMesh& mesh) {
   return hash_of(mesh.triangles, hash_of(mesh.positions, 0));
 }
 
-template <class T>
-std::vector<T> read_rows(const Hdf5Handle& group, const char* name, hid_t type, hsize_t columns,
-                         hsize_t max_rows, std::uint64_t file_bytes) {
-  const FixedRows rows(group, name, type, columns, max_rows, file_bytes);
-  std::vector<T> values(rows.rows());
-  rows.read(values.data());
-  return values;
-}
-
 /// Rising and below `end`.
 void check_indices(const std::vector<std::uint32_t>& indices, std::uint64_t end, const char* name) {
   if (!is_rising_below(indices, end)) {
     throw Hdf5Error(std::string(name) + ": indices out of order or range");
   }
-}
-
-Hdf5Handle open_group(const Hdf5Handle& file, const char* name) {
-  if (H5Lexists(file, name, H5P_DEFAULT) <= 0) {
-    throw Hdf5Error(std::string(name) + ": no such group");
-  }
-  return hdf5_checked(H5Gopen2(file, name, H5P_DEFAULT), H5Gclose, name);
-}
-
-Hdf5Handle create_group(const Hdf5Handle& file, const char* name) {
-  return hdf5_checked(H5Gcreate2(file, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose,
-                      name);
 }
 
 VoxelGrid read_grid_of(const Hdf5Handle& group) {
@@ -93,12 +72,13 @@ VoxelGrid read_grid_of(const Hdf5Handle& group) {
 
 void read_labels(const Hdf5Handle& group, std::uint64_t file_bytes, PackedModel& in) {
   const std::size_t n = in.leaves.size();
-  in.leaf_labels = read_rows<std::uint8_t>(group, "leaf_labels", H5T_STD_U8LE, 1, n, file_bytes);
+  in.leaf_labels =
+      read_fixed_rows<std::uint8_t>(group, {"leaf_labels", H5T_STD_U8LE, 1, n}, file_bytes);
   if (in.leaf_labels.size() != n) throw Hdf5Error("leaf_labels: not as many as leaves");
-  in.mixed = read_rows<std::uint32_t>(group, "mixed", H5T_STD_U32LE, 1, n, file_bytes);
+  in.mixed = read_fixed_rows<std::uint32_t>(group, {"mixed", H5T_STD_U32LE, 1, n}, file_bytes);
   check_indices(in.mixed, n, "mixed");
-  in.mixed_labels =
-      read_rows<LabelBlock>(group, "mixed_labels", H5T_STD_U8LE, sizeof(LabelBlock), n, file_bytes);
+  in.mixed_labels = read_fixed_rows<LabelBlock>(
+      group, {"mixed_labels", H5T_STD_U8LE, sizeof(LabelBlock), n}, file_bytes);
   if (in.mixed_labels.size() != in.mixed.size()) {
     throw Hdf5Error("mixed_labels: not as many as mixed");
   }
@@ -114,8 +94,7 @@ void write_model(const Hdf5Handle& parent, const char* name, const VoxelModel& m
   write_attribute(group, "cells", H5T_STD_U32LE, cells.data(), 3);
   write_attribute(group, "voxel_m", H5T_IEEE_F64LE, &out.grid.voxel_m);
   write_attribute(group, "clipped", H5T_STD_U8LE, &clipped);
-  const std::uint64_t check = check_of(out);
-  write_attribute(group, "check", H5T_STD_U64LE, &check);
+  write_check(group, check_of(out));
   write_fixed_rows(group, "leaves", H5T_STD_U32LE, out.leaves.data(), out.leaves.size());
   write_fixed_rows(group, "words", H5T_STD_U64LE, out.words.data(), out.words.size(), 8);
   if (!out.labelled) return;
@@ -124,10 +103,6 @@ void write_model(const Hdf5Handle& parent, const char* name, const VoxelModel& m
   write_fixed_rows(group, "mixed", H5T_STD_U32LE, out.mixed.data(), out.mixed.size());
   write_fixed_rows(group, "mixed_labels", H5T_STD_U8LE, out.mixed_labels.data(),
                    out.mixed_labels.size(), sizeof(LabelBlock));
-}
-
-void write_workpiece(const Hdf5Handle& file, const VoxelModel& model) {
-  write_model(file, "workpiece", model);
 }
 
 void write_bodies(const Hdf5Handle& file, std::span<const VoxelModel* const> models) {
@@ -146,17 +121,14 @@ VoxelModel read_model(const Hdf5Handle& parent, const char* name, std::uint64_t 
   std::uint8_t clipped = 0;
   read_attribute(group, "clipped", H5T_NATIVE_UINT8, &clipped);
   in.clipped = clipped != 0;
-  in.leaves = read_rows<std::uint32_t>(group, "leaves", H5T_STD_U32LE, 1, leaf_count, file_bytes);
+  in.leaves =
+      read_fixed_rows<std::uint32_t>(group, {"leaves", H5T_STD_U32LE, 1, leaf_count}, file_bytes);
   check_indices(in.leaves, leaf_count, "leaves");
-  in.words = read_rows<LeafBits>(group, "words", H5T_STD_U64LE, 8, leaf_count, file_bytes);
+  in.words = read_fixed_rows<LeafBits>(group, {"words", H5T_STD_U64LE, 8, leaf_count}, file_bytes);
   if (in.words.size() != in.leaves.size()) throw Hdf5Error("words: not as many as leaves");
   in.labelled = H5Lexists(group, "leaf_labels", H5P_DEFAULT) > 0;
   if (in.labelled) read_labels(group, file_bytes, in);
-  std::uint64_t check = 0;
-  read_attribute(group, "check", H5T_NATIVE_UINT64, &check);
-  if (check != check_of(in))
-    throw Hdf5Error(std::string(name) + ": its check does not fit, it is damaged");
-
+  verify_check(group, name, check_of(in));
   return unpack(in);
 }
 
@@ -165,8 +137,8 @@ namespace {
 /// visit(the group of all, name in it).
 template <class Visit>
 void for_each_body(const Hdf5Handle& file, const Visit& visit) {
-  if (H5Lexists(file, "bodies", H5P_DEFAULT) <= 0) return;
-  const auto group = open_group(file, "bodies");
+  const auto group = open_group_if(file, "bodies");
+  if (!group.valid()) return;
   for (std::size_t body = 0; body < kMaxBodies; ++body) {
     const std::string name = std::to_string(body);
     if (H5Lexists(group, name.c_str(), H5P_DEFAULT) <= 0) return;
@@ -175,10 +147,6 @@ void for_each_body(const Hdf5Handle& file, const Visit& visit) {
 }
 
 }  // namespace
-
-VoxelModel read_workpiece(const Hdf5Handle& file, std::uint64_t file_bytes) {
-  return read_model(file, "workpiece", file_bytes);
-}
 
 std::vector<VoxelGrid> read_grids(const Hdf5Handle& file) {
   std::vector<VoxelGrid> grids{read_grid_of(open_group(file, "workpiece"))};
@@ -194,10 +162,6 @@ std::vector<VoxelModel> read_bodies(const Hdf5Handle& file, std::uint64_t file_b
     models.push_back(read_model(bodies, name.c_str(), file_bytes));
   });
   return models;
-}
-
-void write_goal(const Hdf5Handle& file, const VoxelModel& model) {
-  write_model(file, "goal", model);
 }
 
 std::optional<VoxelModel> read_goal(const Hdf5Handle& file, std::uint64_t file_bytes) {
@@ -232,24 +196,17 @@ void write_input(const Hdf5Handle& file, const InputGeometry& input) {
   for_each_input_attribute([&](const char* name, std::size_t first, hsize_t count) {
     write_attribute(group, name, H5T_IEEE_F64LE, numbers.data() + first, count);
   });
-  const std::uint64_t check = hash_bytes(numbers.data(), sizeof numbers);
-  write_attribute(group, "check", H5T_STD_U64LE, &check);
+  write_check(group, hash_bytes(numbers.data(), sizeof numbers));
 }
 
 std::optional<InputGeometry> read_input(const Hdf5Handle& file) {
-  const htri_t exists = H5Lexists(file, "input", H5P_DEFAULT);
-  hdf5_check(exists, "input");
-  if (exists == 0) return std::nullopt;
-  const auto group = open_group(file, "input");
+  const auto group = open_group_if(file, "input");
+  if (!group.valid()) return std::nullopt;
   std::array<double, InputGeometry::kNumbers> numbers{};
   for_each_input_attribute([&](const char* name, std::size_t first, hsize_t count) {
     read_attribute(group, name, H5T_NATIVE_DOUBLE, numbers.data() + first, count);
   });
-  std::uint64_t check = 0;
-  read_attribute(group, "check", H5T_NATIVE_UINT64, &check);
-  if (check != hash_bytes(numbers.data(), sizeof numbers)) {
-    throw Hdf5Error("input: its check does not fit, it is damaged");
-  }
+  verify_check(group, "input", hash_bytes(numbers.data(), sizeof numbers));
   std::optional<InputGeometry> input = InputGeometry::of(numbers);
   if (!input) throw Hdf5Error("input: numbers that are no geometry");
   return input;
@@ -257,8 +214,7 @@ std::optional<InputGeometry> read_input(const Hdf5Handle& file) {
 
 void write_burr(const Hdf5Handle& file, const TriangleMesh& mesh_tool) {
   const auto group = create_group(file, "burr");
-  const std::uint64_t check = check_of(mesh_tool);
-  write_attribute(group, "check", H5T_STD_U64LE, &check);
+  write_check(group, check_of(mesh_tool));
   write_fixed_rows(group, "positions", H5T_IEEE_F32LE, mesh_tool.positions.data(),
                    mesh_tool.positions.size(), 3);
   write_fixed_rows(group, "triangles", H5T_STD_U32LE, mesh_tool.triangles.data(),
@@ -266,19 +222,15 @@ void write_burr(const Hdf5Handle& file, const TriangleMesh& mesh_tool) {
 }
 
 std::optional<TriangleMesh> read_burr(const Hdf5Handle& file, std::uint64_t file_bytes) {
-  const htri_t exists = H5Lexists(file, "burr", H5P_DEFAULT);
-  hdf5_check(exists, "burr");
-  if (exists == 0) return std::nullopt;
-  const auto group = open_group(file, "burr");
+  const auto group = open_group_if(file, "burr");
+  if (!group.valid()) return std::nullopt;
   constexpr hsize_t kMaxRows = 1u << 28;  // a mesh of 3 GiB
   TriangleMesh mesh;
-  mesh.positions =
-      read_rows<Eigen::Vector3f>(group, "positions", H5T_IEEE_F32LE, 3, kMaxRows, file_bytes);
-  mesh.triangles = read_rows<std::array<std::uint32_t, 3>>(group, "triangles", H5T_STD_U32LE, 3,
-                                                           kMaxRows, file_bytes);
-  std::uint64_t check = 0;
-  read_attribute(group, "check", H5T_NATIVE_UINT64, &check);
-  if (check != check_of(mesh)) throw Hdf5Error("burr: its check does not fit, it is damaged");
+  mesh.positions = read_fixed_rows<Eigen::Vector3f>(
+      group, {"positions", H5T_IEEE_F32LE, 3, kMaxRows}, file_bytes);
+  mesh.triangles = read_fixed_rows<std::array<std::uint32_t, 3>>(
+      group, {"triangles", H5T_STD_U32LE, 3, kMaxRows}, file_bytes);
+  verify_check(group, "burr", check_of(mesh));
   for (const Eigen::Vector3f& p : mesh.positions) {
     if (!p.allFinite()) throw Hdf5Error("burr/positions: a value that is not finite");
   }

@@ -33,23 +33,19 @@ namespace sulcus {
 //
 // Labels of leaves without a solid voxel are not kept: nothing can come to be there.
 
-/// A solid as a group. Throws Hdf5Error.
+/// A solid as a group: "workpiece", "goal" or one of the bodies. Throws Hdf5Error.
 void write_model(const Hdf5Handle& parent, const char* name, const VoxelModel& model);
-/// Throws Hdf5Error where there is no such group or it is damaged; `file_bytes` as below.
+/// `file_bytes` bounds what the file can hold, and so the memory taken. Throws Hdf5Error where
+/// there is no such group or it is damaged.
 VoxelModel read_model(const Hdf5Handle& parent, const char* name, std::uint64_t file_bytes);
 
 /// Throws Hdf5Error.
-void write_workpiece(const Hdf5Handle& file, const VoxelModel& model);
 void write_bodies(const Hdf5Handle& file, std::span<const VoxelModel* const> models);
-/// What the file of a goal holds, on the workpiece's grid.
-void write_goal(const Hdf5Handle& file, const VoxelModel& model);
 void write_input(const Hdf5Handle& file, const InputGeometry& input);
 void write_burr(const Hdf5Handle& file, const TriangleMesh& mesh_tool);
 
 /// The grids alone, checked: the workpiece's, then those of the other bodies. Throws Hdf5Error.
 std::vector<VoxelGrid> read_grids(const Hdf5Handle& file);
-/// `file_bytes` bounds what the file can hold, and so the memory taken. Throws Hdf5Error.
-VoxelModel read_workpiece(const Hdf5Handle& file, std::uint64_t file_bytes);
 /// Of the bodies besides the workpiece. Throws Hdf5Error.
 std::vector<VoxelModel> read_bodies(const Hdf5Handle& file, std::uint64_t file_bytes);
 /// None where no goal names a file. Throws Hdf5Error, also where it is on another grid than the

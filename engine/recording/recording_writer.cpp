@@ -12,10 +12,9 @@
 #include "engine/core/hash.hpp"
 #include "engine/core/stop.hpp"
 #include "engine/recording/earlier_part.hpp"
-#include "engine/recording/hdf5_fixed.hpp"
-#include "engine/recording/hdf5_handle.hpp"
-#include "engine/recording/recording_format.hpp"
+#include "engine/recording/header_part.hpp"
 #include "engine/recording/recording_workpiece.hpp"
+#include "engine/recording/row_tables.hpp"
 
 namespace sulcus {
 namespace {
@@ -25,51 +24,6 @@ constexpr std::size_t kMetadataBytes = 1 << 19;  // of HDF5's, in memory
 constexpr std::size_t kMaxWaitingTicks = 4096;
 constexpr std::size_t kMaxWaitingEdits = 1 << 16;
 constexpr std::size_t kMaxWaitingStateBytes = 1 << 24;
-
-/// A data set that grows by rows, and the rows that wait for it.
-template <class Row>
-class Table {
- public:
-  Table(const Hdf5Handle& file, const char* name, Hdf5Handle type, hsize_t chunk_rows)
-      : name_(name), type_(std::move(type)) {
-    const hsize_t none = 0, unlimited = H5S_UNLIMITED;
-    const auto space = hdf5_checked(H5Screate_simple(1, &none, &unlimited), H5Sclose, name);
-    const auto properties = hdf5_checked(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, name);
-    hdf5_check(H5Pset_chunk(properties, 1, &chunk_rows), name);
-    dataset_ = hdf5_checked(
-        H5Dcreate2(file, name, type_, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose, name);
-  }
-
-  hsize_t written() const { return written_; }
-  std::size_t waiting() const { return waiting_.size(); }
-  const Row& waiting_row(std::size_t i) const { return waiting_[i]; }
-  void add(const Row& row) { waiting_.push_back(row); }
-  void add(std::span<const Row> rows) { waiting_.insert(waiting_.end(), rows.begin(), rows.end()); }
-
-  /// Writes the first `count` waiting rows and hands them to the system.
-  void flush(std::size_t count) {
-    if (count == 0) return;
-    const hsize_t rows = count, end = written_ + count;
-    hdf5_check(H5Dset_extent(dataset_, &end), name_);
-    const auto memory = hdf5_checked(H5Screate_simple(1, &rows, nullptr), H5Sclose, name_);
-    const auto space = hdf5_checked(H5Dget_space(dataset_), H5Sclose, name_);
-    hdf5_check(H5Sselect_hyperslab(space, H5S_SELECT_SET, &written_, nullptr, &rows, nullptr),
-               name_);
-    hdf5_check(H5Dwrite(dataset_, type_, memory, space, H5P_DEFAULT, waiting_.data()), name_);
-    hdf5_check(H5Dflush(dataset_), name_);
-    written_ = end;
-    waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(count));
-  }
-  void flush() { flush(waiting_.size()); }
-  void forget() { dataset_.forget(); }
-
- private:
-  const char* name_;
-  Hdf5Handle type_;
-  Hdf5Handle dataset_;
-  hsize_t written_ = 0;
-  std::vector<Row> waiting_;
-};
 
 /// `path` must not name anything but a regular file: HDF5 would write into a device.
 void check_path(const std::string& path) {
@@ -122,58 +76,23 @@ Hdf5Handle create_file(const std::string& path) {
   return file;
 }
 
-void write_header(const Hdf5Handle& file, const RecordingHeader& header) {
-  write_text_attribute(file, "format", kFormatName);
-  write_attribute(file, "version", H5T_STD_U32LE, &header.version);
-  write_text_attribute(file, "scene", header.scene_toml);
-  write_text_attribute(file, "scene_sha256", header.scene_sha256);
-  write_attribute(file, "workpiece_hash", H5T_STD_U64LE, &header.workpiece_hash);
-  write_text_attribute(file, "build", header.build);
-  write_attribute(file, "rate_hz", H5T_IEEE_F64LE, &header.rate_hz);
-  if (!header.parent.empty()) write_text_attribute(file, "parent", header.parent);
-  if (!header.repaired.empty()) write_text_attribute(file, "repaired", header.repaired);
-  const std::uint64_t check = header_check(header);
-  write_attribute(file, "header_check", H5T_STD_U64LE, &check);
-}
-
-/// A data set of one row that has its place in the file from the start: writing it later changes
-/// nothing else.
-template <class Row>
-Hdf5Handle create_row(const Hdf5Handle& file, const char* name, const Hdf5Handle& type) {
-  const auto space = hdf5_checked(H5Screate(H5S_SCALAR), H5Sclose, name);
-  const auto properties = hdf5_checked(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, name);
-  hdf5_check(H5Pset_alloc_time(properties, H5D_ALLOC_TIME_EARLY), name);
-  auto row = hdf5_checked(H5Dcreate2(file, name, type, space, H5P_DEFAULT, properties, H5P_DEFAULT),
-                          H5Dclose, name);
-  const Row open{};
-  hdf5_check(H5Dwrite(row, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &open), name);
-  return row;
-}
-
-/// Sets the check, and writes it.
-template <class Row>
-void write_row(const Hdf5Handle& place, const char* name, const Hdf5Handle& type, Row row) {
-  row.check = check_of(row);
-  hdf5_check(H5Dwrite(place, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &row), name);
-}
-
 }  // namespace
 
 struct RecordingWriter::File {
   std::string path;
   Hdf5Handle file;
-  std::optional<Table<EditRow>> edits;
-  std::optional<Table<TickRecord>> ticks;
-  std::optional<Table<CuttingRecord>> cutting;  // with RecordingTables::cutting
-  std::optional<Table<PortRecord>> port;        // with RecordingTables::port
-  std::optional<Table<StateHashRow>> state_hashes;
-  std::optional<Table<std::byte>> keyframes;
-  std::optional<Table<KeyframeRow>> keyframe_index;
+  std::optional<GrowingTable<EditRow>> edits;
+  std::optional<GrowingTable<TickRecord>> ticks;
+  std::optional<GrowingTable<CuttingRecord>> cutting;  // with RecordingTables::cutting
+  std::optional<GrowingTable<PortRecord>> port;        // with RecordingTables::port
+  std::optional<GrowingTable<StateHashRow>> state_hashes;
+  std::optional<GrowingTable<std::byte>> keyframes;
+  std::optional<GrowingTable<KeyframeRow>> keyframe_index;
   // With RecordingTables::pieces.
-  std::optional<Table<PieceRow>> pieces;
-  std::optional<Table<PiecePoseRow>> piece_poses;
-  std::optional<Table<TakenAnswerRow>> taken_answers;
-  std::optional<Table<std::byte>> summary;
+  std::optional<GrowingTable<PieceRow>> pieces;
+  std::optional<GrowingTable<PiecePoseRow>> piece_poses;
+  std::optional<GrowingTable<TakenAnswerRow>> taken_answers;
+  std::optional<GrowingTable<std::byte>> summary;
   Hdf5Handle summary_check, end;
   bool named = false;
   std::string failure;  // of the first call that failed
@@ -184,30 +103,27 @@ struct RecordingWriter::File {
     RecordingHeader header = any_version;
     header.version = kRecordingVersion;
     write_header(file, header);
-    write_workpiece(file, start);
+    write_model(file, "workpiece", start);
     write_bodies(file, others.bodies);
-    if (others.goal) write_goal(file, *others.goal);
+    if (others.goal) write_model(file, "goal", *others.goal);
     if (others.input) write_input(file, *others.input);
     if (others.earlier) write_earlier(file, *others.earlier);
     if (burr_mesh_tool) write_burr(file, *burr_mesh_tool);
-    edits.emplace(file, "edits", edit_type(), kEditChunk);
-    ticks.emplace(file, "ticks", tick_type(), kTickChunk);
-    if (tables.cutting) cutting.emplace(file, "cutting", cutting_type(), kCuttingChunk);
-    if (tables.port) port.emplace(file, "port", port_type(), kPortChunk);
+    edits.emplace(file);
+    ticks.emplace(file);
+    if (tables.cutting) cutting.emplace(file);
+    if (tables.port) port.emplace(file);
     if (tables.pieces) {
-      pieces.emplace(file, "pieces", piece_type(), kPieceChunk);
-      piece_poses.emplace(file, "piece_poses", piece_pose_type(), kPieceChunk);
-      taken_answers.emplace(file, "taken_answers", taken_answer_type(), kPieceChunk);
+      pieces.emplace(file);
+      piece_poses.emplace(file);
+      taken_answers.emplace(file);
     }
-    state_hashes.emplace(file, "state_hashes", state_hash_type(), kStateHashChunk);
-    const hid_t byte = H5T_STD_U8LE;
-    keyframes.emplace(file, "keyframes", hdf5_checked(H5Tcopy(byte), H5Tclose, "keyframes"),
-                      kKeyframeBytes);
-    keyframe_index.emplace(file, "keyframe_index", keyframe_type(), kKeyframeChunk);
-    summary.emplace(file, "summary", hdf5_checked(H5Tcopy(byte), H5Tclose, "summary"),
-                    kSummaryBytes);
-    summary_check = create_row<SummaryCheckRow>(file, "summary_check", summary_check_type());
-    end = create_row<EndRow>(file, "end", end_type());
+    state_hashes.emplace(file);
+    keyframes.emplace(file, kKeyframeBytes);
+    keyframe_index.emplace(file);
+    summary.emplace(file, kSummaryBytes);
+    summary_check = create_row<SummaryCheckRow>(file);
+    end = create_row<EndRow>(file);
     hdf5_check(H5Fstart_swmr_write(file), "start of recording");
   }
 
@@ -230,14 +146,13 @@ struct RecordingWriter::File {
       piece_poses->flush();
     }
     std::size_t most = ticks->waiting();
-    if (cutting) {
-      cutting->flush();
-      most = std::min<std::size_t>(most, cutting->written() - ticks->written());
-    }
-    if (port) {
-      port->flush();
-      most = std::min<std::size_t>(most, port->written() - ticks->written());
-    }
+    const auto flush_rows_of_ticks = [&](auto& table) {
+      if (!table) return;
+      table->flush();
+      most = std::min<std::size_t>(most, table->written() - ticks->written());
+    };
+    flush_rows_of_ticks(cutting);
+    flush_rows_of_ticks(port);
     std::size_t ready = 0;
     while (ready < most && ticks->waiting_row(ready).edits_end <= edits->written()) ++ready;
     ticks->flush(ready);
@@ -252,21 +167,10 @@ struct RecordingWriter::File {
       throw std::runtime_error(path + ": ticks: " + std::to_string(ticks->waiting()) +
                                " rows name edits that were never given");
     }
-    write_row(end, "end", end_type(),
-              EndRow{ticks->written(), edits->written(), state_hashes->written(), 0});
+    write_row(end, EndRow{ticks->written(), edits->written(), state_hashes->written(), 0});
     // What can fail for want of room fails here, where the file can still be left as it is.
     hdf5_check(H5Fflush(file, H5F_SCOPE_GLOBAL), "close");
-    edits.reset();
-    ticks.reset();
-    cutting.reset();
-    port.reset();
-    pieces.reset();
-    piece_poses.reset();
-    taken_answers.reset();
-    state_hashes.reset();
-    keyframes.reset();
-    keyframe_index.reset();
-    summary.reset();
+    for_each_table([](auto& table) { table.reset(); });
     summary_check.close();
     end.close();
     if (!file.close()) throw Hdf5Error("close: " + hdf5_reason());
@@ -275,20 +179,19 @@ struct RecordingWriter::File {
   /// After a failure HDF5 is not asked anything more about this file: it could not close it, and
   /// crashes at exit over what it then frees twice. The file stays as a killed process leaves it.
   void forget() {
-    if (edits) edits->forget();
-    if (ticks) ticks->forget();
-    if (cutting) cutting->forget();
-    if (port) port->forget();
-    if (pieces) pieces->forget();
-    if (piece_poses) piece_poses->forget();
-    if (taken_answers) taken_answers->forget();
-    if (state_hashes) state_hashes->forget();
-    if (keyframes) keyframes->forget();
-    if (keyframe_index) keyframe_index->forget();
-    if (summary) summary->forget();
+    for_each_table([](auto& table) {
+      if (table) table->forget();
+    });
     summary_check.forget();
     end.forget();
     file.forget();
+  }
+
+  template <class Visit>
+  void for_each_table(const Visit& visit) {
+    const auto visit_all = [&](auto&... tables) { (visit(tables), ...); };
+    visit_all(edits, ticks, cutting, port, pieces, piece_poses, taken_answers, state_hashes,
+              keyframes, keyframe_index, summary);
   }
 
   /// Runs `step`; the first failure is kept and told again by every later call.
@@ -346,7 +249,7 @@ void RecordingWriter::append_edits(std::span<const Edit> edits) {
 
 void RecordingWriter::append_ticks(std::span<const TickRecord> ticks) {
   file_->guarded([&] {
-    for (const TickRecord& tick : ticks) file_->ticks->add(tick);
+    file_->ticks->add(ticks);
     if (file_->ticks->waiting() > kMaxWaitingTicks) file_->flush();
   });
 }
@@ -356,7 +259,7 @@ bool RecordingWriter::has_cutting() const { return file_->cutting.has_value(); }
 void RecordingWriter::append_cutting(std::span<const CuttingRecord> rows) {
   file_->guarded([&] {
     if (!file_->cutting) throw Hdf5Error("/cutting: not in this recording");
-    for (const CuttingRecord& row : rows) file_->cutting->add(row);
+    file_->cutting->add(rows);
   });
 }
 
@@ -365,7 +268,7 @@ bool RecordingWriter::has_port() const { return file_->port.has_value(); }
 void RecordingWriter::append_port(std::span<const PortRecord> rows) {
   file_->guarded([&] {
     if (!file_->port) throw Hdf5Error("/port: not in this recording");
-    for (const PortRecord& row : rows) file_->port->add(row);
+    file_->port->add(rows);
   });
 }
 
@@ -383,9 +286,7 @@ void RecordingWriter::append_taken_answer(const TakenAnswerRow& row) {
 
 void RecordingWriter::append_state_hash(const StateHash& hash) {
   file_->guarded([&] {
-    StateHashRow row{hash.tick, hash.volume, hash.state, 0};
-    row.check = check_of(row);
-    file_->state_hashes->add(row);
+    file_->state_hashes->add(sealed(StateHashRow{hash.tick, hash.volume, hash.state, 0}));
   });
 }
 
@@ -396,9 +297,8 @@ void RecordingWriter::append_keyframe(std::uint64_t tick, std::span<const std::b
     row.offset = file_->keyframes->written() + file_->keyframes->waiting();
     row.bytes = state.size();
     row.content = hash_bytes(state.data(), state.size());
-    row.check = check_of(row);
     file_->keyframes->add(state);
-    file_->keyframe_index->add(row);
+    file_->keyframe_index->add(sealed(row));
     if (file_->keyframes->waiting() > kMaxWaitingStateBytes) file_->flush();
   });
 }
@@ -409,7 +309,7 @@ void RecordingWriter::append_summary(std::string_view text) {
     const std::span bytes = std::as_bytes(std::span(text));
     file_->summary->add(bytes);
     file_->summary->flush();
-    write_row(file_->summary_check, "summary_check", summary_check_type(),
+    write_row(file_->summary_check,
               SummaryCheckRow{bytes.size(), hash_bytes(bytes.data(), bytes.size()), 0});
   });
 }

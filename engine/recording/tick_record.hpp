@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "engine/recording/sealed_row.hpp"
+
 namespace sulcus {
 
 /// Bits of `TickRecord::faults`.
@@ -101,22 +103,5 @@ struct TakenAnswerRow {
   std::uint64_t taken = 0;
   std::uint64_t check = 0;
 };
-
-/// Sets `check`.
-void seal(PieceRow& row);
-void seal(PiecePoseRow& row);
-void seal(TakenAnswerRow& row);
-bool is_sealed(const PieceRow& row);
-bool is_sealed(const PiecePoseRow& row);
-bool is_sealed(const TakenAnswerRow& row);
-
-/// Sets `check`.
-void seal(TickRecord& record);
-void seal(CuttingRecord& record);
-void seal(PortRecord& record);
-/// Whether `check` fits the row.
-bool is_sealed(const TickRecord& record);
-bool is_sealed(const CuttingRecord& record);
-bool is_sealed(const PortRecord& record);
 
 }  // namespace sulcus

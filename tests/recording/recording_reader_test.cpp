@@ -307,7 +307,8 @@ void announce_rows(const Hdf5Handle& file, const char* name, hid_t type, hsize_t
 
 TEST_F(RecordingReaderTest, AnnouncedSizesTakeNoMemory) {
   write_whole(5);
-  announce_rows(open_to_change(), "ticks", tick_type(), hsize_t{1} << 50, kTickChunk);
+  announce_rows(open_to_change(), "ticks", row_type<TickRecord>(), hsize_t{1} << 50,
+                kRowTable<TickRecord>.chunk_rows);
   {
     const RecordingReader reader(path());
     EXPECT_EQ(reader.tick_count(), 0u);
@@ -315,12 +316,13 @@ TEST_F(RecordingReaderTest, AnnouncedSizesTakeNoMemory) {
   }
 
   write_whole(5);
-  announce_rows(open_to_change(), "ticks", tick_type(), 1, hsize_t{1} << 23);
+  announce_rows(open_to_change(), "ticks", row_type<TickRecord>(), 1, hsize_t{1} << 23);
   EXPECT_NE(refusal(path()).find("ticks: another layout"), std::string::npos);
 
   write_whole(5);
-  announce_rows(open_to_change(), "ticks", edit_type(), 1, kTickChunk);
-  EXPECT_NE(refusal(path()).find("ticks: rows of other fields"), std::string::npos);
+  announce_rows(open_to_change(), "ticks", row_type<EditRow>(), 1,
+                kRowTable<TickRecord>.chunk_rows);
+  EXPECT_NE(refusal(path()).find("ticks: rows of another type"), std::string::npos);
 
   for (const hsize_t rows : {hsize_t{1} << 62, hsize_t{100}}) {
     write_whole(5);

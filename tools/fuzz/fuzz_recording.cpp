@@ -137,22 +137,22 @@ SoundRecording write_sound() {
     writer.append_keyframe(t, state);
     const std::uint64_t offset = keyframes.empty() ? 0 : keyframes.back().bytes;
     keyframes.push_back({t, offset, state.size(), hash_bytes(state.data(), state.size()), 0});
-    keyframes.back().check = check_of(keyframes.back());
+    seal(keyframes.back());
   }
   std::vector<StateHashRow> hashes;
   for (const std::uint64_t t : {10u, 20u}) {
     writer.append_state_hash({t, t * 7919, t * 104729});
     hashes.push_back({t, t * 7919, t * 104729, 0});
-    hashes.back().check = check_of(hashes.back());
+    seal(hashes.back());
   }
   const std::string summary = "{\"scene\": \"fuzzed\"}";
   writer.append_summary(summary);
   std::vector<SummaryCheckRow> told{
       {summary.size(), hash_bytes(summary.data(), summary.size()), 0}};
-  told[0].check = check_of(told[0]);
+  seal(told[0]);
   writer.close();
   std::vector<EndRow> end{{kTicks, edits.size(), hashes.size(), 0}};
-  end[0].check = check_of(end[0]);
+  seal(end[0]);
 
   std::ifstream in(place.path(), std::ios::binary);
   SoundRecording sound;
