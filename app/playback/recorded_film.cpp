@@ -1,6 +1,5 @@
 #include "app/playback/recorded_film.hpp"
 
-#include "app/session/rendered_bodies.hpp"
 #include "engine/core/error.hpp"
 
 namespace sulcus {

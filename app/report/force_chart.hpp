@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "app/report/statistics.hpp"
+#include "app/session/run_statistics.hpp"
 
 namespace sulcus {
 

@@ -13,8 +13,8 @@
 #include <nlohmann/json.hpp>
 
 #include "app/playback/recorded_film.hpp"
-#include "app/report/run_marks.hpp"
 #include "app/report/summary.hpp"
+#include "app/session/run_marks.hpp"
 #include "engine/core/base64.hpp"
 #include "engine/core/units.hpp"
 #include "engine/core/user_text.hpp"

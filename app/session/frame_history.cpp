@@ -32,6 +32,25 @@ std::string shortened(const std::string& name) {
 
 }  // namespace
 
+std::vector<RenderedBody> rendered_bodies(const Scene& scene, VoxelModel workpiece,
+                                          std::vector<VoxelModel> bodies) {
+  std::vector<TissueLook> looks;
+  for (const TissueSettings& tissue : scene.tissues) looks.push_back({tissue.name, tissue.colour});
+  std::vector<RenderedBody> rendered{{std::move(workpiece), looks, {}}};
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const BodySettings& body = scene.bodies[i];
+    rendered.push_back({std::move(bodies[i]),
+                        body.tissue ? std::vector{looks[*body.tissue]} : looks,
+                        body.world_from_grid});
+  }
+  return rendered;
+}
+
+std::vector<RenderedBody> rendered_bodies(const Simulation& simulation) {
+  return rendered_bodies(simulation.scene(), simulation.workpiece().model(),
+                         simulation.other_bodies());
+}
+
 FrameHistory::FrameHistory(const Scene& scene, const VoxelModel& start, const EarlierRun* earlier)
     : title_(scene.title),
       window_(static_cast<std::size_t>(std::max(2.0, 2.0 * scene.haptics.rate_hz))),

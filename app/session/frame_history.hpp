@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "app/session/feed.hpp"
+#include "app/session/simulation.hpp"
 #include "engine/graphics/frame_state.hpp"
+#include "engine/graphics/rendered_body.hpp"
 #include "engine/outcome/preparation_progress.hpp"
 #include "engine/recording/earlier_run.hpp"
 #include "engine/recording/run_measures.hpp"
@@ -16,12 +18,18 @@
 
 namespace sulcus {
 
+/// The workpiece and the other bodies of a scene, as a drawing takes them.
+std::vector<RenderedBody> rendered_bodies(const Scene& scene, VoxelModel workpiece,
+                                          std::vector<VoxelModel> bodies);
+/// Those of a simulation, as they are now.
+std::vector<RenderedBody> rendered_bodies(const Simulation& simulation);
+
 /// Collects rows of ticks into what a frame shows: the latest values, and curves of the last two
-/// seconds, what the preparation has come to.
+/// seconds, what has been removed so far.
 class FrameHistory {
  public:
   /// `start`: the workpiece before the first tick. `earlier`: what came before that, of a run that
-  /// goes on from another, null else: what the preparation has come to is told of the whole.
+  /// goes on from another, null else: what has been removed is that of the whole.
   /// Neither is kept.
   FrameHistory(const Scene& scene, const VoxelModel& start, const EarlierRun* earlier = nullptr);
 

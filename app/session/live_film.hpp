@@ -9,25 +9,24 @@
 
 #include "app/session/feed.hpp"
 #include "app/session/frame_history.hpp"
-#include "app/session/piece_feed.hpp"
 #include "engine/graphics/frame_state.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/volume/voxel_model.hpp"
 
 namespace sulcus {
 
-/// A run as it is drawn while it runs: takes what its feed tells, and brings a drawing (a Renderer,
+/// A run as it is drawn while it runs: takes what is in its feed, and brings a drawing (a Renderer,
 /// a GlScene) up to it. Of the thread that consumes the feed.
 class LiveFilm {
  public:
-  /// `pieces` is null where none may come loose. `start`, `earlier`: as FrameHistory has them.
-  /// The feeds outlive it.
-  LiveFilm(Feed& feed, PieceFeed* pieces, const Scene& scene, const VoxelModel& start,
+  /// Of loose pieces, those whose news have come, or all of the tick that is drawn, waiting for
+  /// their news: the picture does not depend on who was faster.
+  enum class Pieces : std::uint8_t { kThatAreThere, kAll };
+
+  /// `start`, `earlier`: as FrameHistory has them. The feed outlives it.
+  LiveFilm(Feed& feed, const Scene& scene, const VoxelModel& start,
            const EarlierRun* earlier = nullptr)
-      : feed_(feed),
-        pieces_(pieces),
-        history_(scene, start, earlier),
-        removed_(1 + scene.bodies.size()) {}
+      : feed_(feed), history_(scene, start, earlier), removed_(1 + scene.bodies.size()) {}
 
   /// The next tick, where one has come.
   std::optional<TickReport> take() {
@@ -43,12 +42,11 @@ class LiveFilm {
   }
   bool empty() const { return history_.empty(); }
 
-  /// Brings the drawing to the last tick that was taken. `wait`: for the news of its pieces, so
-  /// that the picture does not depend on who was faster.
+  /// Brings the drawing to the last tick that was taken.
   template <class Drawing>
-  FrameState bring(Drawing& drawing, bool wait) {
+  FrameState bring(Drawing& drawing, Pieces pieces) {
     FrameState state = history_.state();
-    if (pieces_) bring_pieces(drawing, state.tick, wait);
+    if (feed_.pieces) bring_pieces(drawing, *feed_.pieces, state.tick, pieces);
     state.pieces = piece_poses_;
     for (std::size_t body = 0; body < removed_.size(); ++body) {
       drawing.remove(body, removed_[body]);
@@ -59,12 +57,12 @@ class LiveFilm {
 
  private:
   template <class Drawing>
-  void bring_pieces(Drawing& drawing, std::uint64_t tick, bool wait) {
-    while (wait && pieces_->ticks_done <= tick) {
+  void bring_pieces(Drawing& drawing, PieceFeed& feed, std::uint64_t tick, Pieces pieces) {
+    while (pieces == Pieces::kAll && feed.ticks_done <= tick) {
       std::this_thread::sleep_for(std::chrono::microseconds(100));
     }
     PieceNews news;
-    while (ahead_ || pieces_->news.try_dequeue(news)) {
+    while (ahead_ || feed.news.try_dequeue(news)) {
       if (ahead_) news = std::move(*std::exchange(ahead_, std::nullopt));
       if (news.tick > tick) {
         ahead_ = std::move(news);
@@ -80,7 +78,6 @@ class LiveFilm {
   }
 
   Feed& feed_;
-  PieceFeed* pieces_;
   FrameHistory history_;
   std::vector<std::vector<std::uint32_t>> removed_;  // by body, since the last picture
   std::uint64_t edits_taken_ = 0;

@@ -9,72 +9,53 @@ namespace sulcus {
 
 namespace {
 
-constexpr std::uint64_t kTellEvery = 10;  // ticks between the poses of a piece that moves
+constexpr std::uint64_t kPublishEvery = 10;  // ticks between the poses of a piece that moves
 
 }  // namespace
 
-PiecesThread::PiecesThread(Feed& feed, std::vector<PieceFeed*> consumers, const Scene& scene,
-                           VoxelModel start, std::vector<VoxelModel> bodies)
+PiecesThread::PiecesThread(Feed& feed, std::vector<PieceFeed*> followers,
+                           const Simulation& simulation)
     : feed_(feed),
-      consumers_(std::move(consumers)),
-      scene_(scene),
-      bodies_(std::move(bodies)),
-      finder_(std::move(start)),
-      world_(finder_.model().grid, *scene.loose_pieces, still_bodies()) {
-  thread_ = std::thread([this] {
-    try {
-      run();
-    } catch (...) {
-      failure_ = std::current_exception();
-      feed_.gone = true;
-      failed_ = true;
-      for (PieceFeed* consumer : consumers_) consumer->ticks_done = ~std::uint64_t{0};
-    }
-  });
-}
-
-PiecesThread::~PiecesThread() {
-  if (thread_.joinable()) {
-    feed_.ended = true;
-    thread_.join();
-  }
-}
-
-void PiecesThread::finish() {
-  thread_.join();
-  if (failure_) std::rethrow_exception(failure_);
+      followers_(std::move(followers)),
+      scene_(simulation.scene()),
+      bodies_(simulation.other_bodies()),
+      finder_(simulation.workpiece().model()),
+      world_(finder_.model().grid, *scene_.loose_pieces, still_bodies()),
+      thread_(feed) {
+  thread_.start(
+      [this] {
+        leave_realtime_core();
+        drain_until_ended(feed_, std::chrono::microseconds(200), [this] { drain(); });
+        end();
+      },
+      [this] { end(); });
 }
 
 bool PiecesThread::next_answer(LooseAnswer& answer, bool wait) {
   while (!answers_.try_dequeue(answer)) {
-    if (!wait || failed_) return false;
+    if (!wait || feed_.closed) return false;
     std::this_thread::sleep_for(std::chrono::microseconds(20));
   }
   return true;
 }
 
-void PiecesThread::run() {
-  leave_realtime_core();
-  std::vector<Edit> edits;
-  std::uint64_t edits_taken = 0;
-  for (bool ended = false; !ended;) {
-    ended = feed_.ended.load();
-    TickReport report;
-    while (feed_.reports.try_dequeue(report)) {
-      const std::uint64_t begin = thread_cpu_ns();
-      edits.clear();
-      for (Edit edit; edits_taken < report.record.edits_end && feed_.edits.try_dequeue(edit);) {
-        edits.push_back(edit);
-        ++edits_taken;
-      }
-      add_tick(report, edits);
-      seconds_ += 1e-9 * static_cast<double>(thread_cpu_ns() - begin);
+void PiecesThread::drain() {
+  for (TickReport report; feed_.reports.try_dequeue(report);) {
+    const std::uint64_t begin = thread_cpu_ns();
+    edits_.clear();
+    for (Edit edit; edits_taken_ < report.record.edits_end && feed_.edits.try_dequeue(edit);) {
+      edits_.push_back(edit);
+      ++edits_taken_;
     }
-    if (!ended) std::this_thread::sleep_for(std::chrono::microseconds(200));
+    add_tick(report, edits_);
+    seconds_ += 1e-9 * static_cast<double>(thread_cpu_ns() - begin);
   }
+}
+
+void PiecesThread::end() {
   memory_bytes_ = finder_.memory_bytes() + world_.memory_bytes();
   for (const VoxelModel& body : bodies_) memory_bytes_ += body.leaves.capacity() * sizeof(LeafBits);
-  for (PieceFeed* consumer : consumers_) consumer->ticks_done = ~std::uint64_t{0};
+  for (PieceFeed* follower : followers_) follower->ticks_done = PieceFeed::kAllTicks;
 }
 
 void PiecesThread::add_tick(const TickReport& report, std::span<const Edit> edits) {
@@ -97,8 +78,8 @@ void PiecesThread::add_tick(const TickReport& report, std::span<const Edit> edit
   }
   if (!edits.empty()) apply(edits);
   world_.step(1.0 / scene_.haptics.rate_hz, finder_.model());
-  if (tick % kTellEvery == 0) tell_poses(tick);
-  for (PieceFeed* consumer : consumers_) consumer->ticks_done = tick + 1;
+  if (tick % kPublishEvery == 0) publish_poses(tick);
+  for (PieceFeed* follower : followers_) follower->ticks_done = tick + 1;
 }
 
 std::vector<DebrisWorld::StillBody> PiecesThread::still_bodies() const {
@@ -150,20 +131,20 @@ void PiecesThread::free_piece(const Leaving& piece, std::uint64_t tick) {
   news.piece = static_cast<std::uint32_t>(world_.add(piece.gone));
   news.voxels = std::make_shared<std::vector<std::uint32_t>>(piece.gone);
   news.first_loose_edit = piece.first_loose_edit;
-  told_at_rest_.push_back(false);
-  tell(news);
+  published_at_rest_.push_back(false);
+  publish(news);
 }
 
-void PiecesThread::tell(const PieceNews& news) {
-  for (PieceFeed* consumer : consumers_) consumer->news.enqueue(news);
+void PiecesThread::publish(const PieceNews& news) {
+  for (PieceFeed* follower : followers_) follower->news.enqueue(news);
 }
 
-void PiecesThread::tell_poses(std::uint64_t tick) {
-  for (std::uint32_t piece = 0; piece < told_at_rest_.size(); ++piece) {
+void PiecesThread::publish_poses(std::uint64_t tick) {
+  for (std::uint32_t piece = 0; piece < published_at_rest_.size(); ++piece) {
     const bool at_rest = world_.at_rest(piece);
-    if (at_rest && told_at_rest_[piece]) continue;
-    told_at_rest_[piece] = at_rest;
-    tell({tick, piece, world_.pose(piece), nullptr, 0});
+    if (at_rest && published_at_rest_[piece]) continue;
+    published_at_rest_[piece] = at_rest;
+    publish({tick, piece, world_.pose(piece), nullptr, 0});
   }
 }
 

@@ -5,7 +5,10 @@
 #include <utility>
 #include <vector>
 
+#include "app/build_info.hpp"
+#include "engine/core/hash.hpp"
 #include "engine/core/realtime.hpp"
+#include "haptics/saved_state.hpp"
 
 namespace sulcus {
 
@@ -18,24 +21,46 @@ constexpr std::chrono::milliseconds kFlushEvery{30};
 // busy costs no more memory than they have.
 constexpr std::size_t kMostRows = 4096, kMostEdits = 1 << 16;
 
+RecordingWriter begin_recording(const Simulation& simulation, const SessionOptions& options,
+                                const std::string& file) {
+  const Scene& scene = simulation.scene();
+  RecordingHeader header;
+  header.scene_toml = scene.text;
+  header.scene_sha256 = sha256_hex(scene.text);
+  header.build = build_info();
+  header.rate_hz = scene.haptics.rate_hz;
+  header.workpiece_hash = simulation.workpiece().hash_with_tissues();
+  header.parent = options.parent;
+  RecordedSolids others{.bodies = {},
+                        .goal = options.goal ? &*options.goal : nullptr,
+                        .input = options.input ? &*options.input : nullptr,
+                        .earlier = options.earlier.get()};
+  for (const Neighbour& neighbour : simulation.state().neighbours) {
+    others.bodies.push_back(&neighbour.solid.model());
+  }
+  const bool from_file = scene.burr.shape == BurrShape::kFile;
+  RecordingWriter writer(file, header, simulation.workpiece().model(),
+                         from_file ? &simulation.burr().mesh_tool : nullptr,
+                         {.cutting = scene.cutting.has_value(),
+                          .port = scene.device.has_value() || scene.coupling.has_value(),
+                          .pieces = scene.loose_pieces.has_value()},
+                         others);
+  if (const std::uint64_t next = simulation.state().tick; next > 0) {  // it goes on from there
+    std::vector<std::byte> state;
+    save_state(simulation.state(), state);
+    writer.append_keyframe(next - 1, state);
+  }
+  return writer;
+}
+
 }  // namespace
 
-RecorderThread::RecorderThread(RecordFeed& feed, PieceFeed* pieces, RecordingWriter writer)
-    : feed_(feed), pieces_(pieces), writer_(std::move(writer)) {
-  thread_ = std::thread([this] { run(); });
-}
+RecorderThread::RecorderThread(RecordFeed& feed, const Simulation& simulation,
+                               const SessionOptions& options, const std::string& file)
+    : feed_(feed), writer_(begin_recording(simulation, options, file)), thread_(feed) {}
 
-RecorderThread::~RecorderThread() {
-  if (thread_.joinable()) {
-    if (pieces_) pieces_->ticks_done = ~std::uint64_t{0};  // nobody tells it any more
-    feed_.ended = true;
-    thread_.join();
-  }
-}
-
-void RecorderThread::finish() {
-  thread_.join();
-  if (failure_) std::rethrow_exception(failure_);
+void RecorderThread::start() {
+  thread_.start([this] { run(); }, [this] { writer_.reset(); });
 }
 
 void RecorderThread::close(std::string_view summary) {
@@ -47,44 +72,19 @@ void RecorderThread::close(std::string_view summary) {
 
 void RecorderThread::run() {
   leave_realtime_core();
-  // `ended` is read before draining: what was pushed before it was set is still drained.
-  for (bool ended = false; !ended;) {
-    ended = feed_.ended.load();
-    // The news of the last ticks come when their thread has ended too.
-    while (ended && pieces_ && pieces_->ticks_done != ~std::uint64_t{0}) {
-      drain_all();
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  const auto drain = [this] {
+    while (write_some()) {
     }
-    const auto next = std::chrono::steady_clock::now() + kFlushEvery;
-    drain_all();
-    if (!ended) std::this_thread::sleep_until(next);
-  }
+  };
+  drain_until_ended(feed_, kFlushEvery, drain);
+  if (!feed_.pieces) return;
+  // The news of the last ticks come when their thread has ended too.
+  while (!feed_.pieces->ended()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  drain();
 }
 
-void RecorderThread::drain_all() {
-  while (drain()) {
-  }
-}
-
-bool RecorderThread::drain() {
-  if (!writer_) return pass_over();
-  try {
-    return write_down();
-  } catch (...) {
-    failure_ = std::current_exception();
-    feed_.gone = true;
-    writer_.reset();
-    return true;
-  }
-}
-
-bool RecorderThread::pass_over() {
-  while (feed_.reports.pop() || feed_.edits.pop()) {
-  }
-  return false;
-}
-
-bool RecorderThread::write_down() {
+/// Whether there may be more.
+bool RecorderThread::write_some() {
   std::vector<TickRecord> rows;
   std::vector<CuttingRecord> cuts;
   std::vector<PortRecord> port;
@@ -98,18 +98,18 @@ bool RecorderThread::write_down() {
     edits.push_back(edit);
   }
   writer_->append_edits(edits);
-  if (pieces_) drain_pieces();
+  if (feed_.pieces) write_pieces();
   if (!cuts.empty()) writer_->append_cutting(cuts);
   if (!port.empty()) writer_->append_port(port);
   writer_->append_ticks(rows);
   if (!rows.empty()) last_tick_ = rows.back().tick;
-  drain_states();
+  write_states();
   writer_->flush();
   return rows.size() == kMostRows || edits.size() == kMostEdits;
 }
 
 /// A hash or a state of a tick whose row has not come yet waits for the next round.
-void RecorderThread::drain_states() {
+void RecorderThread::write_states() {
   const auto has_come = [this](std::uint64_t tick) { return last_tick_ && tick <= *last_tick_; };
   while (const StateHash* hash = feed_.hashes.peek()) {
     if (!has_come(hash->tick)) break;
@@ -126,13 +126,13 @@ void RecorderThread::drain_states() {
   }
 }
 
-void RecorderThread::drain_pieces() {
+void RecorderThread::write_pieces() {
   for (TakenAnswer taken; feed_.taken.try_dequeue(taken);) {
     TakenAnswerRow row{taken.asked, taken.taken, 0};
     seal(row);
     writer_->append_taken_answer(row);
   }
-  for (PieceNews news; pieces_->news.try_dequeue(news);) {
+  for (PieceNews news; feed_.pieces->news.try_dequeue(news);) {
     if (news.voxels) {
       PieceRow row{news.piece, news.tick, news.first_loose_edit, news.voxels->size(), 0};
       seal(row);

@@ -1,13 +1,13 @@
 #pragma once
 
 #include <cstdint>
-#include <exception>
 #include <optional>
+#include <string>
 #include <string_view>
-#include <thread>
 
-#include "app/session/feed.hpp"
-#include "app/session/piece_feed.hpp"
+#include "app/session/feed_thread.hpp"
+#include "app/session/session.hpp"
+#include "app/session/simulation.hpp"
 #include "engine/recording/recording_writer.hpp"
 
 namespace sulcus {
@@ -16,34 +16,28 @@ namespace sulcus {
 /// `finish` then throws what it said. One that stalls holds up this thread alone.
 class RecorderThread {
  public:
-  /// `pieces` is null where none may come loose.
-  RecorderThread(RecordFeed& feed, PieceFeed* pieces, RecordingWriter writer);
-  ~RecorderThread();
-  RecorderThread(const RecorderThread&) = delete;
-  RecorderThread& operator=(const RecorderThread&) = delete;
+  /// Writes into `file` what is known before the first tick. Errors as RecordingWriter.
+  RecorderThread(RecordFeed& feed, const Simulation& simulation, const SessionOptions& options,
+                 const std::string& file);
 
-  /// After `feed.ended`: waits for the rest to be on disk.
-  void finish();
+  /// Starts the thread; its first flush gives the recording its name.
+  void start();
+  /// As FeedThread: waits for the rest to be on disk.
+  void finish() { thread_.finish(); }
   /// After `finish`, once: writes summary.json of the run, nothing where that is empty, and closes
   /// the recording. std::runtime_error as RecordingWriter; nothing after a failure.
   void close(std::string_view summary);
 
  private:
   void run();
-  void drain_all();
-  /// Whether there may be more.
-  bool drain();
-  bool write_down();
-  bool pass_over();  // once the disk has failed
-  void drain_pieces();
-  void drain_states();
+  bool write_some();
+  void write_pieces();
+  void write_states();
 
   RecordFeed& feed_;
-  PieceFeed* pieces_;
   std::optional<RecordingWriter> writer_;   // none once the disk has failed
   std::optional<std::uint64_t> last_tick_;  // of the rows that have come
-  std::exception_ptr failure_;
-  std::thread thread_;
+  FeedThread thread_;
 };
 
 }  // namespace sulcus

@@ -6,54 +6,34 @@
 #include <optional>
 #include <utility>
 
+#include "app/session/frame_history.hpp"
 #include "app/session/live_film.hpp"
-#include "app/session/rendered_bodies.hpp"
 #include "engine/core/realtime.hpp"
 #include "engine/core/stop.hpp"
 
 namespace sulcus {
 
-RenderThread::RenderThread(Feed& feed, PieceFeed* pieces, const Scene& scene, VoxelModel start,
-                           std::vector<VoxelModel> bodies, const Burr& burr,
-                           const EarlierRun* earlier, std::string folder, bool drop_frames)
+RenderThread::RenderThread(Feed& feed, const Simulation& simulation, const SessionOptions& options)
     : feed_(feed),
-      pieces_(pieces),
-      scene_(scene),
-      bodies_(rendered_bodies(scene, std::move(start), std::move(bodies))),
-      burr_(burr),
-      earlier_(earlier),
-      folder_(std::move(folder)),
-      drop_frames_(drop_frames) {
+      scene_(simulation.scene()),
+      burr_(simulation.burr()),
+      options_(options),
+      bodies_(rendered_bodies(simulation)),
+      thread_(feed) {
   std::future<void> ready = ready_.get_future();
-  thread_ = std::thread([this] {
-    try {
-      run();
-    } catch (...) {
-      failure_ = std::current_exception();
-      feed_.gone = true;
-      if (!is_ready_) ready_.set_value();  // `finish` says what went wrong
-    }
-  });
+  thread_.start([this] { run(); },
+                [this] {
+                  if (!is_ready_) ready_.set_value();  // `finish` says what went wrong
+                });
   ready.wait();
 }
 
-RenderThread::~RenderThread() {
-  if (thread_.joinable()) {
-    feed_.ended = true;
-    thread_.join();
-  }
-}
-
-void RenderThread::finish() {
-  thread_.join();
-  if (failure_) std::rethrow_exception(failure_);
-}
-
 void RenderThread::run() {
+  const bool drop_frames = options_.pace == Pace::kReal;
   // Pinned before the context is made: the software rasteriser's threads inherit it.
-  if (drop_frames_) leave_realtime_core();
-  std::filesystem::create_directories(folder_ + "/frames");
-  LiveFilm film(feed_, pieces_, scene_, bodies_.front().model, earlier_);
+  if (drop_frames) leave_realtime_core();
+  std::filesystem::create_directories(options_.folder + "/frames");
+  LiveFilm film(feed_, scene_, bodies_.front().model, options_.earlier.get());
   Renderer renderer(*scene_.render, std::move(bodies_), burr_.mesh_tool, burr_.head_length_m);
   // It is more to draw in each frame, and the ticks need the processor.
   renderer.set_handpiece(false);
@@ -61,36 +41,34 @@ void RenderThread::run() {
   ready_.set_value();
 
   // A run that drops frames does not wait for pieces, nor for all light, but for its last picture.
-  const auto draw = [&](bool wait) {
-    renderer.set_hurried(!wait);
+  const auto draw = [&](LiveFilm::Pieces pieces) {
+    renderer.set_hurried(pieces == LiveFilm::Pieces::kThatAreThere);
     const std::uint64_t begin = steady_ns();
-    const Image image = renderer.draw(film.bring(renderer, wait));
+    const Image image = renderer.draw(film.bring(renderer, pieces));
     char name[32];
     std::snprintf(name, sizeof(name), "/frames/%06llu.png",
                   static_cast<unsigned long long>(frames_++));
-    write_png(image, folder_ + name);
-    seconds_ += 1e-9 * static_cast<double>(steady_ns() - begin);
+    write_png(image, options_.folder + name);
+    seconds_ += seconds_since(begin);
   };
 
   std::uint64_t frame = 0;  // due at frame / fps
-  for (bool ended = false; !ended;) {
-    ended = feed_.ended.load();
+  drain_until_ended(feed_, std::chrono::milliseconds(2), [&] {
     bool due = false;
     while (const std::optional<TickReport> report = film.take()) {
       const double frames_s = report->record.time_s * scene_.render->fps;
       if (frames_s < static_cast<double>(frame)) continue;
       frame = static_cast<std::uint64_t>(frames_s) + 1;
       if (stop_requested()) continue;  // who stops a run does not wait for its pictures
-      if (drop_frames_) {
+      if (drop_frames) {
         due = true;
       } else {
-        draw(true);
+        draw(LiveFilm::Pieces::kAll);
       }
     }
-    if (due && !stop_requested()) draw(false);
-    if (!ended && !due) std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  if (!film.empty() && !stop_requested()) draw(true);  // the last picture is the result
+    if (due && !stop_requested()) draw(LiveFilm::Pieces::kThatAreThere);
+  });
+  if (!film.empty() && !stop_requested()) draw(LiveFilm::Pieces::kAll);  // the result
   memory_bytes_ = renderer.memory_bytes();
 }
 

@@ -8,36 +8,11 @@
 namespace sulcus {
 
 ReportThread::ReportThread(Feed& feed, std::vector<RunMarks> marks)
-    : feed_(feed), marks_(std::move(marks)) {
-  thread_ = std::thread([this] {
-    try {
-      run();
-    } catch (...) {
-      failure_ = std::current_exception();
-      feed_.gone = true;
-    }
+    : feed_(feed), marks_(std::move(marks)), thread_(feed) {
+  thread_.start([this] {
+    leave_realtime_core();
+    drain_until_ended(feed_, std::chrono::milliseconds(50), [this] { drain(); });
   });
-}
-
-ReportThread::~ReportThread() {
-  if (!thread_.joinable()) return;
-  feed_.ended = true;
-  thread_.join();
-}
-
-void ReportThread::finish() {
-  thread_.join();
-  if (failure_) std::rethrow_exception(failure_);
-}
-
-void ReportThread::run() {
-  leave_realtime_core();
-  // `ended` is read before draining: what was pushed before it was set is still drained.
-  for (bool ended = false; !ended;) {
-    ended = feed_.ended.load();
-    drain();
-    if (!ended) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  }
 }
 
 void ReportThread::drain() {
@@ -49,7 +24,7 @@ void ReportThread::drain() {
   for (Edit edit; feed_.edits.try_dequeue(edit);) {
     for (RunMarks& marks : marks_) marks.preparation.add(edit);
   }
-  if (!marks_.empty()) marks_seconds_ += 1e-9 * static_cast<double>(steady_ns() - begin);
+  if (!marks_.empty()) marks_seconds_ += seconds_since(begin);
 }
 
 }  // namespace sulcus

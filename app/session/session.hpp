@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <functional>
@@ -9,15 +10,39 @@
 #include <string>
 #include <vector>
 
-#include "app/report/run_marks.hpp"
-#include "app/report/statistics.hpp"
 #include "app/session/feed.hpp"
 #include "app/session/loose_schedule.hpp"
-#include "app/session/piece_feed.hpp"
+#include "app/session/run_marks.hpp"
+#include "app/session/run_statistics.hpp"
 #include "app/session/simulation.hpp"
 #include "engine/volume/input_geometry.hpp"
 
 namespace sulcus {
+
+// The threads of a run
+//
+//                     reports, edits
+//   HapticLoop ------------+---> ReportThread    statistics, marks
+//   the ticks              +---> RecorderThread  recording.h5      with [record]
+//       ^                  +---> RenderThread    frames/           with [render]
+//       |                  +---> watch           a window          where one is open
+//       |                  +---> PiecesThread    loose pieces      with [loose_pieces]
+//       |  voxels that leave         |   |
+//       +----------------------------+   +---> poses, to recorder, renderer and watch
+//
+// Properties
+//
+// - Isolated: each thread has copies of the volumes that it needs. What it learns of a run it has
+//   from its feed (feed.hpp) alone.
+// - Deterministic: a tick reads of other threads only which voxels leave, and a fast run waits for
+//   that. At real pace the tick that takes an answer is recorded, so that a replay does the same.
+// - Unhindered: the haptic thread waits for nobody at real pace. Everything is made before the
+// first
+//   tick.
+// - Contained: a thread that throws closes its feed and is told of at the end. Only where reports
+// or
+//   pieces fail, without which there is no result, the run ends. The force is taken away first.
+// - Whole: who consumes a feed ends after all that was pushed into it.
 
 enum class Pace : std::uint8_t { kReal, kFast };
 
@@ -34,9 +59,9 @@ struct SessionOptions {
   std::optional<InputGeometry> input = {};
   /// When answers of loose pieces were taken in the recording that is run again; none: a new run.
   std::optional<std::vector<TakenAnswer>> played_back = {};
-  /// Called on the thread of run_session while the run lasts, with a feed of its own and the
-  /// pieces' (null where none may come loose); when it returns, the run ends.
-  std::function<void(Feed&, PieceFeed*)> watch = {};
+  /// Called on the thread of run_session while the run lasts, with a feed of its own; when it
+  /// returns, the run ends.
+  std::function<void(Feed&)> watch = {};
   /// Called when all is set up, before the first tick; may be empty.
   std::function<void()> begins = {};
   /// No tick while it is true; null: never.
@@ -69,7 +94,7 @@ struct SessionResult {
   bool interrupted = false;
   std::vector<std::string> refused;  // by the system, at real pace
   std::vector<std::string> files;    // written, in the order to be named
-  std::exception_ptr failure;        // of a part of it: the rest is whole
+  std::exception_ptr failure;        // the first of a part of it: the rest is whole
   std::uint64_t frames = 0;
   std::uint64_t pieces = 0;  // that came loose
   double wall_seconds = 0.0;
@@ -77,10 +102,8 @@ struct SessionResult {
 };
 
 /// Runs a simulation against a device until its ticks are over, a stop is requested
-/// (engine/core/stop.hpp) or a fault ends it: the haptic thread, and beside it that of the reports
-/// and, where the scene asks, recorder, renderer and the thread of loose pieces, each with a feed
-/// of its own. Returns after everything is on disk, also where one of these failed. Throws where it
-/// cannot begin.
+/// (engine/core/stop.hpp) or a fault ends it. Returns after everything is on disk, also where a
+/// thread failed. Throws where it cannot begin.
 SessionResult run_session(Simulation& simulation, Device& device, const SessionOptions& options);
 
 }  // namespace sulcus

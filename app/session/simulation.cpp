@@ -60,6 +60,12 @@ bool Simulation::is_free(const Pose& tool) const noexcept {
   });
 }
 
+std::vector<VoxelModel> Simulation::other_bodies() const {
+  std::vector<VoxelModel> bodies;
+  for (const Neighbour& neighbour : state_.neighbours) bodies.push_back(neighbour.solid.model());
+  return bodies;
+}
+
 std::size_t Simulation::contact_bytes() const {
   std::size_t bytes = scratch_.contact_bytes() + (state_.kept ? state_.kept->memory_bytes() : 0);
   for (const Neighbour& neighbour : state_.neighbours) {

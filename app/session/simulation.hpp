@@ -58,6 +58,9 @@ class Simulation {
   const Workpiece& workpiece() const { return workpiece_; }
   const SimulationState& state() const { return state_; }
 
+  /// Copies of the bodies besides the workpiece, as they are now.
+  std::vector<VoxelModel> other_bodies() const;
+
   /// With the normals that are kept, of all bodies.
   std::size_t contact_bytes() const;
   /// Of the bodies besides the workpiece.

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "app/session/queue.hpp"
+#include "app/session/feed.hpp"
 #include "haptics/device/device.hpp"
 
 namespace sulcus {

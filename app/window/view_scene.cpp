@@ -12,9 +12,9 @@
 #include "app/playback/saved_scene.hpp"
 #include "app/report/results.hpp"
 #include "app/session/changed_burr.hpp"
+#include "app/session/frame_history.hpp"
 #include "app/session/live_film.hpp"
 #include "app/session/loaded_run.hpp"
-#include "app/session/rendered_bodies.hpp"
 #include "app/session/scene_trajectory.hpp"
 #include "app/session/session.hpp"
 #include "app/terminal/progress.hpp"
@@ -120,22 +120,20 @@ std::string save_scene(const Part& part, const PictureControls& picture) {
 /// Runs a part in the window until that is closed or another part is asked for.
 std::optional<GoOn> run_part(Part& part, Window& window, ViewCamera& camera, LiveControls& live) {
   const Scene& scene = part.simulation->scene();
-  const VoxelModel start = part.simulation->workpiece().model();
-  std::vector<VoxelModel> bodies;
-  for (const Neighbour& n : part.simulation->state().neighbours) bodies.push_back(n.solid.model());
+  std::vector<RenderedBody> bodies = rendered_bodies(*part.simulation);
   HeldBurr burr(part.start);
   MouseDevice device(burr.pose(), scene.haptics.rate_hz);
   std::atomic<bool> paused{true};  // until it can be seen
   std::optional<GoOn> go_on;
   live.first_s = std::numeric_limits<float>::max();
   part.session.paused = &paused;
-  part.session.watch = [&](Feed& feed, PieceFeed* pieces) {
+  part.session.watch = [&](Feed& feed) {
     RenderSettings settings = scene.render.value_or(RenderSettings{});
     settings.width = window.size().x();
     settings.height = window.size().y();
-    LiveFilm film(feed, pieces, scene, start, part.session.earlier.get());
-    GlScene drawing(settings, rendered_bodies(scene, start, std::move(bodies)),
-                    part.simulation->burr().mesh_tool, part.simulation->burr().head_length_m);
+    LiveFilm film(feed, scene, bodies.front().model, part.session.earlier.get());
+    GlScene drawing(settings, std::move(bodies), part.simulation->burr().mesh_tool,
+                    part.simulation->burr().head_length_m);
     drawing.set_hurried(true);
     while (window.is_open() && !go_on && !feed.ended && !stop_requested()) {
       const WindowInput input = window.begin();
@@ -159,7 +157,7 @@ std::optional<GoOn> run_part(Part& part, Window& window, ViewCamera& camera, Liv
       drawing.set_hud({true, live.picture.figures, live.picture.arrows});
       drawing.set_size(size.x(), size.y());
       if (!film.empty()) {
-        FrameState state = film.bring(drawing, false);
+        FrameState state = film.bring(drawing, LiveFilm::Pieces::kThatAreThere);
         live.time_s = static_cast<float>(state.time_s);
         state.device = burr.pose();
         drawing.draw(state);

@@ -21,6 +21,10 @@ void leave_realtime_core();
 
 /// Nanoseconds of the steady clock.
 std::uint64_t steady_ns() noexcept;
+/// Seconds of the steady clock since a time of `steady_ns`.
+inline double seconds_since(std::uint64_t begin_ns) noexcept {
+  return 1e-9 * static_cast<double>(steady_ns() - begin_ns);
+}
 /// Nanoseconds of processor time of the calling thread.
 std::uint64_t thread_cpu_ns() noexcept;
 /// Sleeps until a time of the steady clock, in nanoseconds.

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "app/session/frame_history.hpp"
 #include "app/session/live_film.hpp"
-#include "app/session/rendered_bodies.hpp"
 #include "app/session/session.hpp"
 #include "engine/core/realtime.hpp"
 #include "engine/graphics/egl_context.hpp"
@@ -42,14 +42,13 @@ struct Frames {
 
 /// Draws what a run tells, as fast as it goes, until it ends: as a window does, without its screen.
 void draw(const Simulation& simulation, std::vector<RenderedBody> bodies,
-          const FramesOptions& options, Drawing how, Feed& feed, PieceFeed* pieces,
-          Frames& frames) {
+          const FramesOptions& options, Drawing how, Feed& feed, Frames& frames) {
   leave_realtime_core();
   const Scene& scene = simulation.scene();
   RenderSettings settings = scene.render.value_or(RenderSettings{});
   settings.width = options.width;
   settings.height = options.height;
-  LiveFilm film(feed, pieces, scene, bodies.front().model);
+  LiveFilm film(feed, scene, bodies.front().model);
   const EglContext context;
   GlScene drawing(settings, std::move(bodies), simulation.burr().mesh_tool,
                   simulation.burr().head_length_m);
@@ -65,7 +64,7 @@ void draw(const Simulation& simulation, std::vector<RenderedBody> bodies,
       drawing.set_detail(Detail::kCoarse);
       drawing.set_viewpoint(Viewpoint(azimuth_deg += 2.0, 35.0));
     }
-    const FrameState state = film.bring(drawing, false);
+    const FrameState state = film.bring(drawing, LiveFilm::Pieces::kThatAreThere);
     const auto shown = state.tick;
     drawing.draw(state);
     drawing.frame().finish();
@@ -98,13 +97,9 @@ Frames measure(const Scene& scene, const FramesOptions& options, Drawing how) {
   session.ticks = static_cast<std::uint64_t>(options.seconds * scene.haptics.rate_hz);
   if (how != Drawing::kNone) {
     // Copied before the haptic thread writes them.
-    std::vector<VoxelModel> others;
-    for (const Neighbour& n : simulation.state().neighbours) others.push_back(n.solid.model());
-    session.watch =
-        [&, bodies = rendered_bodies(scene, simulation.workpiece().model(), std::move(others))](
-            Feed& feed, PieceFeed* pieces) {
-          draw(simulation, bodies, options, how, feed, pieces, frames);
-        };
+    session.watch = [&, bodies = rendered_bodies(simulation)](Feed& feed) {
+      draw(simulation, bodies, options, how, feed, frames);
+    };
   }
   const SessionResult result = run_session(simulation, device, session);
   if (result.failure) std::rethrow_exception(result.failure);

@@ -1,4 +1,4 @@
-#include "app/report/run_marks.hpp"
+#include "app/session/run_marks.hpp"
 
 #include "engine/outcome/goal.hpp"
 

@@ -1,4 +1,4 @@
-#include "app/report/distribution.hpp"
+#include "app/session/run_statistics.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,6 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-
-#include "app/report/chart_series.hpp"
 
 namespace sulcus {
 namespace {
