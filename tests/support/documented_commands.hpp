@@ -1,11 +1,28 @@
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
 
 namespace sulcus::test {
+
+/// The README of every folder of a checkout, the first one first, the others by their names.
+inline std::vector<std::filesystem::path> readmes(const std::filesystem::path& root) {
+  namespace fs = std::filesystem;
+  std::vector<fs::path> found;
+  for (auto it = fs::recursive_directory_iterator(root); it != fs::recursive_directory_iterator();
+       ++it) {
+    const std::string name = it->path().filename().string();
+    const bool made = it.depth() == 0 && (name == "build" || name == "out");
+    if (it->is_directory() && (made || name.starts_with('.'))) it.disable_recursion_pending();
+    if (it.depth() > 0 && name == "README.md") found.push_back(it->path());
+  }
+  std::ranges::sort(found);
+  found.insert(found.begin(), root / "README.md");
+  return found;
+}
 
 /// What a document tells its reader to do, in its order: a command for a shell, or a file to write.
 struct DocumentedStep {
