@@ -1,4 +1,4 @@
-#include "tools/sulcus_lab/composed_shape.hpp"
+#include "tools/sulcus_lab/truth/composed_shape.hpp"
 
 #include <cmath>
 #include <random>

@@ -1,4 +1,4 @@
-#include "tools/sulcus_lab/net_force.hpp"
+#include "tools/sulcus_lab/pareto/net_force.hpp"
 
 #include <cmath>
 #include <vector>

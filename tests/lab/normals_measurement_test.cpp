@@ -1,4 +1,4 @@
-#include "tools/sulcus_lab/normals_measurement.hpp"
+#include "tools/sulcus_lab/normals/normals_measurement.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 
 #include "engine/core/error.hpp"
 #include "tests/support/shapes.hpp"
-#include "tools/sulcus_lab/cost_chart.hpp"
-#include "tools/sulcus_lab/error_stats.hpp"
+#include "tools/sulcus_lab/normals/cost_chart.hpp"
+#include "tools/sulcus_lab/truth/error_stats.hpp"
 
 namespace sulcus::lab {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/sulcus_lab/pareto_measurement.hpp"
+#include "tools/sulcus_lab/pareto/pareto_measurement.hpp"
 
 #include <vector>
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "engine/shapes/build_shape.hpp"
-#include "tools/sulcus_lab/ticks_path.hpp"
-#include "tools/sulcus_lab/ticks_run.hpp"
+#include "tools/sulcus_lab/ticks/ticks_path.hpp"
+#include "tools/sulcus_lab/ticks/ticks_run.hpp"
 
 namespace sulcus::lab::test {
 

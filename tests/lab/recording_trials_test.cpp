@@ -1,4 +1,4 @@
-#include "tools/sulcus_lab/recording_trials.hpp"
+#include "tools/sulcus_lab/recordings/recording_trials.hpp"
 
 #include <algorithm>
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/sulcus_lab/stability/cases.hpp"
+#include "tools/sulcus_lab/stability/cases/cases.hpp"
 
 namespace sulcus::lab {
 namespace {

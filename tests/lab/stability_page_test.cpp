@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/scratch_folder.hpp"
-#include "tools/sulcus_lab/stability/case_texts.hpp"
+#include "tools/sulcus_lab/stability/cases/case_texts.hpp"
 #include "tools/sulcus_lab/stability/stability_charts.hpp"
 
 namespace sulcus::lab {

@@ -1,4 +1,4 @@
-#include "tools/sulcus_lab/table1_experiment.hpp"
+#include "tools/sulcus_lab/table1/table1_experiment.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "tools/sulcus_lab/table1_rows.hpp"
+#include "tools/sulcus_lab/table1/table1_rows.hpp"
 
 namespace sulcus::lab {
 namespace {

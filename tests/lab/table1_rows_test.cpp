@@ -1,4 +1,4 @@
-#include "tools/sulcus_lab/table1_rows.hpp"
+#include "tools/sulcus_lab/table1/table1_rows.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
-#include "tools/sulcus_lab/ticks_measurement.hpp"
+#include "tools/sulcus_lab/ticks/ticks_measurement.hpp"
 
 #include <gtest/gtest.h>
 
 #include "tests/lab/plate_block.hpp"
-#include "tools/sulcus_lab/ticks_floor.hpp"
-#include "tools/sulcus_lab/ticks_sweeps.hpp"
+#include "tools/sulcus_lab/ticks/ticks_floor.hpp"
+#include "tools/sulcus_lab/ticks/ticks_sweeps.hpp"
 
 namespace sulcus::lab {
 namespace {

@@ -1,11 +1,11 @@
-#include "tools/sulcus_lab/ticks_path.hpp"
+#include "tools/sulcus_lab/ticks/ticks_path.hpp"
 
 #include <gtest/gtest.h>
 
 #include "engine/core/error.hpp"
 #include "haptics/evaluate_contact.hpp"
 #include "tests/lab/plate_block.hpp"
-#include "tools/sulcus_lab/ticks_cutting.hpp"
+#include "tools/sulcus_lab/ticks/ticks_cutting.hpp"
 
 namespace sulcus::lab {
 namespace {

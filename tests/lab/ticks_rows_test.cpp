@@ -1,4 +1,4 @@
-#include "tools/sulcus_lab/ticks_rows.hpp"
+#include "tools/sulcus_lab/ticks/ticks_rows.hpp"
 
 #include <algorithm>
 #include <cmath>

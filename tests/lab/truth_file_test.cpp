@@ -1,4 +1,4 @@
-#include "tools/sulcus_lab/truth_file.hpp"
+#include "tools/sulcus_lab/truth/truth_file.hpp"
 
 #include <string>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "tools/sulcus_lab/truth_shapes.hpp"
+#include "tools/sulcus_lab/truth/truth_shapes.hpp"
 
 #include <algorithm>
 #include <cmath>

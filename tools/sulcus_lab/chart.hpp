@@ -3,7 +3,7 @@
 #include <string>
 
 #include "app/report/gnuplot.hpp"
-#include "tools/sulcus_lab/normal_methods.hpp"
+#include "tools/sulcus_lab/normals/normal_methods.hpp"
 
 namespace sulcus::lab {
 

@@ -6,7 +6,7 @@
 
 #include "engine/scene/trajectory.hpp"
 #include "haptics/device/simulated_device.hpp"
-#include "tools/sulcus_lab/stability/case_solids.hpp"
+#include "tools/sulcus_lab/stability/cases/case_solids.hpp"
 #include "tools/sulcus_lab/stability/rig.hpp"
 
 namespace sulcus::lab {

@@ -10,7 +10,7 @@
 
 #include "engine/core/user_text.hpp"
 #include "tools/sulcus_lab/chart.hpp"
-#include "tools/sulcus_lab/stability/case_texts.hpp"
+#include "tools/sulcus_lab/stability/cases/case_texts.hpp"
 
 namespace sulcus::lab {
 

@@ -1,0 +1,158 @@
+#include "tools/sulcus_lab/pareto/pareto_measurement.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "engine/core/realtime.hpp"
+#include "haptics/broad_phase.hpp"
+#include "haptics/contact_force.hpp"
+#include "haptics/evaluate_contact.hpp"
+#include "haptics/narrow_phase.hpp"
+#include "haptics/normals.hpp"
+
+namespace sulcus::lab {
+
+namespace {
+
+constexpr int kPasses = 3;
+constexpr std::size_t kSlowStride = 10;  // poses
+
+std::size_t stride_of(NormalMethod method) {
+  return method == NormalMethod::kExact ? kSlowStride : 1;
+}
+
+HapticsSettings haptics_of(const ParetoSetting& setting) {
+  HapticsSettings haptics;
+  haptics.normals = setting.method;
+  haptics.neighbourhood = setting.neighbourhood;
+  if (setting.method == NormalMethod::kLdmPaper) haptics.trace = 5;
+  return haptics;
+}
+
+/// One setting, ready to run.
+class Run {
+ public:
+  Run(KnownSurface& surface, const Burr& burr, const ParetoSetting& setting)
+      : surface_(surface),
+        burr_(burr),
+        haptics_(haptics_of(setting)),
+        scratch_(haptics_),
+        stride_(stride_of(setting.method)) {}
+
+  void measure_errors(std::span<const PressedPose> poses, ParetoRow& row) {
+    NetForceErrors sums;  // of squares, but for the angle
+    for (const PressedPose& pose : poses) {
+      const ContactResult result = evaluate(pose.world_from_tool);
+      const NetForceErrors e =
+          net_force_errors(surface_, pose.truth, scratch_.contacts, result.wrench.force_N);
+      sums.directions += e.directions * e.directions;
+      sums.own_weights += e.own_weights * e.own_weights;
+      sums.whole += e.whole * e.whole;
+      sums.mean_angle_deg += e.mean_angle_deg;
+    }
+    const auto count = static_cast<double>(poses.size());
+    const auto rms_pct = [&](double sum) { return 100.0 * std::sqrt(sum / count); };
+    row.directions_pct = rms_pct(sums.directions);
+    row.own_weights_pct = rms_pct(sums.own_weights);
+    row.whole_pct = rms_pct(sums.whole);
+    row.normal_error_deg = sums.mean_angle_deg / count;
+  }
+
+  /// One pass; what is less than the row's times takes their place.
+  void measure_times(std::span<const PressedPose> poses, ParetoRow& row) {
+    double tick_ns = 0.0, normals_ns = 0.0;
+    int count = 0;
+    for (std::size_t p = 0; p < poses.size(); p += stride_, ++count) {
+      const Pose& pose = poses[p].world_from_tool;
+      evaluate(pose);
+      std::uint64_t begin = thread_cpu_ns();
+      evaluate(pose);
+      tick_ns += static_cast<double>(thread_cpu_ns() - begin);
+      ContactResult found;
+      const double reach_m = contact_reach_m(surface_.workpiece(), haptics_.scaling, Asked::kForce);
+      broad_phase(surface_.workpiece(), burr_.capsule, pose, reach_m, scratch_);
+      narrow_phase(surface_.workpiece(), burr_.field, pose, reach_m, scratch_, found);
+      begin = thread_cpu_ns();
+      normals(surface_.workpiece(), haptics_, nullptr, scratch_);
+      normals_ns += static_cast<double>(thread_cpu_ns() - begin);
+    }
+    row.tick_us = std::min(row.tick_us, 1e-3 * tick_ns / count);
+    row.normals_us = std::min(row.normals_us, 1e-3 * normals_ns / count);
+  }
+
+ private:
+  ContactResult evaluate(const Pose& pose) {
+    return evaluate_contact(surface_.workpiece(), tissues_, burr_, pose, nullptr, haptics_, nullptr,
+                            scratch_);
+  }
+
+  KnownSurface& surface_;
+  const Burr& burr_;
+  HapticsSettings haptics_;
+  ContactScratch scratch_;
+  std::size_t stride_;
+  std::vector<TissueSettings> tissues_{1};
+};
+
+std::string described(const ParetoSetting& setting) {
+  return std::string(kNormalMethodNames[static_cast<std::size_t>(setting.method)]) +
+         ", NS = " + std::to_string(setting.neighbourhood);
+}
+
+}  // namespace
+
+std::vector<ParetoSetting> pareto_settings(std::size_t fields) {
+  std::vector<ParetoSetting> settings;
+  for (std::size_t m = 0; m < kNormalMethodNames.size(); ++m) {
+    const auto method = static_cast<NormalMethod>(m);
+    std::vector<int> neighbourhoods{1, 2, 3, 4, 5, 6};
+    if (method == NormalMethod::kLdm || method == NormalMethod::kLdmFast) {
+      neighbourhoods.insert(neighbourhoods.end(), {8, 12});
+    }
+    for (const int ns : neighbourhoods) {
+      for (std::size_t field = 0; field < fields; ++field) settings.push_back({method, ns, field});
+    }
+  }
+  return settings;
+}
+
+std::vector<ParetoRow> measure_pareto(KnownSurface& surface, std::span<const Burr> burrs,
+                                      std::span<const PressedPose> poses,
+                                      std::span<const ParetoSetting> settings,
+                                      const std::function<void(const std::string&)>& progress) {
+  std::vector<ParetoRow> rows;
+  for (const ParetoSetting& setting : settings) {
+    progress("errors: " + described(setting));
+    ParetoRow& row = rows.emplace_back();
+    row.setting = setting;
+    row.tick_us = row.normals_us = std::numeric_limits<double>::infinity();
+    Run(surface, burrs[setting.field], setting).measure_errors(poses, row);
+  }
+  for (int pass = 0; pass < kPasses; ++pass) {
+    for (ParetoRow& row : rows) {
+      progress("times, pass " + std::to_string(pass + 1) + " of " + std::to_string(kPasses) + ": " +
+               described(row.setting));
+      Run(surface, burrs[row.setting.field], row.setting).measure_times(poses, row);
+    }
+  }
+  mark_front(rows);
+  return rows;
+}
+
+void mark_front(std::vector<ParetoRow>& rows) {
+  std::vector<std::size_t> order(rows.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return std::pair(rows[a].tick_us, rows[a].whole_pct) <
+           std::pair(rows[b].tick_us, rows[b].whole_pct);
+  });
+  double least = std::numeric_limits<double>::infinity();
+  for (const std::size_t r : order) {
+    rows[r].on_front = rows[r].whole_pct < least;
+    least = std::min(least, rows[r].whole_pct);
+  }
+}
+
+}  // namespace sulcus::lab

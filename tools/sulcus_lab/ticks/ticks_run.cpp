@@ -1,0 +1,121 @@
+#include "tools/sulcus_lab/ticks/ticks_run.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "engine/bodies/body_tree.hpp"
+#include "engine/core/hash.hpp"
+#include "engine/core/realtime.hpp"
+#include "haptics/tick.hpp"
+#include "tools/sulcus_lab/ticks/instruction_counter.hpp"
+#include "tools/sulcus_lab/ticks/ticks_path.hpp"
+
+namespace sulcus::lab {
+
+namespace {
+
+/// Poses in a circle, whatever the force.
+class LoopDevice final : public Device {
+ public:
+  explicit LoopDevice(std::span<const Pose> poses) : poses_(poses) {}
+  std::optional<Pose> pose(std::uint64_t tick) noexcept override {
+    return poses_[tick % poses_.size()];
+  }
+  void apply(const Wrench&) noexcept override {}
+
+ private:
+  std::span<const Pose> poses_;
+};
+
+/// The workpiece's grid, and grids of its size in a row along x, as teeth stand.
+BodyTree body_row(const VoxelGrid& grid, int bodies) {
+  const Eigen::Vector3d half = 0.5 * grid.voxel_m * grid.cells.cast<double>();
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (int b = 0; b < bodies; ++b) {
+    const Eigen::Vector3d centre(b * 2.1 * half.x(), 0.0, 0.0);
+    boxes.emplace_back(centre - half, centre + half);
+  }
+  return BodyTree(boxes);
+}
+
+Scene scene_of(const TickTask& task, const TickSetting& setting) {
+  Scene scene;
+  scene.haptics = haptics_of(setting, task.wanted);
+  scene.tissues = tick_tissues(task.specific_energy_J_per_m3);
+  if (setting.cache == TickCache::kCutting) scene.cutting.emplace();
+  return scene;
+}
+
+}  // namespace
+
+std::string_view method_name(const TickSetting& setting) {
+  return kNormalMethodNames[static_cast<std::size_t>(setting.method)];
+}
+
+std::string_view cache_name(const TickSetting& setting) {
+  return kTickCacheNames[static_cast<std::size_t>(setting.cache)];
+}
+
+HapticsSettings haptics_of(const TickSetting& setting, int wanted) {
+  HapticsSettings haptics = counting_settings(wanted);
+  haptics.normals = setting.method;
+  if (setting.method == NormalMethod::kLdmPaper) haptics.trace = 5;
+  haptics.keep_normals = setting.cache != TickCache::kFresh;
+  // Fresh and kept are of the method's own normals; cutting refines as a scene does.
+  if (setting.cache != TickCache::kCutting) haptics.refine_per_tick = 0;
+  return haptics;
+}
+
+std::vector<TissueSettings> tick_tissues(double specific_energy_J_per_m3) {
+  std::vector<TissueSettings> tissues;
+  for (const char* name : {"enamel", "dentine", "pulp"}) {
+    TissueSettings& tissue = tissues.emplace_back();
+    tissue.name = name;
+    tissue.specific_energy_J_per_m3 = specific_energy_J_per_m3;
+  }
+  return tissues;
+}
+
+TickSamples run_ticks(const TickTask& task, const TickSetting& setting, StageClock::Now now) {
+  const Scene scene = scene_of(task, setting);
+  std::optional<Workpiece> copy;
+  if (scene.cutting) copy.emplace(task.start);
+  Workpiece& workpiece = copy ? *copy : task.start;
+  const BodyTree bodies = body_row(workpiece.grid(), task.bodies);
+  const TickContext context{scene, task.burr, bodies.query()};
+  SimulationState state = initial_state(scene, workpiece.grid());
+  TickScratch scratch(scene, StageClock(now));
+  LoopDevice device(task.poses);
+  for (int t = 0; t < task.lead; ++t) tick(context, device, workpiece, state, scratch);
+
+  TickSamples samples;
+  const auto count = static_cast<std::size_t>(task.ticks);
+  samples.us.reserve(count);
+  samples.contacts.reserve(count);
+  samples.removed.reserve(count);
+  for (auto& stage : samples.stage_us) stage.reserve(now ? count : 0);
+  const InstructionCounter counter;
+  const std::uint64_t before = counter.read();
+  for (int t = 0; t < task.ticks; ++t) {
+    scratch.contact.clock.reset();
+    const std::uint64_t begin = thread_cpu_ns();
+    const TickRecord record = tick(context, device, workpiece, state, scratch);
+    samples.us.push_back(1e-3f * static_cast<float>(thread_cpu_ns() - begin));
+    samples.contacts.push_back(record.contacts);
+    samples.removed.push_back(record.removed);
+    samples.faults |= record.faults;
+    std::array<double, 6> wrench;
+    std::copy_n(record.contact_force_N, 3, wrench.begin());
+    std::copy_n(record.contact_torque_Nm, 3, wrench.begin() + 3);
+    samples.force_hash = hash_bytes(wrench.data(), sizeof(wrench), samples.force_hash);
+    if (!now) continue;
+    for (int s = 0; s < kStageCount; ++s) {
+      const std::uint64_t ns = scratch.contact.clock.ns(static_cast<Stage>(s));
+      samples.stage_us[static_cast<std::size_t>(s)].push_back(1e-3f * static_cast<float>(ns));
+    }
+  }
+  samples.instructions = counter.read() - before;
+  return samples;
+}
+
+}  // namespace sulcus::lab
