@@ -29,13 +29,12 @@ std::vector<std::uint64_t> tissue_voxels(const VoxelModel& model, std::size_t ti
   std::vector<std::uint64_t> voxels(tissues);
   for (std::uint32_t leaf = 0; leaf < model.leaves.size(); ++leaf) {
     const LabelBlock* block = model.tissues ? model.tissues->block(leaf) : nullptr;
-    for (int k = 0; k < kLeafEdge; ++k) {
-      std::uint64_t rest = model.leaves[leaf].words[k];
-      if (block) {
-        for (; rest != 0; rest &= rest - 1) ++voxels[(*block)[std::countr_zero(rest) | k << 6]];
-      } else if (rest != 0) {
-        voxels[model.tissues ? model.tissues->uniform_label(leaf) : 0] += std::popcount(rest);
-      }
+    const LeafBits& solid = model.leaves[leaf];
+    if (block) {
+      for_each_voxel(solid, [&](int place) { ++voxels[(*block)[place]]; });
+    } else if (any(solid)) {
+      voxels[model.tissues ? model.tissues->uniform_label(leaf) : 0] +=
+          static_cast<std::uint64_t>(count_voxels(solid));
     }
   }
   return voxels;

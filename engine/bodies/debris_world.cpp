@@ -102,10 +102,11 @@ class ToothShape final : public btConcaveShape {
     const Cell first = block * kBlockVoxels;
     const LeafBits& leaf = tooth_->leaves[grid_.leaf_of(first)];
     // A quarter of a slice: four rows of four.
-    const std::uint64_t rows = std::uint64_t{0x0f0f0f0f} << leaf_bit(first.x(), first.y());
+    const std::uint64_t rows = std::uint64_t{0x0f0f0f0f} << (leaf_place(first) & 63);
     int count = 0;
     for (int k = 0; k < kBlockVoxels; ++k) {
-      count += std::popcount(leaf.words[static_cast<std::size_t>(leaf_word(first.z()) + k)] & rows);
+      count +=
+          std::popcount(leaf.words[static_cast<std::size_t>((leaf_place(first) >> 6) + k)] & rows);
     }
     return 2 * count >= kBlockVoxels * kBlockVoxels * kBlockVoxels;
   }

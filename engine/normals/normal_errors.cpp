@@ -19,13 +19,8 @@ VoxelValues::Block errors_of_leaf(const Workpiece& workpiece, const NormalSettin
                                   std::uint32_t leaf) {
   std::vector<VoxelQuery> queries;
   const Cell first = workpiece.grid().leaf_origin(leaf);
-  for (int k = 0; k < kLeafEdge; ++k) {
-    std::uint64_t rest = workpiece.surface(leaf).words[static_cast<std::size_t>(k)];
-    for (; rest != 0; rest &= rest - 1) {
-      const int bit = std::countr_zero(rest);
-      queries.push_back(VoxelQuery{first + Cell(bit % kLeafEdge, bit / kLeafEdge, k)});
-    }
-  }
+  for_each_voxel(workpiece.surface(leaf),
+                 [&](int place) { queries.push_back(VoxelQuery{first + cell_in_leaf(place)}); });
   std::vector<SurfaceEstimate> felt(queries.size());
   estimate_surfaces(workpiece, queries, settings, felt);
   VoxelValues::Block errors;
@@ -36,7 +31,7 @@ VoxelValues::Block errors_of_leaf(const Workpiece& workpiece, const NormalSettin
     if (!felt[q].defined || !exact.defined) continue;
     // By the tangent: the cosine of a small angle says little of it.
     const Eigen::Vector3d a = felt[q].normal.cast<double>(), b = exact.normal.cast<double>();
-    errors[VoxelValues::place(queries[q].voxel)] =
+    errors[leaf_place(queries[q].voxel)] =
         static_cast<float>(std::atan2(a.cross(b).norm(), a.dot(b)));
   }
   return errors;

@@ -1,6 +1,5 @@
 #include "engine/outcome/goal.hpp"
 
-#include <bit>
 #include <cmath>
 #include <sstream>
 
@@ -61,14 +60,9 @@ VoxelSet target_voxels(const Goal& goal, const VoxelModel& start) {
     const Cell first = grid.leaf_origin(leaf), last = first + Cell::Constant(kLeafEdge - 1);
     if (!bounds.intersects({grid.centre_world(first), grid.centre_world(last)})) continue;
     LeafBits inside;
-    for (int k = 0; k < kLeafEdge; ++k) {
-      const auto word = static_cast<std::size_t>(k);
-      for (std::uint64_t rest = start.leaves[leaf].words[word]; rest != 0; rest &= rest - 1) {
-        const int bit = std::countr_zero(rest);
-        const Cell c = first + Cell(bit % kLeafEdge, bit / kLeafEdge, k);
-        if (goal.contains(grid.centre_world(c))) inside.words[word] |= std::uint64_t{1} << bit;
-      }
-    }
+    for_each_voxel(start.leaves[leaf], [&](int place) {
+      if (goal.contains(grid.centre_world(first + cell_in_leaf(place)))) inside.set(place);
+    });
     target.insert(leaf, inside);
   }
   return target;

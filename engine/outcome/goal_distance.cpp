@@ -1,7 +1,6 @@
 #include "engine/outcome/goal_distance.hpp"
 
 #include <array>
-#include <bit>
 #include <cmath>
 #include <vector>
 
@@ -18,13 +17,7 @@ template <class Take>
 void for_each_voxel(const VoxelSet& set, const Take& take) {
   for (const std::uint32_t leaf : set.leaves()) {
     const Cell first = set.grid().leaf_origin(leaf);
-    for (int k = 0; k < kLeafEdge; ++k) {
-      std::uint64_t rest = set.voxels(leaf).words[static_cast<std::size_t>(k)];
-      for (; rest != 0; rest &= rest - 1) {
-        const int bit = std::countr_zero(rest);
-        take(first + Cell(bit % kLeafEdge, bit / kLeafEdge, k));
-      }
-    }
+    for_each_voxel(set.voxels(leaf), [&](int place) { take(first + cell_in_leaf(place)); });
   }
 }
 

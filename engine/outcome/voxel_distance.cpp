@@ -129,14 +129,10 @@ std::vector<std::uint32_t> squared_distances(const VoxelSet& from, const VoxelSe
   tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t n) {
     const Cell first = from.grid().leaf_origin(leaves[n]);
     std::size_t at = begin[n];
-    for (int k = 0; k < kLeafEdge; ++k) {
-      std::uint64_t rest = from.voxels(leaves[n]).words[static_cast<std::size_t>(k)];
-      for (; rest != 0; rest &= rest - 1) {
-        const int bit = std::countr_zero(rest);
-        FromVoxel question{to, first + Cell(bit % kLeafEdge, bit / kLeafEdge, k)};
-        distances[at++] = static_cast<std::uint32_t>(Eigen::BVMinimize(tree, question));
-      }
-    }
+    for_each_voxel(from.voxels(leaves[n]), [&](int place) {
+      FromVoxel question{to, first + cell_in_leaf(place)};
+      distances[at++] = static_cast<std::uint32_t>(Eigen::BVMinimize(tree, question));
+    });
   });
   return distances;
 }

@@ -1,7 +1,5 @@
 #include "engine/outcome/voxel_set.hpp"
 
-#include <bit>
-
 namespace sulcus {
 
 namespace {
@@ -15,22 +13,18 @@ LeafBits leaf_of_tissue(const VoxelModel& model, std::uint32_t leaf, std::uint8_
     return all == label ? solid : LeafBits{};
   }
   LeafBits voxels;
-  for (std::size_t k = 0; k < voxels.words.size(); ++k) {
-    for (std::uint64_t rest = solid.words[k]; rest != 0; rest &= rest - 1) {
-      const auto bit = static_cast<std::size_t>(std::countr_zero(rest));
-      if ((*labels)[bit | k << 6] == label) voxels.words[k] |= std::uint64_t{1} << bit;
-    }
-  }
+  for_each_voxel(solid, [&](int place) {
+    if ((*labels)[place] == label) voxels.set(place);
+  });
   return voxels;
 }
 
 }  // namespace
 
 bool VoxelSet::insert(const Cell& c) {
-  std::uint64_t& word = block(grid_.leaf_of(c)).words[leaf_word(c.z())];
-  const std::uint64_t bit = std::uint64_t{1} << leaf_bit(c.x(), c.y());
-  if ((word & bit) != 0) return false;
-  word |= bit;
+  LeafBits& voxels = block(grid_.leaf_of(c));
+  if (voxels.has(leaf_place(c))) return false;
+  voxels.set(leaf_place(c));
   ++count_;
   return true;
 }

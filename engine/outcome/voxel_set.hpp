@@ -23,8 +23,7 @@ class VoxelSet {
 
   /// Also asked of voxels beyond the grid, which are never in the set.
   bool contains(const Cell& c) const {
-    return grid_.contains(c) &&
-           (voxels(grid_.leaf_of(c)).words[leaf_word(c.z())] >> leaf_bit(c.x(), c.y()) & 1u) != 0;
+    return grid_.contains(c) && voxels(grid_.leaf_of(c)).has(leaf_place(c));
   }
   /// Of a leaf; none where the set has none of it.
   const LeafBits& voxels(std::uint32_t leaf) const {

@@ -74,7 +74,7 @@ VoxelModel as_it_was(const VoxelModel& now, const VoxelModel& touched) {
     start.leaves[leaf] = from.leaves[leaf];
     if (!tissues) continue;
     if (const LabelBlock* block = from.tissues->block(leaf)) {
-      tissues->set_block(leaf, *block, from.leaves[leaf].words);
+      tissues->set_block(leaf, *block, from.leaves[leaf]);
     } else {
       tissues->set_uniform(leaf, from.tissues->uniform_label(leaf));
     }

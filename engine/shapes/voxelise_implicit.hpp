@@ -122,7 +122,7 @@ class Descent {
       fill_in_leaf(child_of(first, kLeafEdge / 2, child), kLeafEdge / 2, known, leaf);
     }
     model_.leaves[index] = leaf.bits;
-    if (tissues_) tissues_->set_block(index, leaf.labels, leaf.bits.words);
+    if (tissues_) tissues_->set_block(index, leaf.labels, leaf.bits);
   }
 
   void fill_in_leaf(const Cell& first, int edge, Known known, Leaf& leaf) const {
@@ -139,9 +139,8 @@ class Descent {
     const Eigen::Vector3d p =
         needs_point ? to_shape(c.cast<double>()) : Eigen::Vector3d(Eigen::Vector3d::Zero());
     if (!known.solid && !(shape_.value(p) <= 0.0)) return;
-    leaf.bits.words[leaf_word(c.z())] |= std::uint64_t{1} << leaf_bit(c.x(), c.y());
-    leaf.labels[leaf_bit(c.x(), c.y()) | leaf_word(c.z()) << 6] =
-        known.label ? known.value : label_at(p);
+    leaf.bits.set(leaf_place(c));
+    leaf.labels[leaf_place(c)] = known.label ? known.value : label_at(p);
   }
 
   static Cell child_of(const Cell& first, int half, int child) {

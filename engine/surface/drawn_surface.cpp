@@ -92,6 +92,20 @@ Eigen::Vector3f blend(const Eigen::Vector3f& near, const Eigen::Vector3f& wide,
   return length > 1e-6f ? Eigen::Vector3f(sum / length) : Eigen::Vector3f::UnitZ();
 }
 
+void append_triangles(const NetsMesh& mesh, std::vector<std::uint32_t>& indices) {
+  indices.reserve(6 * mesh.quads.size());
+  for (const auto& quad : mesh.quads) {
+    Eigen::Vector3f p[4];
+    for (int i = 0; i < 4; ++i) {
+      const NetsVertex& vertex = mesh.vertices[quad[i]];
+      p[i] = vertex.cell.cast<float>() + vertex.offset;
+    }
+    for (const auto& triangle : split_quad(quad, p[0], p[1], p[2], p[3])) {
+      indices.insert(indices.end(), triangle.begin(), triangle.end());
+    }
+  }
+}
+
 }  // namespace
 
 DrawnSurface::DrawnSurface(VoxelModel model, std::vector<TissueLook> looks, int cell_voxels,
@@ -129,7 +143,7 @@ void DrawnSurface::change(std::span<const std::uint32_t> voxels, bool solid, flo
     if (solid ? !contains(removed_, model_.grid, c) : !model_.solid(c)) continue;
     model_.set(c, solid);
     const std::uint32_t leaf = model_.grid.leaf_of(c);
-    removed_[leaf].words[leaf_word(c.z())] ^= std::uint64_t{1} << leaf_bit(c.x(), c.y());
+    solid ? removed_[leaf].reset(leaf_place(c)) : removed_[leaf].set(leaf_place(c));
     colour_.note_removed(model_.grid, c, time_s);
     if (leaves.empty() || leaf != leaves.back()) leaves.push_back(leaf);
     for (Lattice& l : lattices_) {
@@ -173,14 +187,10 @@ void DrawnSurface::Lattice::mark(const Cell& c, int reach, Redraw redraw) {
   const Eigen::Vector3i low = (c - Cell::Constant(reach)).cwiseMax(0) / brick_voxels;
   const Eigen::Vector3i high =
       ((c + Cell::Constant(reach)) / brick_voxels).cwiseMin(bricks - Cell::Ones());
-  for (int z = low.z(); z <= high.z(); ++z) {
-    for (int y = low.y(); y <= high.y(); ++y) {
-      for (int x = low.x(); x <= high.x(); ++x) {
-        std::uint8_t& brick = changed[x + bricks.x() * (y + bricks.y() * z)];
-        brick = std::max<std::uint8_t>(brick, redraw);
-      }
-    }
-  }
+  for_each_cell(low, high + Cell::Ones(), [&](const Cell& at) {
+    std::uint8_t& brick = changed[at.x() + bricks.x() * (at.y() + bricks.y() * at.z())];
+    brick = std::max<std::uint8_t>(brick, redraw);
+  });
 }
 
 std::vector<int> DrawnSurface::take_changed(std::size_t later, Detail detail) {
@@ -214,8 +224,7 @@ LeafBits DrawnSurface::solid_at_start(std::uint32_t leaf) const {
   LeafBits bits = model_.leaves[leaf];
   const auto found = removed_.find(leaf);
   if (found == removed_.end()) return bits;
-  for (int k = 0; k < kLeafEdge; ++k) bits.words[k] |= found->second.words[k];
-  return bits;
+  return bits |= found->second;
 }
 
 bool DrawnSurface::may_have_surface(const Eigen::Vector3i& low_voxel,
@@ -227,102 +236,95 @@ bool DrawnSurface::may_have_surface(const Eigen::Vector3i& low_voxel,
       (low_voxel.array() < 0).any() || (high_voxel.array() > model_.grid.cells.array()).any();
   bool empty = at_border;
   bool full = false;
-  for (int z = low.z(); z <= high.z(); ++z) {
-    for (int y = low.y(); y <= high.y(); ++y) {
-      for (int x = low.x(); x <= high.x(); ++x) {
-        for (std::uint64_t w : model_.leaves[model_.grid.leaf_of(Cell(x, y, z) * 8)].words) {
-          empty = empty || w != ~std::uint64_t{0};
-          full = full || w != 0;
-        }
-        if (empty && full) return true;
-      }
+  return any_cell(low, high + Cell::Ones(), [&](const Cell& at) {
+    for (const std::uint64_t w : model_.leaves[model_.grid.leaf_of(at * kLeafEdge)].words) {
+      empty = empty || w != ~std::uint64_t{0};
+      full = full || w != 0;
     }
-  }
-  return false;
+    return empty && full;
+  });
+}
+
+bool DrawnSurface::has_removals(const Eigen::Vector3i& low_voxel,
+                                const Eigen::Vector3i& high_voxel) const {
+  if (removed_.empty()) return false;
+  const Cell low = low_voxel.cwiseMax(0) / kLeafEdge;
+  const Cell high = high_voxel.cwiseMin(model_.grid.cells - Cell::Ones()) / kLeafEdge;
+  return any_cell(low, high + Cell::Ones(), [&](const Cell& at) {
+    return removed_.contains(model_.grid.leaf_of(at * kLeafEdge));
+  });
 }
 
 void DrawnSurface::mesh(int brick, Scratch& scratch, DrawnMesh& out, Detail detail) const {
   out.vertices.clear();
   out.indices.clear();
-  const auto& [level, brick_voxels, bricks, changed, first_later] = lattice(detail);
-  const Eigen::Vector3i at(brick % bricks.x(), brick / bricks.x() % bricks.y(),
-                           brick / bricks.x() / bricks.y());
-  const Eigen::Vector3i low = at * brick_voxels;
-  const Eigen::Vector3i high =
-      (low + Eigen::Vector3i::Constant(brick_voxels)).cwiseMin(model_.grid.cells);
-  const int edge = 1 << level;
-  const int margin = 3 * edge;
-  if (!may_have_surface(low - Eigen::Vector3i::Constant(margin),
-                        high + Eigen::Vector3i::Constant(margin))) {
-    return;
+  const BrickPlace place = place_of(brick, detail);
+  const Cell margin = Cell::Constant(3 * place.edge());
+  if (!may_have_surface(place.low - margin, place.high + margin)) return;
+  mesh_shape(place, scratch);
+  if (scratch.mesh.quads.empty()) return;
+  prepare(model_, density_, place.low, place.high, 2 * place.edge(), kNearLevel, kNearBlur,
+          scratch.near);
+  blur(scratch.near, kNearBlur, scratch.blur);
+  // As far as its colour looks from a vertex beyond the brick.
+  const Cell far = Cell::Constant(place.edge() + 8);
+  const bool was_cut = has_removals(place.low - far, place.high + far);
+  out.vertices.reserve(scratch.mesh.vertices.size());
+  for (const NetsVertex& vertex : scratch.mesh.vertices) {
+    const Eigen::Vector3f p_index =
+        index_from_lattice(vertex.cell.cast<float>() + vertex.offset, place.level);
+    out.vertices.push_back(drawn_vertex(p_index, scratch.near, was_cut));
   }
+  append_triangles(scratch.mesh, out.indices);
+}
 
-  // The shape. The first brick along an axis also takes the lattice edges that enter the grid.
+DrawnSurface::BrickPlace DrawnSurface::place_of(int brick, Detail detail) const {
+  const Lattice& l = lattice(detail);
+  BrickPlace place;
+  place.level = l.level;
+  place.at = Cell(brick % l.bricks.x(), brick / l.bricks.x() % l.bricks.y(),
+                  brick / l.bricks.x() / l.bricks.y());
+  place.low = place.at * l.brick_voxels;
+  place.high = (place.low + Cell::Constant(l.brick_voxels)).cwiseMin(model_.grid.cells);
+  return place;
+}
+
+void DrawnSurface::mesh_shape(const BrickPlace& place, Scratch& scratch) const {
   constexpr int kShapeBlur = 1;
   NetsBlock& field = scratch.field;
   for (int a = 0; a < 3; ++a) {
-    field.begin[a] = at[a] == 0 ? -1 : low[a] / edge;
-    field.end[a] = high[a] / edge;
+    // The first brick along an axis also takes the lattice edges that enter the grid.
+    field.begin[a] = place.at[a] == 0 ? -1 : place.low[a] / place.edge();
+    field.end[a] = place.high[a] / place.edge();
   }
   DensityBlock block;
   block.values.swap(field.values);
   block.reshape(field.begin - Eigen::Vector3i::Constant(2 + kShapeBlur),
                 field.end - field.begin + Eigen::Vector3i::Constant(4 + 2 * kShapeBlur));
-  density_.sample(model_, level, block);
+  density_.sample(model_, place.level, block);
   blur(block, kShapeBlur, scratch.blur);
   field.first = block.first;
   field.dims = block.dims;
   field.values.swap(block.values);
   surface_nets(field, 0.5f, scratch.nets, scratch.mesh);
-  if (scratch.mesh.quads.empty()) return;
+}
 
-  prepare(model_, density_, low, high, 2 * edge, kNearLevel, kNearBlur, scratch.near);
-  blur(scratch.near, kNearBlur, scratch.blur);
-  bool was_cut = false;
-  if (!removed_.empty()) {
-    // As far as its colour looks from a vertex beyond the brick.
-    const Eigen::Vector3i far = Eigen::Vector3i::Constant(edge + 8);
-    const Eigen::Vector3i from = (low - far).cwiseMax(0) / kLeafEdge;
-    const Eigen::Vector3i to = (high + far).cwiseMin(model_.grid.cells - Cell::Ones()) / kLeafEdge;
-    for (int z = from.z(); z <= to.z() && !was_cut; ++z) {
-      for (int y = from.y(); y <= to.y() && !was_cut; ++y) {
-        for (int x = from.x(); x <= to.x() && !was_cut; ++x) {
-          was_cut = removed_.contains(model_.grid.leaf_of(Cell(x, y, z) * kLeafEdge));
-        }
-      }
-    }
+DrawnVertex DrawnSurface::drawn_vertex(const Eigen::Vector3f& p_index, const DensityBlock& near,
+                                       bool was_cut) const {
+  // Outward: down the density.
+  const WideDensity::Gradients far = wide_.gradients(p_index);
+  const Eigen::Vector3f wide =
+      blend(-far.middle.stableNormalized(), -far.wide.stableNormalized(), kMiddleToWide);
+  const DensityAt at = spline(near, lattice_from_index(p_index, kNearLevel));
+  const Eigen::Vector3f normal = blend(-at.gradient.stableNormalized(), wide, kNearToMiddle);
+  const Eigen::Vector3d p_world = model_.grid.world_from_index(p_index.cast<double>());
+  DrawnVertex drawn{};
+  for (int a = 0; a < 3; ++a) {
+    drawn.position_m[a] = static_cast<float>(p_world[a]);
+    drawn.normal[a] = static_cast<std::int16_t>(std::lround(32767.0f * normal[a]));
   }
-
-  out.vertices.reserve(scratch.mesh.vertices.size());
-  for (const NetsVertex& vertex : scratch.mesh.vertices) {
-    const Eigen::Vector3f p_index =
-        index_from_lattice(vertex.cell.cast<float>() + vertex.offset, level);
-    // Outward: down the density.
-    const WideDensity::Gradients far = wide_.gradients(p_index);
-    const Eigen::Vector3f wide =
-        blend(-far.middle.stableNormalized(), -far.wide.stableNormalized(), kMiddleToWide);
-    const DensityAt near = spline(scratch.near, lattice_from_index(p_index, kNearLevel));
-    const Eigen::Vector3f normal = blend(-near.gradient.stableNormalized(), wide, kNearToMiddle);
-    const Eigen::Vector3d p_world = model_.grid.world_from_index(p_index.cast<double>());
-    DrawnVertex drawn{};
-    for (int a = 0; a < 3; ++a) {
-      drawn.position_m[a] = static_cast<float>(p_world[a]);
-      drawn.normal[a] = static_cast<std::int16_t>(std::lround(32767.0f * normal[a]));
-    }
-    drawn.colour_cut = colour_.at(model_, removed_, p_index, normal, was_cut);
-    out.vertices.push_back(drawn);
-  }
-  out.indices.reserve(6 * scratch.mesh.quads.size());
-  for (const auto& quad : scratch.mesh.quads) {
-    Eigen::Vector3f p[4];
-    for (int i = 0; i < 4; ++i) {
-      const NetsVertex& vertex = scratch.mesh.vertices[quad[i]];
-      p[i] = vertex.cell.cast<float>() + vertex.offset;
-    }
-    for (const auto& triangle : split_quad(quad, p[0], p[1], p[2], p[3])) {
-      out.indices.insert(out.indices.end(), triangle.begin(), triangle.end());
-    }
-  }
+  drawn.colour_cut = colour_.at(model_, removed_, p_index, normal, was_cut);
+  return drawn;
 }
 
 std::size_t DrawnSurface::memory_bytes() const {

@@ -110,12 +110,24 @@ class DrawnSurface {
     Lattice(int level, const Eigen::Vector3i& cells);
     void mark(const Cell& c, int reach, Redraw redraw);
   };
+  struct BrickPlace {
+    int level;       // of its cells
+    Cell at;         // among the bricks
+    Cell low, high;  // its voxels, and the end of them
+    int edge() const { return 1 << level; }
+  };
   static std::array<Lattice, 2> lattices(const VoxelModel& model, int cell_voxels);
   const Lattice& lattice(Detail detail) const {
     return lattices_[static_cast<std::size_t>(detail)];
   }
   void change(std::span<const std::uint32_t> voxels, bool solid, float time_s);
   bool may_have_surface(const Eigen::Vector3i& low_voxel, const Eigen::Vector3i& high_voxel) const;
+  bool has_removals(const Eigen::Vector3i& low_voxel, const Eigen::Vector3i& high_voxel) const;
+  BrickPlace place_of(int brick, Detail detail) const;
+  /// The surface of a brick, into scratch.mesh.
+  void mesh_shape(const BrickPlace& place, Scratch& scratch) const;
+  DrawnVertex drawn_vertex(const Eigen::Vector3f& p_index, const DensityBlock& near,
+                           bool was_cut) const;
 
   VoxelModel model_;
   SurfaceColour colour_;

@@ -52,22 +52,14 @@ void Occlusion::gather(const Density& density, const Eigen::Vector3i& low,
                        const Eigen::Vector3i& high) {
   const int edge = 1 << (level_ - kKeptLevel);
   const float full = 1.0f / (64.0f * static_cast<float>(edge * edge * edge));
-  for (int z = low.z(); z < high.z(); ++z) {
-    for (int y = low.y(); y < high.y(); ++y) {
-      for (int x = low.x(); x < high.x(); ++x) {
-        const Eigen::Vector3i from = Eigen::Vector3i(x, y, z) * edge;
-        const Eigen::Vector3i to =
-            (from + Eigen::Vector3i::Constant(edge)).cwiseMin(density.quarter_dims());
-        int count = 0;
-        for (int k = from.z(); k < to.z(); ++k) {
-          for (int j = from.y(); j < to.y(); ++j) {
-            for (int i = from.x(); i < to.x(); ++i) count += density.quarter_count(i, j, k);
-          }
-        }
-        raw_[at(dims_, x, y, z)] = full * static_cast<float>(count);
-      }
-    }
-  }
+  for_each_cell(low, high, [&](const Cell& c) {
+    const Cell from = c * edge;
+    const Cell to = (from + Cell::Constant(edge)).cwiseMin(density.quarter_dims());
+    int count = 0;
+    for_each_cell(from, to,
+                  [&](const Cell& q) { count += density.quarter_count(q.x(), q.y(), q.z()); });
+    raw_[at(dims_, c.x(), c.y(), c.z())] = full * static_cast<float>(count);
+  });
 }
 
 void Occlusion::smooth(const Box& box) {
@@ -77,28 +69,22 @@ void Occlusion::smooth(const Box& box) {
   std::fill(block_.values.begin(), block_.values.end(), 0.0f);
   const Eigen::Vector3i from = block_.first.cwiseMax(0);
   const Eigen::Vector3i to = (block_.first + block_.dims).cwiseMin(dims_);
-  for (int z = from.z(); z < to.z(); ++z) {
-    for (int y = from.y(); y < to.y(); ++y) {
-      for (int x = from.x(); x < to.x(); ++x) {
-        const std::size_t cell = at(dims_, x, y, z);
-        const float pieces = raw_pieces_.empty() ? 0.0f : raw_pieces_[cell];
-        // Never denser than solid, also where a piece overlaps.
-        block_.values[at(block_.dims, x - block_.first.x(), y - block_.first.y(),
-                         z - block_.first.z())] = std::min(raw_[cell] + pieces, 1.0f);
-      }
-    }
-  }
+  const auto in_block = [&](const Cell& c) -> float& {
+    const Cell p = c - block_.first;
+    return block_.values[at(block_.dims, p.x(), p.y(), p.z())];
+  };
+  for_each_cell(from, to, [&](const Cell& c) {
+    const std::size_t cell = at(dims_, c.x(), c.y(), c.z());
+    const float pieces = raw_pieces_.empty() ? 0.0f : raw_pieces_[cell];
+    // Never denser than solid, also where a piece overlaps.
+    in_block(c) = std::min(raw_[cell] + pieces, 1.0f);
+  });
   blur(block_, kHalfBlur, scratch_);
   blur(block_, kHalfBlur, scratch_);
-  for (int z = box.low.z(); z < box.high.z(); ++z) {
-    for (int y = box.low.y(); y < box.high.y(); ++y) {
-      for (int x = box.low.x(); x < box.high.x(); ++x) {
-        const float value = block_.values[at(block_.dims, x - block_.first.x(),
-                                             y - block_.first.y(), z - block_.first.z())];
-        values_[at(dims_, x, y, z)] = static_cast<std::uint16_t>(std::lround(65535.0f * value));
-      }
-    }
-  }
+  for_each_cell(box.low, box.high, [&](const Cell& c) {
+    values_[at(dims_, c.x(), c.y(), c.z())] =
+        static_cast<std::uint16_t>(std::lround(65535.0f * in_block(c)));
+  });
 }
 
 Occlusion::Box Occlusion::update(const VoxelModel& model, const Density& density,

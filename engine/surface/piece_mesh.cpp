@@ -55,7 +55,7 @@ Piece take_out(const DrawnSurface& solid, std::span<const std::uint32_t> voxels)
     if (any != 0) piece.removed.emplace(leaf, around);
     if (labels == nullptr) continue;
     if (const LabelBlock* const block = labels->block(from)) {
-      tissues->set_block(leaf, *block, {kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll});
+      tissues->set_block(leaf, *block, {{kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll}});
     } else {
       tissues->set_uniform(leaf, labels->uniform_label(from));
     }

@@ -25,8 +25,7 @@ const Eigen::Vector3f kNoValue(0.30f, 0.30f, 0.30f);
 bool contains(const LeafMap& voxels, const VoxelGrid& grid, const Cell& c) {
   if (!grid.contains(c)) return false;
   const auto found = voxels.find(grid.leaf_of(c));
-  return found != voxels.end() &&
-         (found->second.words[leaf_word(c.z())] >> leaf_bit(c.x(), c.y()) & 1u) != 0;
+  return found != voxels.end() && found->second.has(leaf_place(c));
 }
 
 SurfaceColour::SurfaceColour(std::vector<TissueLook> looks) : looks_(std::move(looks)) {
@@ -47,7 +46,7 @@ void SurfaceColour::by_values(const ColourScale& scale, VoxelValues values) {
 }
 
 void SurfaceColour::note_removed(const VoxelGrid& grid, const Cell& c, float time_s) {
-  if (by_time_) removed_at_s_[grid.leaf_of(c)][VoxelValues::place(c)] = time_s;
+  if (by_time_) removed_at_s_[grid.leaf_of(c)][leaf_place(c)] = time_s;
 }
 
 float SurfaceColour::mean_time_s(const VoxelGrid& grid, const LeafMap& removed,
@@ -57,7 +56,7 @@ float SurfaceColour::mean_time_s(const VoxelGrid& grid, const LeafMap& removed,
   for (int n = 0; n < 27; ++n) {
     const Cell c = outside + 2 * step_round(n);
     if (!contains(removed, grid, c)) continue;
-    sum_s += removed_at_s_.at(grid.leaf_of(c))[VoxelValues::place(c)];
+    sum_s += removed_at_s_.at(grid.leaf_of(c))[leaf_place(c)];
     ++count;
   }
   return count > 0 ? sum_s / static_cast<float>(count) : 0.0f;

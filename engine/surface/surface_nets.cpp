@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "engine/volume/grid.hpp"
+
 namespace sulcus {
 namespace {
 
@@ -90,118 +92,153 @@ constexpr std::array<std::array<NetsCase, 256>, 2> make_cases() {
 
 constexpr std::array<std::array<NetsCase, 256>, 2> kCases = make_cases();
 
+/// One block being meshed.
+class BlockMesher {
+ public:
+  BlockMesher(const NetsBlock& block, float level, NetsScratch& scratch, NetsMesh& mesh)
+      : block_(block),
+        level_(level),
+        scratch_(scratch),
+        mesh_(mesh),
+        step_{1, block.dims.x(), std::ptrdiff_t{block.dims.x()} * block.dims.y()} {}
+
+  /// Finds the code of each cell, also one beyond those that get vertices: the rule for pinched
+  /// faces looks there. Says whether the surface passes through any.
+  bool find_codes() {
+    scratch_.codes.assign(block_.values.size(), 0);
+    bool any = false;
+    for (int z = block_.begin.z() - 2; z <= block_.end.z(); ++z) {
+      for (int y = block_.begin.y() - 2; y <= block_.end.y(); ++y) {
+        any |= find_codes_of_row({block_.begin.x() - 2, y, z});
+      }
+    }
+    return any;
+  }
+
+  void add_vertices() {
+    scratch_.first_vertex.resize(block_.values.size());
+    for_each_cell(block_.begin - Cell::Ones(), block_.end, [&](const Cell& c) {
+      const std::ptrdiff_t cell = offset_of(c);
+      if (is_crossed(cell)) add_vertices_of(c, cell);
+    });
+  }
+
+  void add_quads() {
+    for_each_cell(block_.begin, block_.end, [&](const Cell& c) {
+      const std::ptrdiff_t cell = offset_of(c);
+      if (!is_crossed(cell)) return;
+      const int code = scratch_.codes[cell];
+      for (int axis = 0; axis < 3; ++axis) {
+        const bool low_inside = (code & 1) != 0;
+        if (low_inside != ((code >> kAxisBit[axis] & 1) != 0)) add_quad(cell, axis, low_inside);
+      }
+    });
+  }
+
+ private:
+  std::ptrdiff_t offset_of(const Cell& c) const {
+    return (c.x() - block_.first.x()) * step_[0] + (c.y() - block_.first.y()) * step_[1] +
+           (c.z() - block_.first.z()) * step_[2];
+  }
+
+  bool is_crossed(std::ptrdiff_t cell) const {
+    return scratch_.codes[cell] != 0 && scratch_.codes[cell] != 255;
+  }
+
+  bool find_codes_of_row(const Cell& first) {
+    const std::ptrdiff_t row = offset_of(first);
+    const int length = block_.end.x() - block_.begin.x() + 3;
+    const float* const values = block_.values.data() + row;
+    const float* const r[4] = {values, values + step_[1], values + step_[2],
+                               values + step_[1] + step_[2]};
+    std::uint8_t* const codes = scratch_.codes.data() + row;
+    const float level = level_;
+    const auto column = [&](int i) {
+      return (r[0][i] > level ? 1 : 0) | (r[1][i] > level ? 4 : 0) | (r[2][i] > level ? 16 : 0) |
+             (r[3][i] > level ? 64 : 0);
+    };
+    int left = column(0);
+    int mixed = 0;
+    for (int i = 0; i < length; ++i) {
+      const int right = column(i + 1);
+      const int code = left | right << 1;
+      codes[i] = static_cast<std::uint8_t>(code);
+      mixed |= code != 0 && code != 255 ? 1 : 0;
+      left = right;
+    }
+    return mixed != 0;
+  }
+
+  /// Where one curve crosses a face twice on both its sides, four quads would share a mesh edge.
+  /// Joining instead of separating there splits the curves on both sides [Wenger 2013].
+  const NetsCase& case_of(std::ptrdiff_t cell) const {
+    const NetsCase& plain = kCases[0][scratch_.codes[cell]];
+    if (plain.pinched_face < 0) return plain;
+    const int axis = plain.pinched_face / 2;
+    const int side = plain.pinched_face % 2;
+    const std::ptrdiff_t beyond = cell + (side != 0 ? step_[axis] : -step_[axis]);
+    const NetsCase& other = kCases[0][scratch_.codes[beyond]];
+    return other.pinched_face == (plain.pinched_face ^ 1) ? kCases[1][scratch_.codes[cell]] : plain;
+  }
+
+  /// Each vertex is the mean of its curve's crossings with the cell's edges.
+  void add_vertices_of(const Cell& c, std::ptrdiff_t cell) {
+    const float* const values = block_.values.data();
+    const NetsCase& shape = case_of(cell);
+    Eigen::Vector3f sum[4];
+    float crossings[4] = {};
+    for (Eigen::Vector3f& s : sum) s.setZero();
+    for (int e = 0; e < 12; ++e) {
+      const int part = shape.vertex_of_edge[e];
+      if (part < 0) continue;
+      const int axis = e / 4;
+      const int corner = edge_corner(e);
+      const std::ptrdiff_t low = cell + (corner & 1) * step_[0] + (corner >> 1 & 1) * step_[1] +
+                                 (corner >> 2 & 1) * step_[2];
+      const float a = values[low];
+      const float b = values[low + step_[axis]];
+      Eigen::Vector3f p(static_cast<float>(corner & 1), static_cast<float>(corner >> 1 & 1),
+                        static_cast<float>(corner >> 2 & 1));
+      p[axis] = (level_ - a) / (b - a);
+      sum[part] += p;
+      crossings[part] += 1.0f;
+    }
+    scratch_.first_vertex[cell] = static_cast<std::uint32_t>(mesh_.vertices.size());
+    for (int part = 0; part < shape.vertices; ++part) {
+      mesh_.vertices.push_back({c, static_cast<std::uint8_t>(part), sum[part] / crossings[part]});
+    }
+  }
+
+  /// The quad round the edge of `cell` along an axis, through the four cells that share it.
+  void add_quad(std::ptrdiff_t cell, int axis, bool low_inside) {
+    const std::ptrdiff_t u = step_[(axis + 1) % 3];
+    const std::ptrdiff_t w = step_[(axis + 2) % 3];
+    const auto vertex = [&](int du, int dw) {
+      const std::ptrdiff_t c = cell - du * u - dw * w;
+      return scratch_.first_vertex[c] +
+             static_cast<std::uint32_t>(case_of(c).vertex_of_edge[4 * axis + du + 2 * dw]);
+    };
+    std::array<std::uint32_t, 4> quad{vertex(1, 1), vertex(0, 1), vertex(0, 0), vertex(1, 0)};
+    if (!low_inside) std::swap(quad[1], quad[3]);
+    mesh_.quads.push_back(quad);
+  }
+
+  const NetsBlock& block_;
+  float level_;
+  NetsScratch& scratch_;
+  NetsMesh& mesh_;
+  std::ptrdiff_t step_[3];
+};
+
 }  // namespace
 
 void surface_nets(const NetsBlock& block, float level, NetsScratch& scratch, NetsMesh& mesh) {
   mesh.vertices.clear();
   mesh.quads.clear();
-  const std::ptrdiff_t step[3] = {1, block.dims.x(),
-                                  std::ptrdiff_t{block.dims.x()} * block.dims.y()};
-  const std::size_t count = block.values.size();
-  scratch.codes.assign(count, 0);
-  scratch.first_vertex.resize(count);
-  auto offset_of = [&](int x, int y, int z) {
-    return (x - block.first.x()) * step[0] + (y - block.first.y()) * step[1] +
-           (z - block.first.z()) * step[2];
-  };
-
-  // Codes, also one cell beyond those that get vertices: the rule for pinched faces looks there.
-  bool any = false;
-  const float* const values = block.values.data();
-  for (int z = block.begin.z() - 2; z <= block.end.z(); ++z) {
-    for (int y = block.begin.y() - 2; y <= block.end.y(); ++y) {
-      const std::ptrdiff_t row = offset_of(block.begin.x() - 2, y, z);
-      const int length = block.end.x() - block.begin.x() + 3;
-      const float* const r[4] = {values + row, values + row + step[1], values + row + step[2],
-                                 values + row + step[1] + step[2]};
-      std::uint8_t* const codes = scratch.codes.data() + row;
-      auto column = [&](int i) {
-        return (r[0][i] > level ? 1 : 0) | (r[1][i] > level ? 4 : 0) | (r[2][i] > level ? 16 : 0) |
-               (r[3][i] > level ? 64 : 0);
-      };
-      int left = column(0);
-      int mixed = 0;
-      for (int i = 0; i < length; ++i) {
-        const int right = column(i + 1);
-        const int code = left | right << 1;
-        codes[i] = static_cast<std::uint8_t>(code);
-        mixed |= code != 0 && code != 255 ? 1 : 0;
-        left = right;
-      }
-      any = any || mixed != 0;
-    }
-  }
-  if (!any) return;
-
-  // Where one curve crosses a face twice on both its sides, four quads would share a mesh edge.
-  // Joining instead of separating there splits the curves on both sides [Wenger 2013].
-  auto case_of = [&](std::ptrdiff_t cell) -> const NetsCase& {
-    const NetsCase& plain = kCases[0][scratch.codes[cell]];
-    if (plain.pinched_face < 0) return plain;
-    const int axis = plain.pinched_face / 2;
-    const int side = plain.pinched_face % 2;
-    const std::ptrdiff_t beyond = cell + (side != 0 ? step[axis] : -step[axis]);
-    const NetsCase& other = kCases[0][scratch.codes[beyond]];
-    return other.pinched_face == (plain.pinched_face ^ 1) ? kCases[1][scratch.codes[cell]] : plain;
-  };
-
-  for (int z = block.begin.z() - 1; z < block.end.z(); ++z) {
-    for (int y = block.begin.y() - 1; y < block.end.y(); ++y) {
-      for (int x = block.begin.x() - 1; x < block.end.x(); ++x) {
-        const std::ptrdiff_t cell = offset_of(x, y, z);
-        const std::uint8_t code = scratch.codes[cell];
-        if (code == 0 || code == 255) continue;
-        const NetsCase& shape = case_of(cell);
-        Eigen::Vector3f sum[4];
-        float crossings[4] = {};
-        for (Eigen::Vector3f& s : sum) s.setZero();
-        for (int e = 0; e < 12; ++e) {
-          const int part = shape.vertex_of_edge[e];
-          if (part < 0) continue;
-          const int axis = e / 4;
-          const int corner = edge_corner(e);
-          const std::ptrdiff_t low = cell + (corner & 1) * step[0] + (corner >> 1 & 1) * step[1] +
-                                     (corner >> 2 & 1) * step[2];
-          const float a = values[low];
-          const float b = values[low + step[axis]];
-          Eigen::Vector3f p(static_cast<float>(corner & 1), static_cast<float>(corner >> 1 & 1),
-                            static_cast<float>(corner >> 2 & 1));
-          p[axis] = (level - a) / (b - a);
-          sum[part] += p;
-          crossings[part] += 1.0f;
-        }
-        scratch.first_vertex[cell] = static_cast<std::uint32_t>(mesh.vertices.size());
-        for (int part = 0; part < shape.vertices; ++part) {
-          mesh.vertices.push_back({Eigen::Vector3i(x, y, z), static_cast<std::uint8_t>(part),
-                                   sum[part] / crossings[part]});
-        }
-      }
-    }
-  }
-
-  for (int z = block.begin.z(); z < block.end.z(); ++z) {
-    for (int y = block.begin.y(); y < block.end.y(); ++y) {
-      for (int x = block.begin.x(); x < block.end.x(); ++x) {
-        const std::ptrdiff_t cell = offset_of(x, y, z);
-        const int code = scratch.codes[cell];
-        if (code == 0 || code == 255) continue;
-        for (int axis = 0; axis < 3; ++axis) {
-          const bool low_inside = (code & 1) != 0;
-          if (low_inside == ((code >> kAxisBit[axis] & 1) != 0)) continue;
-          const std::ptrdiff_t u = step[(axis + 1) % 3];
-          const std::ptrdiff_t w = step[(axis + 2) % 3];
-          auto vertex = [&](int du, int dw) {
-            const std::ptrdiff_t c = cell - du * u - dw * w;
-            return scratch.first_vertex[c] +
-                   static_cast<std::uint32_t>(case_of(c).vertex_of_edge[4 * axis + du + 2 * dw]);
-          };
-          std::array<std::uint32_t, 4> quad{vertex(1, 1), vertex(0, 1), vertex(0, 0), vertex(1, 0)};
-          if (!low_inside) std::swap(quad[1], quad[3]);
-          mesh.quads.push_back(quad);
-        }
-      }
-    }
-  }
+  BlockMesher mesher(block, level, scratch, mesh);
+  if (!mesher.find_codes()) return;
+  mesher.add_vertices();
+  mesher.add_quads();
 }
 
 std::array<std::array<std::uint32_t, 3>, 2> split_quad(const std::array<std::uint32_t, 4>& quad,

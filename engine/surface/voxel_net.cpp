@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <limits>
 #include <stdexcept>
@@ -64,33 +63,29 @@ struct Scratch {
   NetsMesh mesh;
 };
 
+/// The end of the leaves that hold the voxels before `high`.
+Cell leaves_up_to(const Eigen::Vector3i& high) {
+  return (high + Cell::Constant(kLeafEdge - 1)) / kLeafEdge;
+}
+
 /// Occupancy of the block, 0 or 1. Says whether both occur.
 bool fill_occupancy(const VoxelModel& model, std::optional<std::uint8_t> tissue, NetsBlock& block) {
   std::fill(block.values.begin(), block.values.end(), 0.0f);
   const Eigen::Vector3i low = block.first.cwiseMax(0);
   const Eigen::Vector3i high = (block.first + block.dims).cwiseMin(model.grid.cells);
   std::uint64_t count = 0;
-  for (int lz = low.z() >> 3; lz << 3 < high.z(); ++lz) {
-    for (int ly = low.y() >> 3; ly << 3 < high.y(); ++ly) {
-      for (int lx = low.x() >> 3; lx << 3 < high.x(); ++lx) {
-        const Cell origin(lx << 3, ly << 3, lz << 3);
-        const std::uint32_t leaf = model.grid.leaf_of(origin);
-        for (int k = 0; k < kLeafEdge; ++k) {
-          for (std::uint64_t rest = model.leaves[leaf].words[k]; rest != 0; rest &= rest - 1) {
-            const int bit = std::countr_zero(rest);
-            const Cell c = origin + Cell(bit & 7, bit >> 3, k);
-            if ((c.array() < low.array()).any() || (c.array() >= high.array()).any()) continue;
-            if (tissue && model.tissue(c) != *tissue) continue;
-            const Eigen::Vector3i p = c - block.first;
-            block.values[p.x() + static_cast<std::size_t>(block.dims.x()) *
-                                     (p.y() + static_cast<std::size_t>(block.dims.y()) * p.z())] =
-                1.0f;
-            ++count;
-          }
-        }
-      }
-    }
-  }
+  for_each_cell(low / kLeafEdge, leaves_up_to(high), [&](const Cell& at) {
+    const Cell origin = at * kLeafEdge;
+    for_each_voxel(model.leaves[model.grid.leaf_of(origin)], [&](int place) {
+      const Cell c = origin + cell_in_leaf(place);
+      if ((c.array() < low.array()).any() || (c.array() >= high.array()).any()) return;
+      if (tissue && model.tissue(c) != *tissue) return;
+      const Eigen::Vector3i p = c - block.first;
+      block.values[p.x() + static_cast<std::size_t>(block.dims.x()) *
+                               (p.y() + static_cast<std::size_t>(block.dims.y()) * p.z())] = 1.0f;
+      ++count;
+    });
+  });
   return count != 0 && count != block.values.size();
 }
 
@@ -99,17 +94,9 @@ bool may_cross(const VoxelModel& model, const Eigen::Vector3i& begin, const Eige
   const Eigen::Vector3i low = (begin - Eigen::Vector3i::Constant(1)).cwiseMax(0);
   const Eigen::Vector3i high = (end + Eigen::Vector3i::Constant(1)).cwiseMin(model.grid.cells);
   // Tissue borders count as surface when one tissue is asked for, so full leaves may cross too.
-  for (int z = low.z() >> 3; z << 3 < high.z(); ++z) {
-    for (int y = low.y() >> 3; y << 3 < high.y(); ++y) {
-      for (int x = low.x() >> 3; x << 3 < high.x(); ++x) {
-        const LeafBits& leaf = model.leaves[model.grid.leaf_of(Cell(x, y, z) * kLeafEdge)];
-        for (std::uint64_t word : leaf.words) {
-          if (word != 0) return true;
-        }
-      }
-    }
-  }
-  return false;
+  return any_cell(low / kLeafEdge, leaves_up_to(high), [&](const Cell& at) {
+    return any(model.leaves[model.grid.leaf_of(at * kLeafEdge)]);
+  });
 }
 
 void mesh_brick(const VoxelModel& model, std::optional<std::uint8_t> tissue, const Layout& layout,

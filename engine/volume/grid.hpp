@@ -33,6 +33,32 @@ constexpr std::uint32_t leaf_key(std::uint32_t key) {
 constexpr int leaf_place(std::uint32_t key) {
   return static_cast<int>((key & 7u) | (key >> 10 & 7u) << 3 | (key >> 20 & 7u) << 6);
 }
+inline int leaf_place(const Cell& c) { return (c.x() & 7) | (c.y() & 7) << 3 | (c.z() & 7) << 6; }
+/// Whether `test(cell)` holds for a cell from `begin` to before `end`, asked x fastest until it
+/// does.
+template <class Test>
+bool any_cell(const Cell& begin, const Cell& end, const Test& test) {
+  for (int z = begin.z(); z < end.z(); ++z) {
+    for (int y = begin.y(); y < end.y(); ++y) {
+      for (int x = begin.x(); x < end.x(); ++x) {
+        if (test(Cell(x, y, z))) return true;
+      }
+    }
+  }
+  return false;
+}
+/// Calls `visit(cell)` for the cells from `begin` to before `end`, x fastest.
+template <class Visit>
+void for_each_cell(const Cell& begin, const Cell& end, const Visit& visit) {
+  for (int z = begin.z(); z < end.z(); ++z) {
+    for (int y = begin.y(); y < end.y(); ++y) {
+      for (int x = begin.x(); x < end.x(); ++x) visit(Cell(x, y, z));
+    }
+  }
+}
+
+/// The voxel of a place, from the first of its leaf.
+inline Cell cell_in_leaf(int place) { return {place & 7, place >> 3 & 7, place >> 6}; }
 
 /// A grid of cubic voxels whose centre is the origin of the scene. Two spaces: `world` in metres
 /// (the scene's), `index` in voxels, where the centre of voxel (i, j, k) is at (i, j, k).
@@ -84,9 +110,5 @@ struct VoxelGrid {
     return Cell(l % n.x(), l / n.x() % n.y(), l / n.x() / n.y()) * kLeafEdge;
   }
 };
-
-/// Place of a voxel in its leaf: word (z slice) and bit (x + 8 y).
-constexpr int leaf_word(int k) { return k & 7; }
-constexpr int leaf_bit(int i, int j) { return (i & 7) | (j & 7) << 3; }
 
 }  // namespace sulcus

@@ -7,11 +7,26 @@
 
 namespace sulcus {
 
-/// 512 voxels of one leaf: word k holds the z slice k, bit x + 8 y a voxel of it.
+/// 512 voxels of one leaf: word k holds the z slice k, bit x + 8 y a voxel of it. So a voxel's
+/// place (leaf_place) is 64 times its word, and its bit.
 struct alignas(64) LeafBits {
   std::array<std::uint64_t, 8> words{};
+
+  bool has(int place) const { return (words[place >> 6] >> (place & 63) & 1u) != 0; }
+  void set(int place) { words[place >> 6] |= std::uint64_t{1} << (place & 63); }
+  void reset(int place) { words[place >> 6] &= ~(std::uint64_t{1} << (place & 63)); }
   bool operator==(const LeafBits&) const = default;
 };
+
+/// Calls `visit(place)` for each voxel, rising.
+template <class Visit>
+void for_each_voxel(const LeafBits& bits, const Visit& visit) {
+  for (int k = 0; k < 8; ++k) {
+    for (std::uint64_t rest = bits.words[k]; rest != 0; rest &= rest - 1) {
+      visit(k << 6 | std::countr_zero(rest));
+    }
+  }
+}
 
 /// Voxels with x = 0, and with x = 7, in a slice of a leaf.
 inline constexpr std::uint64_t kColumn0 = 0x0101010101010101u;

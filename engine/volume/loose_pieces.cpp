@@ -46,8 +46,7 @@ LoosePieces::Node LoosePieces::node_of(std::uint32_t leaf, const Cell& c) const 
   const std::uint32_t split = leaves_[leaf].split;
   std::uint32_t part = 0;
   if (split != kNone) {
-    const auto k = static_cast<std::size_t>(leaf_word(c.z()));
-    while ((splits_[split][part].voxels.words[k] >> leaf_bit(c.x(), c.y()) & 1u) == 0) ++part;
+    while (!splits_[split][part].voxels.has(leaf_place(c))) ++part;
   }
   return {leaf, part};
 }
@@ -148,9 +147,7 @@ void LoosePieces::remove(std::span<const std::uint32_t> voxels) {
     const Node node = node_of(leaf, c);
     --component_voxels_[label(node).component];
     if (leaves_[leaf].split != kNone) {
-      const auto k = static_cast<std::size_t>(leaf_word(c.z()));
-      splits_[leaves_[leaf].split][node.part].voxels.words[k] &=
-          ~(std::uint64_t{1} << leaf_bit(c.x(), c.y()));
+      splits_[leaves_[leaf].split][node.part].voxels.reset(leaf_place(c));
     }
     model_.set(c, false);
     removed_.push_back(v);
@@ -261,10 +258,11 @@ std::vector<std::uint32_t> LoosePieces::first_voxels() {
   for (const Node& node : reached_) {
     const LeafBits& bits = voxels(node);
     const auto word = std::ranges::find_if(bits.words, [](std::uint64_t w) { return w != 0; });
-    const int bit = std::countr_zero(*word);
-    const Cell in_leaf(bit & 7, bit >> 3, static_cast<int>(word - bits.words.begin()));
+    const auto k = static_cast<int>(word - bits.words.begin());
+    const Cell voxel =
+        model_.grid.leaf_origin(node.leaf) + cell_in_leaf(k << 6 | std::countr_zero(*word));
     std::uint32_t& of_front = first[root(label(node).front)];
-    of_front = std::min(of_front, model_.grid.linear(model_.grid.leaf_origin(node.leaf) + in_leaf));
+    of_front = std::min(of_front, model_.grid.linear(voxel));
   }
   return first;
 }
@@ -277,13 +275,9 @@ LoosePiece LoosePieces::piece_of(std::span<const Node> nodes) const {
     LeafBits bits;
     for (; i < nodes.size() && nodes[i].leaf == leaf; ++i) bits |= voxels(nodes[i]);
     const Cell origin = model_.grid.leaf_origin(leaf);
-    for (int k = 0; k < kLeafEdge; ++k) {
-      for (std::uint64_t rest = bits.words[static_cast<std::size_t>(k)]; rest != 0;
-           rest &= rest - 1) {
-        const int bit = std::countr_zero(rest);
-        piece.voxels.push_back(model_.grid.linear(origin + Cell(bit & 7, bit >> 3, k)));
-      }
-    }
+    for_each_voxel(bits, [&](int place) {
+      piece.voxels.push_back(model_.grid.linear(origin + cell_in_leaf(place)));
+    });
   }
   return piece;
 }

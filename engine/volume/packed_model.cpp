@@ -52,7 +52,7 @@ VoxelModel unpack(const PackedModel& packed) {
   tbb::parallel_for(Range(0, packed.mixed.size(), 256), [&](const Range& range) {
     for (std::size_t m = range.begin(); m != range.end(); ++m) {
       const std::uint32_t row = packed.mixed[m];
-      tissues->set_block(packed.leaves[row], packed.mixed_labels[m], packed.words[row].words);
+      tissues->set_block(packed.leaves[row], packed.mixed_labels[m], packed.words[row]);
     }
   });
   model.tissues = std::move(tissues);

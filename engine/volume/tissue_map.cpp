@@ -1,24 +1,22 @@
 #include "engine/volume/tissue_map.hpp"
 
 #include <algorithm>
-#include <bit>
+#include <optional>
 
 namespace sulcus {
 
-void TissueMap::set_block(std::uint32_t leaf, const LabelBlock& labels,
-                          const std::array<std::uint64_t, 8>& solid_words) {
-  int first = -1;
-  for (int k = 0; k < 8; ++k) {
-    for (std::uint64_t rest = solid_words[k]; rest != 0; rest &= rest - 1) {
-      const int label = labels[std::countr_zero(rest) | k << 6];
-      if (first < 0) first = label;
-      if (label != first) {
-        mixed_[leaf] = std::make_unique<LabelBlock>(labels);
-        return;
-      }
-    }
+void TissueMap::set_block(std::uint32_t leaf, const LabelBlock& labels, const LeafBits& solid) {
+  std::optional<std::uint8_t> first;
+  bool mixed = false;
+  for_each_voxel(solid, [&](int place) {
+    if (!first) first = labels[place];
+    mixed |= labels[place] != *first;
+  });
+  if (mixed) {
+    mixed_[leaf] = std::make_unique<LabelBlock>(labels);
+  } else {
+    set_uniform(leaf, first.value_or(0));
   }
-  set_uniform(leaf, first < 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(first));
 }
 
 int TissueMap::label_count() const {

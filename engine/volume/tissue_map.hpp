@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/volume/grid.hpp"
+#include "engine/volume/leaf_bits.hpp"
 
 namespace sulcus {
 
@@ -20,16 +21,14 @@ class TissueMap {
 
   std::uint8_t label(std::uint32_t leaf, const Cell& c) const {
     const LabelBlock* block = mixed_[leaf].get();
-    return block ? (*block)[static_cast<std::size_t>(leaf_place(voxel_key(c)))] : uniform_[leaf];
+    return block ? (*block)[leaf_place(c)] : uniform_[leaf];
   }
   void set_uniform(std::uint32_t leaf, std::uint8_t label) {
     uniform_[leaf] = label;
     mixed_[leaf].reset();
   }
-  /// Takes the labels of a leaf; stored as one label where they agree on the voxels that
-  /// `solid_words` (8 words, as in LeafBits) says are solid.
-  void set_block(std::uint32_t leaf, const LabelBlock& labels,
-                 const std::array<std::uint64_t, 8>& solid_words);
+  /// Takes the labels of a leaf; stored as one label where they agree on its solid voxels.
+  void set_block(std::uint32_t leaf, const LabelBlock& labels, const LeafBits& solid);
 
   std::uint32_t leaf_count() const { return static_cast<std::uint32_t>(uniform_.size()); }
   /// Null where the leaf is uniform.

@@ -19,13 +19,11 @@ struct VoxelModel {
   bool clipped = false;                      // the solid reached beyond the grid
 
   bool solid(const Cell& c) const {
-    return grid.contains(c) &&
-           (leaves[grid.leaf_of(c)].words[leaf_word(c.z())] >> leaf_bit(c.x(), c.y()) & 1u) != 0;
+    return grid.contains(c) && leaves[grid.leaf_of(c)].has(leaf_place(c));
   }
   void set(const Cell& c, bool value) {
-    std::uint64_t& word = leaves[grid.leaf_of(c)].words[leaf_word(c.z())];
-    const std::uint64_t bit = std::uint64_t{1} << leaf_bit(c.x(), c.y());
-    word = value ? word | bit : word & ~bit;
+    LeafBits& leaf = leaves[grid.leaf_of(c)];
+    value ? leaf.set(leaf_place(c)) : leaf.reset(leaf_place(c));
   }
   /// Label of a voxel: an index into the scene's tissues; 0 where there is one tissue only.
   std::uint8_t tissue(const Cell& c) const {

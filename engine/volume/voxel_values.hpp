@@ -15,7 +15,7 @@ namespace sulcus {
 class VoxelValues {
  public:
   static constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-  /// Of a leaf, by LeafBits' places (64 times the word, and the bit); kNone where a voxel has none.
+  /// Of a leaf, by leaf_place; kNone where a voxel has none.
   using Block = std::array<float, 512>;
 
   explicit VoxelValues(const VoxelGrid& grid) : grid_(grid) {}
@@ -24,25 +24,17 @@ class VoxelValues {
   float& operator[](const Cell& c) {
     const auto [block, is_new] = blocks_.try_emplace(grid_.leaf_of(c));
     if (is_new) block->second.fill(kNone);
-    return block->second[place(c)];
+    return block->second[leaf_place(c)];
   }
   void set_block(std::uint32_t leaf, const Block& values) { blocks_[leaf] = values; }
   /// kNone where there is none, also beyond the grid.
   float at(const Cell& c) const {
     if (!grid_.contains(c)) return kNone;
     const auto block = blocks_.find(grid_.leaf_of(c));
-    return block == blocks_.end() ? kNone : block->second[place(c)];
+    return block == blocks_.end() ? kNone : block->second[leaf_place(c)];
   }
   const std::unordered_map<std::uint32_t, Block>& blocks() const { return blocks_; }
   const VoxelGrid& grid() const { return grid_; }
-
-  static std::size_t place(const Cell& c) {
-    return static_cast<std::size_t>(64 * leaf_word(c.z()) + leaf_bit(c.x(), c.y()));
-  }
-  static Cell cell_in_leaf(std::size_t place) {
-    const int p = static_cast<int>(place);
-    return {p & 7, p >> 3 & 7, p >> 6};
-  }
 
  private:
   VoxelGrid grid_;

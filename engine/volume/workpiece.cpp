@@ -1,7 +1,6 @@
 #include "engine/volume/workpiece.hpp"
 
 #include <algorithm>
-#include <bit>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
@@ -56,10 +55,8 @@ Workpiece::Workpiece(VoxelModel model)
         for (std::uint32_t leaf = range.begin(); leaf != range.end(); ++leaf) {
           if (model_.leaves[leaf] == kEmptyLeaf) continue;
           surface_[leaf] = surface_of_leaf(model_, leaf);
-          for (int k = 0; k < 8; ++k) {
-            sum.solid += std::popcount(model_.leaves[leaf].words[k]);
-            sum.surface += std::popcount(surface_[leaf].words[k]);
-          }
+          sum.solid += static_cast<std::uint64_t>(count_voxels(model_.leaves[leaf]));
+          sum.surface += static_cast<std::uint64_t>(count_voxels(surface_[leaf]));
           sum.hash ^= leaf_hash(leaf);
         }
         return sum;
@@ -74,8 +71,7 @@ Workpiece::Workpiece(VoxelModel model)
 }
 
 bool Workpiece::is_surface(const Cell& c) const {
-  return grid().contains(c) &&
-         (surface_[grid().leaf_of(c)].words[leaf_word(c.z())] >> leaf_bit(c.x(), c.y()) & 1u) != 0;
+  return grid().contains(c) && surface_[grid().leaf_of(c)].has(leaf_place(c));
 }
 
 std::uint64_t Workpiece::leaf_hash(std::uint32_t leaf) const noexcept {
@@ -98,10 +94,9 @@ std::uint64_t Workpiece::hash_with_tissues() const {
 
 void Workpiece::expose(const Cell& c) noexcept {
   if (!model_.solid(c)) return;
-  std::uint64_t& word = surface_[grid().leaf_of(c)].words[leaf_word(c.z())];
-  const std::uint64_t bit = std::uint64_t{1} << leaf_bit(c.x(), c.y());
-  if ((word & bit) == 0) ++surface_voxels_;
-  word |= bit;
+  LeafBits& surface = surface_[grid().leaf_of(c)];
+  if (!surface.has(leaf_place(c))) ++surface_voxels_;
+  surface.set(leaf_place(c));
 }
 
 void Workpiece::remove(const Cell& c) noexcept {
@@ -112,10 +107,9 @@ void Workpiece::remove(const Cell& c) noexcept {
   columns_.clear(c);
   --solid_voxels_;
 
-  std::uint64_t& word = surface_[leaf].words[leaf_word(c.z())];
-  const std::uint64_t bit = std::uint64_t{1} << leaf_bit(c.x(), c.y());
-  if ((word & bit) != 0) --surface_voxels_;
-  word &= ~bit;
+  LeafBits& surface = surface_[leaf];
+  if (surface.has(leaf_place(c))) --surface_voxels_;
+  surface.reset(leaf_place(c));
   for (int axis = 0; axis < 3; ++axis) {
     expose(c + Cell::Unit(axis));
     expose(c - Cell::Unit(axis));
@@ -130,11 +124,10 @@ void Workpiece::update_surface(const Cell& c) noexcept {
   for (int axis = 0; axis < 3; ++axis) {
     exposed |= !model_.solid(c + Cell::Unit(axis)) || !model_.solid(c - Cell::Unit(axis));
   }
-  std::uint64_t& word = surface_[grid().leaf_of(c)].words[leaf_word(c.z())];
-  const std::uint64_t bit = std::uint64_t{1} << leaf_bit(c.x(), c.y());
-  const bool was = (word & bit) != 0, is = model_.solid(c) && exposed;
+  LeafBits& surface = surface_[grid().leaf_of(c)];
+  const bool was = surface.has(leaf_place(c)), is = model_.solid(c) && exposed;
   if (was == is) return;
-  word ^= bit;
+  is ? surface.set(leaf_place(c)) : surface.reset(leaf_place(c));
   is ? ++surface_voxels_ : --surface_voxels_;
 }
 

@@ -30,7 +30,7 @@ VoxelModel sample(bool labelled) {
       const Cell c = model.grid.leaf_origin(leaf) + Cell(v & 7, v >> 3 & 7, v >> 6);
       labels[v] = c.x() < 20 ? 3 : c.y() < 30 ? 1 : 2;
     }
-    tissues->set_block(leaf, labels, model.leaves[leaf].words);
+    tissues->set_block(leaf, labels, model.leaves[leaf]);
   }
   model.tissues = tissues;
   return model;

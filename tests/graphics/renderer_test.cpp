@@ -26,7 +26,7 @@ TissueMap core_tissues(const VoxelModel& model) {
       const Cell c = model.grid.leaf_origin(leaf) + Cell(v & 7, v >> 3 & 7, v >> 6);
       labels[v] = model.grid.centre_world(c).norm() < 1.8e-3 ? 1 : 0;
     }
-    tissues.set_block(leaf, labels, model.leaves[leaf].words);
+    tissues.set_block(leaf, labels, model.leaves[leaf]);
   }
   return tissues;
 }

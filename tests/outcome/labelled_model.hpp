@@ -16,7 +16,7 @@ VoxelModel labelled(VoxelModel model, const Label& label) {
     const Cell first = model.grid.leaf_origin(leaf);
     LabelBlock labels{};
     for (int v = 0; v < 512; ++v) labels[v] = label(first + Cell(v % 8, v / 8 % 8, v / 64));
-    tissues->set_block(leaf, labels, model.leaves[leaf].words);
+    tissues->set_block(leaf, labels, model.leaves[leaf]);
   }
   model.tissues = std::move(tissues);
   return model;

@@ -43,7 +43,7 @@ inline VoxelModel make_workpiece() {
       if (r < 20.0) model.set(c, true);
       labels[v] = r < 9.0 ? 3 : 1;
     }
-    tissues->set_block(leaf, labels, model.leaves[leaf].words);
+    tissues->set_block(leaf, labels, model.leaves[leaf]);
   }
   model.tissues = tissues;
   return model;

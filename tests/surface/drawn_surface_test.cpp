@@ -175,7 +175,7 @@ TEST(DrawnSurface, ACutShowsTheTissueInside) {
       const Cell c = model.grid.leaf_origin(leaf) + Cell(n & 7, n >> 3 & 7, n >> 6);
       labels[n] = (c.cast<double>() - Eigen::Vector3d(35.5, 31.5, 40.5)).norm() < 18.0 ? 1 : 0;
     }
-    tissues->set_block(leaf, labels, model.leaves[leaf].words);
+    tissues->set_block(leaf, labels, model.leaves[leaf]);
   }
   model.tissues = tissues;
   DrawnSurface surface(model, kLooks);

@@ -45,7 +45,7 @@ VoxelModel two_layer_ball() {
       const Cell c = model.grid.leaf_origin(leaf) + Cell(n & 7, n >> 3 & 7, n >> 6);
       labels[n] = from_middle(c) < 24.0 ? 1 : 0;
     }
-    tissues->set_block(leaf, labels, model.leaves[leaf].words);
+    tissues->set_block(leaf, labels, model.leaves[leaf]);
   }
   model.tissues = tissues;
   return model;

@@ -19,7 +19,7 @@ DrawnSurface box() {
       if ((from_middle.array() < Cell(24, 32, 40).array()).all()) model.set(c, true);
       labels[v] = c.z() >= 24 ? 1 : 0;
     }
-    tissues->set_block(leaf, labels, model.leaves[leaf].words);
+    tissues->set_block(leaf, labels, model.leaves[leaf]);
   }
   model.tissues = tissues;
   return {std::move(model), {{"red", {1, 0, 0}}, {"blue", {0, 0, 1}}}};

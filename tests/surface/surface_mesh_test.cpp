@@ -160,7 +160,7 @@ VoxelModel layered_ball() {
       const double r = radius(model.grid.leaf_origin(leaf) + Cell(v & 7, v >> 3 & 7, v >> 6));
       labels[v] = r < 6.0 ? 3 : r < 20.0 ? 1 : 0;
     }
-    tissues->set_block(leaf, labels, model.leaves[leaf].words);
+    tissues->set_block(leaf, labels, model.leaves[leaf]);
   }
   model.tissues = tissues;
   return model;
@@ -224,7 +224,7 @@ TEST(TissueSurfaces, RandomLabelsAreClosed) {
   for (std::uint32_t leaf = 0; leaf < model.grid.leaf_count(); ++leaf) {
     LabelBlock labels;
     for (std::uint8_t& label : labels) label = static_cast<std::uint8_t>(random() % 3);
-    tissues->set_block(leaf, labels, model.leaves[leaf].words);
+    tissues->set_block(leaf, labels, model.leaves[leaf]);
   }
   model.tissues = tissues;
   for (const TriangleMesh& mesh : tissue_surfaces(model, 3)) {

@@ -66,8 +66,7 @@ TEST(VoxelGrid, LeavesPartTheCells) {
     const std::uint32_t leaf = kGrid.leaf_of(c);
     ASSERT_LT(leaf, kGrid.leaf_count());
     ASSERT_EQ(kGrid.leaf_origin(leaf), Cell(c / 8 * 8));
-    places.insert(std::uint64_t{leaf} << 32 | static_cast<unsigned>(leaf_word(c.z())) << 8 |
-                  static_cast<unsigned>(leaf_bit(c.x(), c.y())));
+    places.insert(std::uint64_t{leaf} << 32 | static_cast<unsigned>(leaf_place(c)));
   }
   EXPECT_EQ(places.size(), kGrid.cell_count());
 }

@@ -10,13 +10,10 @@ namespace sulcus {
 namespace {
 
 bool has(const LeafBits& bits, const Cell& c) {
-  return (c.array() >= 0).all() && (c.array() < kLeafEdge).all() &&
-         (bits.words[leaf_word(c.z())] >> leaf_bit(c.x(), c.y()) & 1u) != 0;
+  return (c.array() >= 0).all() && (c.array() < kLeafEdge).all() && bits.has(leaf_place(c));
 }
 
-void set(LeafBits& bits, const Cell& c) {
-  bits.words[leaf_word(c.z())] |= std::uint64_t{1} << leaf_bit(c.x(), c.y());
-}
+void set(LeafBits& bits, const Cell& c) { bits.set(leaf_place(c)); }
 
 /// The same voxel by voxel.
 std::vector<LeafBits> plain_parts(const LeafBits& bits) {

@@ -16,7 +16,7 @@ TEST(PackedModel, HoldsTheLeavesThatAreNotEmptyAndGivesThemBack) {
   for (std::uint32_t leaf = 0; leaf < model.grid.leaf_count(); ++leaf) {
     LabelBlock labels{};
     for (int v = 0; v < 512; ++v) labels[v] = leaf % 3 == 0 && v % 2 == 0 ? 2 : 1;
-    tissues->set_block(leaf, labels, model.leaves[leaf].words);
+    tissues->set_block(leaf, labels, model.leaves[leaf]);
     solid += model.leaves[leaf] != LeafBits{};
     mixed += tissues->block(leaf) != nullptr;
   }

@@ -5,9 +5,8 @@
 namespace sulcus {
 namespace {
 
-constexpr std::array<std::uint64_t, 8> kAllSolid{~0ull, ~0ull, ~0ull, ~0ull,
-                                                 ~0ull, ~0ull, ~0ull, ~0ull};
-constexpr std::array<std::uint64_t, 8> kNoneSolid{};
+constexpr LeafBits kAllSolid{{~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull}};
+constexpr LeafBits kNoneSolid{};
 
 LabelBlock labels_of(std::uint8_t label) {
   LabelBlock labels;
@@ -48,7 +47,7 @@ TEST(TissueMap, OnlySolidVoxelsCount) {
   LabelBlock labels = labels_of(2);
   labels[8 * 8 * 5 + 8 * 3 + 1] = 9;  // voxel (1, 3, 5)
   auto solid = kAllSolid;
-  solid[5] &= ~(1ull << (1 + 8 * 3));
+  solid.reset(leaf_place(Cell(1, 3, 5)));
   map.set_block(0, labels, solid);
   EXPECT_EQ(map.block(0), nullptr);
   EXPECT_EQ(map.uniform_label(0), 2);

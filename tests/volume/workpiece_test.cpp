@@ -204,7 +204,7 @@ TEST(Workpiece, HashWithTissuesTellsLabelsApart) {
       LabelBlock labels;
       labels.fill(label);
       labels[9] = static_cast<std::uint8_t>(label + 1);
-      tissues->set_block(0, labels, model.leaves[0].words);
+      tissues->set_block(0, labels, model.leaves[0]);
     } else {
       tissues->set_uniform(0, label);
     }

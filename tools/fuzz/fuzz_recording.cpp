@@ -52,7 +52,7 @@ VoxelModel solid(int cells, bool labelled) {
   LabelBlock labels{};
   for (std::size_t v = 0; v < labels.size(); ++v) labels[v] = v % 3 == 0 ? 1 : 0;
   for (std::uint32_t leaf = 0; leaf < model.grid.leaf_count(); leaf += 2) {
-    tissues->set_block(leaf, labels, model.leaves[leaf].words);
+    tissues->set_block(leaf, labels, model.leaves[leaf]);
   }
   model.tissues = tissues;
   return model;

@@ -57,8 +57,7 @@ class RayCaster {
     cell[c_] = c;
     for (int a = begin; a < end; ++a) {
       cell[a_] = a;
-      votes.solid[grid_.leaf_of(cell)].words[leaf_word(cell.z())] |=
-          std::uint64_t{1} << leaf_bit(cell.x(), cell.y());
+      votes.solid[grid_.leaf_of(cell)].set(leaf_place(cell));
     }
   }
 

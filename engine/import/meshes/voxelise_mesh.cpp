@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -66,13 +65,8 @@ std::vector<std::uint8_t> touched_leaves(const VoxelGrid& grid, const TriangleMe
     const Eigen::Array3d high = ((box.max().array() + 0.5) / kLeafEdge).floor();
     if ((high < 0.0).any() || (low > last).any()) continue;
     const Eigen::Array3i from = low.max(0.0).cast<int>(), to = high.min(last).cast<int>();
-    for (int k = from.z(); k <= to.z(); ++k) {
-      for (int j = from.y(); j <= to.y(); ++j) {
-        for (int i = from.x(); i <= to.x(); ++i) {
-          touched[grid.leaf_of(Cell(i, j, k) * kLeafEdge)] = 1;
-        }
-      }
-    }
+    for_each_cell(from.matrix(), (to + 1).matrix(),
+                  [&](const Cell& at) { touched[grid.leaf_of(at * kLeafEdge)] = 1; });
   }
   return touched;
 }
@@ -82,11 +76,9 @@ LeafBits sound_voxels(const VoxelGrid& grid, const RayVotes& votes, const Cell& 
   LeafBits sound;
   sound.words.fill(~std::uint64_t{0});
   if (votes.all_sound) return sound;
-  for (int v = 0; v < 512; ++v) {
-    const int i = v & 7, j = v >> 3 & 7, k = v >> 6;
-    if (votes.unsound[RayVotes::line(grid, votes.axis, origin + Cell(i, j, k))] != 0) {
-      sound.words[k] &= ~(std::uint64_t{1} << leaf_bit(i, j));
-    }
+  for (int place = 0; place < 512; ++place) {
+    const Cell c = origin + cell_in_leaf(place);
+    if (votes.unsound[RayVotes::line(grid, votes.axis, c)] != 0) sound.reset(place);
   }
   return sound;
 }
@@ -132,14 +124,9 @@ class OpenVoxels {
         return;
       }
     }
-    for (int k = 0; k < kLeafEdge; ++k) {
-      for (std::uint64_t rest = open.words[k]; rest != 0; rest &= rest - 1) {
-        const int bit = std::countr_zero(rest);
-        if (winding(origin + Cell(bit & 7, bit >> 3, k)) > 0.5) {
-          solid.words[k] |= std::uint64_t{1} << bit;
-        }
-      }
-    }
+    for_each_voxel(open, [&](int place) {
+      if (winding(origin + cell_in_leaf(place)) > 0.5) solid.set(place);
+    });
   }
 
  private:
@@ -203,13 +190,9 @@ void add_tissue(const VoxelModel& part, std::uint8_t label, VoxelModel& model, T
     } else {
       labels.fill(tissues.uniform_label(leaf));
     }
-    for (int k = 0; k < kLeafEdge; ++k) {
-      for (std::uint64_t rest = part.leaves[leaf].words[k]; rest != 0; rest &= rest - 1) {
-        labels[static_cast<std::size_t>(std::countr_zero(rest) | k << 6)] = label;
-      }
-    }
+    for_each_voxel(part.leaves[leaf], [&](int place) { labels[place] = label; });
     model.leaves[leaf] |= part.leaves[leaf];
-    tissues.set_block(leaf, labels, model.leaves[leaf].words);
+    tissues.set_block(leaf, labels, model.leaves[leaf]);
   });
 }
 

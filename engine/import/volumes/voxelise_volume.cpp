@@ -253,23 +253,19 @@ class Sampler {
     LabelBlock block;
     if (label_each) block.fill(0);
     if (!full || label_each) {
-      for (int k = 0; k < kLeafEdge; ++k) {
-        for (int j = 0; j < kLeafEdge; ++j) {
-          for (int i = 0; i < kLeafEdge; ++i) {
-            const Eigen::Vector3d p_index = (origin + Cell(i, j, k)).cast<double>();
-            const Stencil at(map_.linear * p_index + map_.offset);
-            if (!full) {
-              if (value(at) < cut_.level) continue;
-              bits.words[k] |= std::uint64_t{1} << leaf_bit(i, j);
-            }
-            if (label_each) block[i | j << 3 | k << 6] = sorter_->label(tissue_value(at));
-          }
+      for (int place = 0; place < 512; ++place) {
+        const Eigen::Vector3d p_index = (origin + cell_in_leaf(place)).cast<double>();
+        const Stencil at(map_.linear * p_index + map_.offset);
+        if (!full) {
+          if (value(at) < cut_.level) continue;
+          bits.set(place);
         }
+        if (label_each) block[place] = sorter_->label(tissue_value(at));
       }
     }
     if (labels == nullptr) return;
     if (label_each) {
-      labels->set_block(leaf, block, bits.words);
+      labels->set_block(leaf, block, bits);
     } else {
       labels->set_uniform(leaf, uniform);
     }
@@ -350,6 +346,57 @@ class Sampler {
   const TissueSorter* sorter_;
 };
 
+/// Where the cut lies in the grid: by its solid's box along the file's axes, then snapped to the
+/// lattice where the two agree. Says so in `report`.
+CutFromIndex place_in_grid(const MedicalVolume& volume, const SolidCut& cut,
+                           const Eigen::Matrix3d& file_from_cut, const VoxelGrid& grid,
+                           const WorkpieceSettings& settings, VolumeImportReport& report) {
+  Eigen::AlignedBox3d box_file;
+  for_each_crossing(cut, !settings.solid_above,
+                    [&](const Eigen::Vector3d& p_cut) { box_file.extend(file_from_cut * p_cut); });
+  const Eigen::Affine3d world_from_file = placement(box_file.center(), settings);
+  const Eigen::Affine3d file_from_world = world_from_file.inverse();
+  const Eigen::Matrix3d cut_from_file = file_from_cut.inverse();
+  CutFromIndex map;
+  map.linear = cut_from_file * file_from_world.linear() * grid.voxel_m;
+  map.offset = cut_from_file * (file_from_world * grid.world_from_index(Eigen::Vector3d::Zero()));
+  const CutFromIndex wanted = map;
+  report.resampled = !snap_to_lattice(map);
+  if (!report.resampled) {
+    report.beside_m = -(map.linear.inverse() * (map.offset - wanted.offset)) * grid.voxel_m;
+  }
+  // By the rounded map, not by the placement that was asked for: the result lies over the file.
+  Eigen::Affine3d file_from_index = Eigen::Affine3d::Identity();
+  file_from_index.linear() = file_from_cut * map.linear;
+  file_from_index.translation() =
+      volume.origin_m + file_from_cut * (map.offset + cut.first.cast<double>());
+  report.file_from_world = file_from_index * Eigen::Translation3d(grid.origin_index()) *
+                           Eigen::Scaling(1.0 / grid.voxel_m);
+  return map;
+}
+
+/// Whether the solid's surface lies beyond the grid somewhere.
+bool is_clipped(const SolidCut& cut, bool mask, const CutFromIndex& map, const VoxelGrid& grid) {
+  bool clipped = false;
+  const Eigen::Matrix3d index_from_cut = map.linear.inverse();
+  const Eigen::Vector3d end_index = grid.cells.cast<double>() - Eigen::Vector3d::Constant(0.5);
+  for_each_crossing(cut, mask, [&](const Eigen::Vector3d& p_cut) {
+    const Eigen::Vector3d p_index = index_from_cut * (p_cut - map.offset);
+    constexpr double kSlack = 1e-6;  // a solid that just fills the grid is whole
+    clipped |= (p_index.array() < -0.5 - kSlack).any() ||
+               (p_index.array() > end_index.array() + kSlack).any();
+  });
+  return clipped;
+}
+
+Interpolation interpolation_for(bool resampled, bool mask, const Eigen::Matrix3d& file_from_cut,
+                                const VoxelGrid& grid) {
+  if (!resampled) return Interpolation::kNearest;
+  constexpr double kCoarse = 1.5;
+  const double coarseness = std::cbrt(std::abs(file_from_cut.determinant())) / grid.voxel_m;
+  return !mask || coarseness > kCoarse ? Interpolation::kSpline : Interpolation::kLinear;
+}
+
 }  // namespace
 
 VoxelModel voxelise_volume(const MedicalVolume& volume, const VoxelGrid& grid,
@@ -363,45 +410,15 @@ VoxelModel voxelise_volume(const MedicalVolume& volume, const VoxelGrid& grid,
   VolumeImportReport found;
   SolidCut cut = cut_solid(volume, settings, found);
 
-  // The solid's box along the file's axes, and from there into the grid.
   const Eigen::Matrix3d file_from_cut =
       volume.direction * settings.spacing_m.value_or(volume.spacing_m).asDiagonal();
-  Eigen::AlignedBox3d box_file;
-  for_each_crossing(cut, mask,
-                    [&](const Eigen::Vector3d& p_cut) { box_file.extend(file_from_cut * p_cut); });
-  const Eigen::Affine3d world_from_file = placement(box_file.center(), settings);
-  const Eigen::Affine3d file_from_world = world_from_file.inverse();
-  const Eigen::Matrix3d cut_from_file = file_from_cut.inverse();
-  CutFromIndex map;
-  map.linear = cut_from_file * file_from_world.linear() * grid.voxel_m;
-  map.offset = cut_from_file * (file_from_world * grid.world_from_index(Eigen::Vector3d::Zero()));
-  const CutFromIndex asked = map;
-  found.resampled = !snap_to_lattice(map);
-  if (!found.resampled) {
-    found.beside_m = -(map.linear.inverse() * (map.offset - asked.offset)) * grid.voxel_m;
-  }
-
-  {
-    // By the rounded map, not by the placement that was asked for: the result lies over the file.
-    Eigen::Affine3d file_from_index = Eigen::Affine3d::Identity();
-    file_from_index.linear() = file_from_cut * map.linear;
-    file_from_index.translation() =
-        volume.origin_m + file_from_cut * (map.offset + cut.first.cast<double>());
-    found.file_from_world = file_from_index * Eigen::Translation3d(grid.origin_index()) *
-                            Eigen::Scaling(1.0 / grid.voxel_m);
-  }
+  const CutFromIndex map = place_in_grid(volume, cut, file_from_cut, grid, settings, found);
+  const Interpolation kind = interpolation_for(found.resampled, mask, file_from_cut, grid);
 
   VoxelModel model;
   model.grid = grid;
   model.leaves.resize(grid.leaf_count());
-  const Eigen::Matrix3d index_from_cut = map.linear.inverse();
-  const Eigen::Vector3d end_index = grid.cells.cast<double>() - Eigen::Vector3d::Constant(0.5);
-  for_each_crossing(cut, mask, [&](const Eigen::Vector3d& p_cut) {
-    const Eigen::Vector3d p_index = index_from_cut * (p_cut - map.offset);
-    constexpr double kSlack = 1e-6;  // a solid that just fills the grid is whole
-    model.clipped |= (p_index.array() < -0.5 - kSlack).any() ||
-                     (p_index.array() > end_index.array() + kSlack).any();
-  });
+  model.clipped = is_clipped(cut, mask, map, grid);
 
   std::shared_ptr<TissueMap> labels;
   std::optional<TissueSorter> sorter;
@@ -410,12 +427,6 @@ VoxelModel voxelise_volume(const MedicalVolume& volume, const VoxelGrid& grid,
     labels = std::make_shared<TissueMap>(grid.leaf_count());
     sorter.emplace(tissues);
     tissue = mask ? cut.grey : tissue_values(cut.grey, cut.solid);
-  }
-  Interpolation kind = Interpolation::kNearest;
-  if (found.resampled) {
-    constexpr double kCoarse = 1.5;
-    const double coarseness = std::cbrt(std::abs(file_from_cut.determinant())) / grid.voxel_m;
-    kind = !mask || coarseness > kCoarse ? Interpolation::kSpline : Interpolation::kLinear;
   }
   if (mask) {
     for (std::size_t v = 0; v < cut.grey.values.size(); ++v) {

@@ -31,15 +31,10 @@ std::vector<std::uint8_t> voxels_of(const VoxelModel& model, VolumeContent conte
     const LeafBits& bits = model.leaves[leaf];
     if (bits == LeafBits{}) continue;
     const Cell origin = grid.leaf_origin(leaf);
-    for (int k = 0; k < kLeafEdge; ++k) {
-      for (int j = 0; j < kLeafEdge; ++j) {
-        std::uint8_t* row = voxels.data() + grid.linear(origin + Cell(0, j, k));
-        for (int i = 0; i < kLeafEdge; ++i) {
-          if ((bits.words[k] >> leaf_bit(i, j) & 1u) == 0) continue;
-          row[i] = value_of(model, origin + Cell(i, j, k), content);
-        }
-      }
-    }
+    for_each_voxel(bits, [&](int place) {
+      const Cell c = origin + cell_in_leaf(place);
+      voxels[grid.linear(c)] = value_of(model, c, content);
+    });
   }
   return voxels;
 }

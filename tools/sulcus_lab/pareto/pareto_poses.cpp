@@ -35,13 +35,10 @@ std::vector<Cell> surface_above(const Workpiece& workpiece, double lowest_z_m) {
   std::vector<Cell> cells;
   for (std::uint32_t leaf = 0; leaf < grid.leaf_count(); ++leaf) {
     const Cell origin = grid.leaf_origin(leaf);
-    for (int k = 0; k < kLeafEdge; ++k) {
-      for (std::uint64_t left = workpiece.surface(leaf).words[k]; left != 0; left &= left - 1) {
-        const int bit = std::countr_zero(left);
-        const Cell cell = origin + Cell(bit & 7, bit >> 3, k);
-        if (grid.centre_world(cell).z() > lowest_z_m) cells.push_back(cell);
-      }
-    }
+    for_each_voxel(workpiece.surface(leaf), [&](int place) {
+      const Cell cell = origin + cell_in_leaf(place);
+      if (grid.centre_world(cell).z() > lowest_z_m) cells.push_back(cell);
+    });
   }
   return cells;
 }
