@@ -10,9 +10,9 @@
 #include "app/inspect/inspect.hpp"
 #include "app/terminal/progress.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/file_kind.hpp"
 #include "engine/core/units.hpp"
 #include "engine/import/meshes/mesh_file.hpp"
-#include "engine/recording/recording_extension.hpp"
 
 namespace sulcus {
 

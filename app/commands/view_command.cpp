@@ -5,7 +5,7 @@
 #include "app/commands/shipped_scene.hpp"
 #include "app/window/view_windows.hpp"
 #include "engine/core/error.hpp"
-#include "engine/recording/recording_extension.hpp"
+#include "engine/core/file_kind.hpp"
 
 namespace sulcus {
 

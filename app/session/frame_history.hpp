@@ -12,7 +12,6 @@
 #include "engine/graphics/rendered_body.hpp"
 #include "engine/outcome/preparation_progress.hpp"
 #include "engine/recording/earlier_run.hpp"
-#include "engine/recording/run_measures.hpp"
 #include "engine/recording/tick_record.hpp"
 #include "engine/scene/scene.hpp"
 

@@ -11,7 +11,7 @@
 #include "engine/cache/load_cache.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/scene/trajectory.hpp"
-#include "engine/volume/import_notes.hpp"
+#include "engine/volume/input_geometry.hpp"
 
 namespace sulcus {
 

@@ -5,7 +5,6 @@
 
 #include "engine/outcome/preparation_outcome.hpp"
 #include "engine/recording/earlier_run.hpp"
-#include "engine/recording/run_measures.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace sulcus {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "engine/cache/load_cache.hpp"
-#include "engine/volume/import_notes.hpp"
+#include "engine/volume/input_geometry.hpp"
 #include "engine/volume/voxel_model.hpp"
 
 namespace sulcus {

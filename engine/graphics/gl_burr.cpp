@@ -9,7 +9,7 @@
 
 #include "engine/graphics/burr_shading.hpp"
 #include "engine/graphics/shaders.hpp"
-#include "engine/tool/handpiece_mesh.hpp"
+#include "engine/tool/burr_mesh.hpp"
 
 namespace sulcus {
 

@@ -6,7 +6,7 @@
 
 #include "engine/cache/load_cache.hpp"
 #include "engine/scene/scene.hpp"
-#include "engine/volume/import_notes.hpp"
+#include "engine/volume/input_geometry.hpp"
 #include "engine/volume/voxel_model.hpp"
 
 namespace sulcus {

@@ -1,5 +1,3 @@
-#include "engine/recording/earlier_part.hpp"
-
 #include <array>
 #include <cmath>
 #include <memory>
@@ -10,7 +8,7 @@
 #include "engine/core/hash.hpp"
 #include "engine/recording/hdf5_fixed.hpp"
 #include "engine/recording/recording_format.hpp"
-#include "engine/recording/recording_workpiece.hpp"
+#include "engine/recording/recording_parts.hpp"
 
 namespace sulcus {
 

@@ -1,11 +1,10 @@
-#include "engine/recording/header_part.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include "engine/core/error.hpp"
 #include "engine/core/hash.hpp"
 #include "engine/recording/hdf5_fixed.hpp"
+#include "engine/recording/recording_parts.hpp"
 
 namespace sulcus {
 namespace {

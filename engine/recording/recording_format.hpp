@@ -13,10 +13,8 @@ namespace sulcus {
 
 // The layout of a recording, shared by the writer and the reader:
 //
-//   recording_layout.hpp     every attribute, data set and column
-//   header_part.hpp          the attributes of the file
-//   recording_workpiece.hpp  the solids and the burr
-//   earlier_part.hpp         what came before the first tick of one that goes on from another
+//   recording_layout.hpp  every attribute, data set and column
+//   recording_parts.hpp   what never changes: header, solids, burr, what came before
 //
 // Data sets of rows have one dimension, are extensible and have no filters. A row of /ticks that
 // does not follow on the one before it has the fault kFaultRowsDropped; the edits of the ticks

@@ -1,5 +1,3 @@
-#include "engine/recording/recording_workpiece.hpp"
-
 #include <array>
 #include <cmath>
 #include <stdexcept>
@@ -9,6 +7,7 @@
 #include "engine/core/hash.hpp"
 #include "engine/recording/hdf5_fixed.hpp"
 #include "engine/recording/recording_layout.hpp"
+#include "engine/recording/recording_parts.hpp"
 #include "engine/volume/edit.hpp"
 #include "engine/volume/packed_model.hpp"
 

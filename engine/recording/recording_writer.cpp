@@ -11,9 +11,7 @@
 #include "engine/core/error.hpp"
 #include "engine/core/hash.hpp"
 #include "engine/core/stop.hpp"
-#include "engine/recording/earlier_part.hpp"
-#include "engine/recording/header_part.hpp"
-#include "engine/recording/recording_workpiece.hpp"
+#include "engine/recording/recording_parts.hpp"
 #include "engine/recording/row_tables.hpp"
 
 namespace sulcus {

@@ -1,11 +1,10 @@
-#include "engine/scene/device_tables.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "engine/core/units.hpp"
 #include "engine/scene/device_presets.hpp"
+#include "engine/scene/table_readers.hpp"
 
 namespace sulcus {
 

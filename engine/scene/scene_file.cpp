@@ -10,10 +10,8 @@
 #include "engine/core/units.hpp"
 #include "engine/normals/normal_choice.hpp"
 #include "engine/scene/burr_number.hpp"
-#include "engine/scene/device_tables.hpp"
 #include "engine/scene/scene_overrides.hpp"
-#include "engine/scene/solid_tables.hpp"
-#include "engine/scene/tissue_tables.hpp"
+#include "engine/scene/table_readers.hpp"
 #include "engine/scene/toml_depth.hpp"
 
 namespace sulcus {

@@ -1,10 +1,9 @@
-#include "engine/scene/solid_tables.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <sstream>
 
 #include "engine/core/units.hpp"
+#include "engine/scene/table_readers.hpp"
 #include "engine/volume/edit.hpp"
 #include "engine/volume/grid.hpp"
 

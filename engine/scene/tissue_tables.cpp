@@ -1,10 +1,9 @@
-#include "engine/scene/tissue_tables.hpp"
-
 #include <algorithm>
 #include <filesystem>
 
-#include "engine/core/mesh_extension.hpp"
+#include "engine/core/file_kind.hpp"
 #include "engine/core/units.hpp"
+#include "engine/scene/table_readers.hpp"
 
 namespace sulcus {
 

@@ -1,5 +1,3 @@
-#include "engine/tool/handpiece_mesh.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -10,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "engine/core/units.hpp"
+#include "engine/tool/burr_mesh.hpp"
 
 namespace sulcus {
 namespace {

@@ -3,6 +3,8 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -30,6 +32,12 @@ struct InputGeometry {
   /// None where they describe no geometry: not finite, not rigid, axes that span no volume, sizes
   /// that are not all positive or all 0.
   static std::optional<InputGeometry> of(std::span<const double, kNumbers> numbers);
+};
+
+/// What an import tells beside the voxels that it made.
+struct ImportNotes {
+  std::optional<InputGeometry> input;  // none: a built-in shape
+  std::vector<std::string> warnings;   // for the user, a line each
 };
 
 }  // namespace sulcus

@@ -29,7 +29,11 @@ struct VoxelModel {
   std::uint8_t tissue(const Cell& c) const {
     return tissues ? tissues->label(grid.leaf_of(c), c) : std::uint8_t{0};
   }
-  std::uint64_t solid_count() const;
+  std::uint64_t solid_count() const {
+    std::uint64_t count = 0;
+    for (const LeafBits& leaf : leaves) count += static_cast<std::uint64_t>(count_voxels(leaf));
+    return count;
+  }
 };
 
 }  // namespace sulcus

@@ -1,8 +1,7 @@
-#include "engine/scene/device_tables.hpp"
-
 #include <gtest/gtest.h>
 
 #include "engine/scene/device_presets.hpp"
+#include "engine/scene/table_readers.hpp"
 #include "tests/support/scene_text.hpp"
 
 namespace sulcus {

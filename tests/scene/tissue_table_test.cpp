@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/scene/tissue_tables.hpp"
+#include "engine/scene/table_readers.hpp"
 
 namespace sulcus {
 namespace {

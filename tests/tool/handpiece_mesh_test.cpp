@@ -1,5 +1,3 @@
-#include "engine/tool/handpiece_mesh.hpp"
-
 #include <array>
 #include <cmath>
 #include <map>
@@ -9,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/tool/burr.hpp"
+#include "engine/tool/burr_mesh.hpp"
 
 namespace sulcus {
 namespace {

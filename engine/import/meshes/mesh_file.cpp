@@ -4,9 +4,7 @@
 #include <system_error>
 
 #include "engine/core/error.hpp"
-#include "engine/import/meshes/read_obj.hpp"
-#include "engine/import/meshes/read_ply.hpp"
-#include "engine/import/meshes/read_stl.hpp"
+#include "engine/import/meshes/mesh_readers.hpp"
 
 namespace sulcus {
 

@@ -2,8 +2,8 @@
 
 #include <string>
 
+#include "engine/core/file_kind.hpp"
 #include "engine/core/input_limits.hpp"
-#include "engine/core/mesh_extension.hpp"  // is_mesh_file
 #include "engine/core/triangle_mesh.hpp"
 
 namespace sulcus {

@@ -1,5 +1,3 @@
-#include "engine/import/meshes/read_obj.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -10,6 +8,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/import/meshes/mesh_builder.hpp"
+#include "engine/import/meshes/mesh_readers.hpp"
 #include "engine/import/meshes/mesh_text.hpp"
 
 namespace sulcus {

@@ -1,5 +1,3 @@
-#include "engine/import/meshes/read_ply.hpp"
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -13,6 +11,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/import/meshes/mesh_builder.hpp"
+#include "engine/import/meshes/mesh_readers.hpp"
 #include "engine/import/meshes/mesh_text.hpp"
 #include "engine/import/meshes/ply_header.hpp"
 

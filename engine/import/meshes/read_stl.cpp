@@ -1,5 +1,3 @@
-#include "engine/import/meshes/read_stl.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -12,6 +10,7 @@
 #include "engine/core/ascii.hpp"
 #include "engine/core/error.hpp"
 #include "engine/import/meshes/mesh_builder.hpp"
+#include "engine/import/meshes/mesh_readers.hpp"
 #include "engine/import/meshes/mesh_text.hpp"
 
 namespace sulcus {

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "engine/core/error.hpp"
-#include "engine/import/volumes/lossless_jpeg.hpp"
 #include "engine/import/volumes/packed_picture.hpp"
 #include "engine/import/volumes/text_header.hpp"
 

@@ -8,7 +8,7 @@
 
 #include "engine/import/volumes/grey_histogram.hpp"
 
-// Beside itk_volume_io.cpp the only file that knows ITK.
+// Beside itk_volume_writer.cpp the only file that knows ITK.
 
 namespace sulcus {
 

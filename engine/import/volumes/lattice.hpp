@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include <Eigen/Core>
@@ -29,5 +31,31 @@ struct Lattice {
     return i >= 0 && j >= 0 && k >= 0 && i < sizes.x() && j < sizes.y() && k < sizes.z();
   }
 };
+
+/// How values between lattice points follow from those at them. All weights are positive and add
+/// up to one, so that a value never leaves the range of the 4 x 4 x 4 points around it.
+enum class Interpolation : std::uint8_t {
+  kNearest,  // of the lattice point itself: for a grid that is the lattice
+  kLinear,   // of the 8 corners: passes through the values, creased at each of them
+  kSpline,   // cubic B-spline kernel: smooths by a deviation of 0.58 steps, curvature continuous
+};
+
+/// Weights of the points at floor(x) - 1, floor(x), floor(x) + 1 and floor(x) + 2 for the fraction
+/// t of x.
+inline std::array<float, 4> interpolation_weights(Interpolation kind, float t) {
+  const float s = 1.0f - t;
+  switch (kind) {
+    case Interpolation::kNearest:
+      return {0.0f, t < 0.5f ? 1.0f : 0.0f, t < 0.5f ? 0.0f : 1.0f, 0.0f};
+    case Interpolation::kLinear:
+      return {0.0f, s, t, 0.0f};
+    case Interpolation::kSpline:
+      break;
+  }
+  const float first = s * s * s / 6.0f;
+  const float second = 2.0f / 3.0f - 0.5f * t * t * (2.0f - t);
+  const float fourth = t * t * t / 6.0f;
+  return {first, second, 1.0f - first - second - fourth, fourth};
+}
 
 }  // namespace sulcus

@@ -1,7 +1,7 @@
-#include "engine/import/volumes/lossless_jpeg.hpp"
-
 #include <array>
 #include <optional>
+
+#include "engine/import/volumes/packed_picture.hpp"
 
 namespace sulcus {
 namespace {

@@ -8,16 +8,11 @@
 
 #include <Eigen/LU>
 
-#include "engine/core/ascii.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/file_kind.hpp"
 #include "engine/import/volumes/dicom_data_set.hpp"
-#include "engine/import/volumes/dicom_volume.hpp"
-#include "engine/import/volumes/meta_image_volume.hpp"
-#include "engine/import/volumes/nifti_volume.hpp"
-#include "engine/import/volumes/nrrd_volume.hpp"
-#include "engine/import/volumes/png_volume.hpp"
 #include "engine/import/volumes/slice_order.hpp"
-#include "engine/import/volumes/tiff_volume.hpp"
+#include "engine/import/volumes/volume_readers.hpp"
 
 namespace sulcus {
 namespace {
@@ -27,13 +22,7 @@ namespace fs = std::filesystem;
 constexpr const char* kFormats =
     ".nrrd, .nhdr, .mha, .mhd, .nii, .nii.gz, .hdr, .img, .tif, .tiff, .dcm or a folder of slices";
 
-std::string lower_extension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  if (lower_case(extension) == ".gz") extension = path.stem().extension().string() + extension;
-  return lower_case(extension);
-}
-
-bool is_tiff(const fs::path& path) {
+bool is_tiff(const std::string& path) {
   const std::string extension = lower_extension(path);
   return extension == ".tif" || extension == ".tiff";
 }

@@ -1,5 +1,3 @@
-#include "engine/import/volumes/nifti_volume.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,6 +15,7 @@
 #include "engine/core/error.hpp"
 #include "engine/import/volumes/byte_source.hpp"
 #include "engine/import/volumes/volume_checks.hpp"
+#include "engine/import/volumes/volume_readers.hpp"
 
 namespace sulcus {
 namespace {

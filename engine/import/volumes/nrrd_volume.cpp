@@ -1,5 +1,3 @@
-#include "engine/import/volumes/nrrd_volume.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,6 +13,7 @@
 #include "engine/import/volumes/byte_source.hpp"
 #include "engine/import/volumes/text_header.hpp"
 #include "engine/import/volumes/volume_checks.hpp"
+#include "engine/import/volumes/volume_readers.hpp"
 
 namespace sulcus {
 namespace {

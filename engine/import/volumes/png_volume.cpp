@@ -1,5 +1,3 @@
-#include "engine/import/volumes/png_volume.hpp"
-
 #include <array>
 #include <cstdint>
 #include <cstdio>
@@ -11,6 +9,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/import/volumes/volume_checks.hpp"
+#include "engine/import/volumes/volume_readers.hpp"
 
 namespace sulcus {
 namespace {

@@ -1,5 +1,3 @@
-#include "engine/import/volumes/tiff_volume.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -16,6 +14,7 @@
 #include "engine/import/volumes/number_type.hpp"
 #include "engine/import/volumes/tiff_text.hpp"
 #include "engine/import/volumes/volume_checks.hpp"
+#include "engine/import/volumes/volume_readers.hpp"
 
 namespace sulcus {
 namespace {

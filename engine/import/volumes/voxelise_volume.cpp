@@ -18,7 +18,6 @@
 #include "engine/import/meshes/solid_components.hpp"
 #include "engine/import/placement.hpp"
 #include "engine/import/volumes/lattice.hpp"
-#include "engine/import/volumes/lattice_interpolation.hpp"
 #include "engine/import/volumes/tissue_values.hpp"
 
 namespace sulcus {

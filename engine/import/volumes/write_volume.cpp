@@ -13,7 +13,7 @@
 
 #include "engine/core/ascii.hpp"
 #include "engine/core/error.hpp"
-#include "engine/import/volumes/itk_volume_io.hpp"
+#include "engine/import/volumes/itk_volume_writer.hpp"
 #include "engine/import/volumes/volume_checks.hpp"
 
 namespace sulcus {

@@ -1,5 +1,3 @@
-#include "engine/import/volumes/written_volume.hpp"
-
 #include <array>
 #include <fstream>
 #include <stdexcept>
@@ -7,6 +5,8 @@
 #include <vector>
 
 #include <zlib.h>
+
+#include "engine/import/volumes/itk_volume_writer.hpp"
 
 namespace sulcus {
 namespace {

@@ -1,4 +1,4 @@
-#include "engine/recording/run_measures.hpp"
+#include "engine/recording/earlier_run.hpp"
 
 #include <algorithm>
 #include <cmath>

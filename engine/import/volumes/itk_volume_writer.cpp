@@ -1,6 +1,5 @@
-#include "engine/import/volumes/itk_volume_io.hpp"
+#include "engine/import/volumes/itk_volume_writer.hpp"
 
-#include <filesystem>
 #include <iostream>
 #include <stdexcept>
 #include <string_view>
@@ -9,9 +8,8 @@
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
 
-#include "engine/core/ascii.hpp"
+#include "engine/core/file_kind.hpp"
 #include "engine/core/whole_file.hpp"
-#include "engine/import/volumes/written_volume.hpp"
 
 // With itk_thresholds.cpp the only file that knows ITK. It writes; what files say is read by
 // readers of our own, since ITK 5.2 changes some of it in silence.
@@ -19,7 +17,6 @@
 namespace sulcus {
 namespace {
 
-namespace fs = std::filesystem;
 using IOComponent = itk::IOComponentEnum;
 
 constexpr double kUnitOfItk = 1e-3;  // m: medical files are in mm
@@ -64,12 +61,6 @@ std::string one_line(const itk::ExceptionObject& error) {
   constexpr std::size_t kLongest = 200;
   if (line.size() > kLongest) line = line.substr(0, kLongest) + "...";
   return line.empty() ? "unreadable contents" : "unreadable contents (" + line + ")";
-}
-
-std::string lower_extension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  if (lower_case(extension) == ".gz") extension = path.stem().extension().string() + extension;
-  return lower_case(extension);
 }
 
 /// Null: no format that is written.

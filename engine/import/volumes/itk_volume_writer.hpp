@@ -22,4 +22,10 @@ struct ItkMask {
 /// Its name decides the format. @throws std::runtime_error where the file cannot be written.
 void write_volume_with_itk(const std::string& path, const ItkMask& mask);
 
+/// Whether a volume that was just written compressed, as NRRD, MetaImage in one file or NIfTI,
+/// holds all of its stream: that it ends where the file ends, and unpacks to these many bytes at
+/// least (of the voxels; NIfTI's header comes ahead). Their writer does not see a full disk.
+/// @throws std::runtime_error where it cannot be read.
+bool is_whole_volume(const std::string& path, std::uint64_t bytes);
+
 }  // namespace sulcus
