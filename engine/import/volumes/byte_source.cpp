@@ -38,33 +38,6 @@ class FileSource : public ByteSource {
   std::uint64_t taken_ = 0;
 };
 
-class FilesSource : public ByteSource {
- public:
-  FilesSource(std::vector<std::string> paths, std::uint64_t begin)
-      : paths_(std::move(paths)), begin_(begin) {}
-  std::size_t read(std::span<std::byte> out) override {
-    std::size_t got = 0;
-    while (got < out.size()) {
-      if (!file_) {
-        if (next_ == paths_.size()) break;
-        file_ = open_file(paths_[next_++], begin_);
-      }
-      const std::size_t here = file_->read(out.subspan(got));
-      if (here == 0) file_.reset();
-      got += here;
-    }
-    taken_ += got;
-    return got;
-  }
-  std::uint64_t taken() const override { return taken_; }
-
- private:
-  std::vector<std::string> paths_;
-  std::uint64_t begin_, taken_ = 0;
-  std::size_t next_ = 0;
-  std::unique_ptr<ByteSource> file_;
-};
-
 /// What unpackers have alike: packed blocks, one stream behind the other, an end that is whole.
 class UnpackingSource : public ByteSource {
  public:
@@ -253,10 +226,6 @@ class HexSource : public ByteSource {
 
 std::unique_ptr<ByteSource> open_file(const std::string& path, std::uint64_t begin) {
   return std::make_unique<FileSource>(path, begin);
-}
-
-std::unique_ptr<ByteSource> open_files(const std::vector<std::string>& paths, std::uint64_t begin) {
-  return std::make_unique<FilesSource>(paths, begin);
 }
 
 std::unique_ptr<ByteSource> inflated(const std::string& path, std::unique_ptr<ByteSource> packed) {

@@ -28,8 +28,6 @@ class ByteSource {
 
 /// The bytes of a file from `begin` on. @throws InputError: not to be opened.
 std::unique_ptr<ByteSource> open_file(const std::string& path, std::uint64_t begin = 0);
-/// Several files as if they were one, each from `begin` on.
-std::unique_ptr<ByteSource> open_files(const std::vector<std::string>& paths, std::uint64_t begin);
 /// Unpacks zlib and gzip streams, gzip also of several members. Checksums and lengths that the
 /// streams state are compared, and nothing but zeros may follow them.
 std::unique_ptr<ByteSource> inflated(const std::string& path, std::unique_ptr<ByteSource> packed);

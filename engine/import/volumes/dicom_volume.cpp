@@ -261,11 +261,7 @@ MedicalVolume read_dicom_volume(const std::string& name, std::span<const std::st
     for (const std::size_t k : slices_of_file[f]) {
       const std::span<float> slice = std::span(volume.values).subspan(k * pixels, pixels);
       read_dicom_frame(file, form, frames[k].index, slice);
-      const double slope = frames[k].slope, intercept = frames[k].intercept;
-      if (slope == 1.0 && intercept == 0.0) continue;
-      for (float& value : slice) {
-        value = static_cast<float>(slope * static_cast<double>(value) + intercept);
-      }
+      rescale(slice, frames[k].slope, frames[k].intercept);
     }
   }
   return volume;

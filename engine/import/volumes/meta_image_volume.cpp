@@ -46,11 +46,9 @@ bool is_true(const TextHeader& header, const std::string& key, const char* name,
 }
 
 /// The first of these fields that there is: several of MetaIO's have more than one name.
-struct Field {
-  std::string key, name;
-};
-std::optional<Field> first_of(const TextHeader& header, std::initializer_list<Field> fields) {
-  for (const Field& field : fields) {
+std::optional<HeaderField> first_of(const TextHeader& header,
+                                    std::initializer_list<HeaderField> fields) {
+  for (const HeaderField& field : fields) {
     if (header.has(field.key)) return field;
   }
   return std::nullopt;
@@ -149,11 +147,7 @@ DataPlan plan_data(const TextHeader& header, NumberType type, std::uint64_t voxe
   const bool local = lower_case(header.at("elementdatafile")) == "local";
   plan.files = local ? std::vector<std::string>{header.path}
                      : data_files(header, "elementdatafile", "ElementDataFile");
-  if (voxels % plan.files.size() != 0) {
-    throw InputError(header.path, "ElementDataFile", std::to_string(plan.files.size()) + " files",
-                     "as many as part " + std::to_string(voxels) + " values evenly");
-  }
-  plan.each = voxels / plan.files.size() * type.bytes;
+  plan.each = values_per_file(header, "ElementDataFile", voxels, plan.files.size()) * type.bytes;
   plan.text = !is_true(header, "binarydata", "BinaryData", true);
   plan.packed = is_true(header, "compresseddata", "CompressedData", false);
   if (plan.packed && (plan.text || plan.files.size() > 1)) {
@@ -185,11 +179,8 @@ DataPlan plan_data(const TextHeader& header, NumberType type, std::uint64_t voxe
       : plan.text ? 2 * (voxels / plan.files.size()) - 1
                   : plan.each;
   const bool exact = !plan.packed && !plan.text && plan.exact;
-  if (held < least || (exact && held != least)) {
-    throw InputError(
-        plan.files.front(), "data", std::to_string(held) + " bytes",
-        (exact ? "" : "at least ") + std::to_string(least) + " bytes after the header");
-  }
+  check_data_bytes(plan.files.front(), held, least,
+                   exact ? DataLength::kExact : DataLength::kAtLeast);
   return plan;
 }
 
@@ -226,8 +217,7 @@ void scale(const TextHeader& header, std::span<float> values) {
   const double slope = one("elementtointensityfunctionslope", "ElementToIntensityFunctionSlope", 1);
   const double offset =
       one("elementtointensityfunctionoffset", "ElementToIntensityFunctionOffset", 0);
-  if (slope == 1.0 && offset == 0.0) return;
-  for (float& value : values) value = static_cast<float>(slope * value + offset);
+  rescale(values, slope, offset);
 }
 
 }  // namespace
@@ -243,17 +233,10 @@ MedicalVolume read_meta_image_volume(const std::string& path, const InputLimits&
       !channels.empty() && channels != "1") {
     throw InputError(path, "ElementNumberOfChannels", channels, "1");
   }
-  const std::vector<std::int64_t> sizes = whole_numbers(path, "DimSize", header.at("dimsize"));
-  const auto dimension = number<int>(header.at("ndims"));
-  if (!dimension || *dimension != static_cast<int>(sizes.size())) {
-    throw InputError(path, "DimSize", std::to_string(sizes.size()) + " numbers",
-                     "as many as NDims says (" + header.at("ndims") + ")");
-  }
+  const std::vector<std::int64_t> sizes =
+      sizes_of(header, {"dimsize", "DimSize"}, {"ndims", "NDims"});
   const std::uint64_t voxels = checked_voxel_count(path, "DimSize", sizes, limits);
-  if (sizes.size() < 3 ||
-      std::any_of(sizes.begin() + 3, sizes.end(), [](auto size) { return size != 1; })) {
-    throw InputError(path, "dimension", std::to_string(sizes.size()), "3");
-  }
+  check_three_axes(path, sizes);
   const NumberType type = number_type(header);
   MedicalVolume volume;
   volume.file = path;

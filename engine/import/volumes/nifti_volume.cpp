@@ -339,10 +339,7 @@ MedicalVolume read_nifti_volume(const std::string& path, const InputLimits& limi
   const std::string data_path = single ? path : data_half ? path : other_half(path, ".img");
 
   const std::uint64_t voxels = checked_voxel_count(header_path, "dim", header.sizes, limits);
-  if (header.sizes.size() < 3 ||
-      std::any_of(header.sizes.begin() + 3, header.sizes.end(), [](auto s) { return s != 1; })) {
-    throw InputError(header_path, "dimension", std::to_string(header.sizes.size()), "3");
-  }
+  check_three_axes(header_path, header.sizes);
   const NumberType type = number_type(header_path, header);
   MedicalVolume volume;
   volume.file = path;
@@ -363,21 +360,14 @@ MedicalVolume read_nifti_volume(const std::string& path, const InputLimits& limi
   const std::uint64_t bytes = fs::file_size(data_path);
   const std::uint64_t ratio = is_gzip(data_path) ? kMaxDeflateRatio : 1;
   const std::uint64_t held = ratio > 1 ? bytes : bytes - std::min(bytes, begin);
-  if (held < announced / ratio) {
-    throw InputError(data_path, "data", std::to_string(held) + " bytes",
-                     "at least " + std::to_string(announced / ratio) + " bytes after the header");
-  }
+  check_data_bytes(data_path, held, announced / ratio, DataLength::kAtLeast);
   const double slope = scale_of(header_path, header, volume.warnings);
   set_sizes(volume, header.sizes);
   const std::unique_ptr<ByteSource> source = open_unpacked(data_path);
   skip_bytes(data_path, *source, begin);
   read_numbers(data_path, *source, type, header.big_endian, volume.values);
   if (ratio > 1) read_out(data_path, *source, begin + announced);
-  if (slope != 0.0 && (slope != 1.0 || header.scl_inter != 0.0)) {
-    for (float& value : volume.values) {
-      value = static_cast<float>(slope * static_cast<double>(value) + header.scl_inter);
-    }
-  }
+  if (slope != 0.0) rescale(volume.values, slope, header.scl_inter);
   return volume;
 }
 

@@ -50,38 +50,20 @@ std::optional<NumberType> number_type(const std::string& name) {
 /// How long 1 is, in m; none: the text names no unit. @throws InputError: one that is not known.
 std::optional<double> length_of_unit(const TextHeader& header, const char* field,
                                      const std::string& name) {
-  static const std::map<std::string, double> kUnits = {{"mm", 1e-3},
-                                                       {"millimeter", 1e-3},
-                                                       {"millimeters", 1e-3},
-                                                       {"millimetre", 1e-3},
-                                                       {"millimetres", 1e-3},
-                                                       {"cm", 1e-2},
-                                                       {"centimeter", 1e-2},
-                                                       {"centimeters", 1e-2},
-                                                       {"centimetre", 1e-2},
-                                                       {"centimetres", 1e-2},
-                                                       {"m", 1.0},
-                                                       {"meter", 1.0},
-                                                       {"meters", 1.0},
-                                                       {"metre", 1.0},
-                                                       {"metres", 1.0},
-                                                       {"um", 1e-6},
-                                                       {"\xc2\xb5m", 1e-6},
-                                                       {"\xce\xbcm", 1e-6},
-                                                       {"micron", 1e-6},
-                                                       {"microns", 1e-6},
-                                                       {"micrometer", 1e-6},
-                                                       {"micrometers", 1e-6},
-                                                       {"micrometre", 1e-6},
-                                                       {"micrometres", 1e-6},
-                                                       {"nm", 1e-9},
-                                                       {"nanometer", 1e-9},
-                                                       {"nanometers", 1e-9},
-                                                       {"nanometre", 1e-9},
-                                                       {"nanometres", 1e-9},
-                                                       {"in", 25.4e-3},
-                                                       {"inch", 25.4e-3},
-                                                       {"inches", 25.4e-3}};
+  static const std::map<std::string, double> kUnits = [] {
+    std::map<std::string, double> units;
+    const auto add = [&](double metres, std::initializer_list<const char*> names) {
+      for (const char* n : names) units[n] = metres;
+    };
+    add(1.0, {"m", "meter", "meters", "metre", "metres"});
+    add(1e-2, {"cm", "centimeter", "centimeters", "centimetre", "centimetres"});
+    add(1e-3, {"mm", "millimeter", "millimeters", "millimetre", "millimetres"});
+    add(1e-6, {"um", "\xc2\xb5m", "\xce\xbcm", "micron", "microns", "micrometer", "micrometers",
+               "micrometre", "micrometres"});
+    add(1e-9, {"nm", "nanometer", "nanometers", "nanometre", "nanometres"});
+    add(25.4e-3, {"in", "inch", "inches"});
+    return units;
+  }();
   const std::string text = lower_case(trimmed(name));
   if (text.empty() || text == "???" || text == "none") return std::nullopt;
   const auto found = kUnits.find(text);
@@ -168,12 +150,8 @@ bool is_space_kind(const std::string& kind) {
 }
 
 std::vector<Axis> read_axes(const TextHeader& header) {
-  const std::vector<std::int64_t> sizes = whole_numbers(header.path, "sizes", header.need("sizes"));
-  const auto dimension = number<int>(header.need("dimension"));
-  if (!dimension || *dimension != static_cast<int>(sizes.size())) {
-    throw InputError(header.path, "sizes", std::to_string(sizes.size()) + " numbers",
-                     "as many as dimension says (" + header.at("dimension") + ")");
-  }
+  const std::vector<std::int64_t> sizes =
+      sizes_of(header, {"sizes", "sizes"}, {"dimension", "dimension"});
   std::vector<Axis> axes(sizes.size());
   for (std::size_t a = 0; a < axes.size(); ++a) axes[a].samples = sizes[a];
 
@@ -391,11 +369,7 @@ void read_data(const TextHeader& header, NumberType type, std::span<float> value
   const bool attached = !header.has("data file");
   const std::vector<std::string> files = attached ? std::vector<std::string>{header.path}
                                                   : data_files(header, "data file", "data file");
-  if (values.size() % files.size() != 0) {
-    throw InputError(header.path, "data file", std::to_string(files.size()) + " files",
-                     "as many as part " + std::to_string(values.size()) + " values evenly");
-  }
-  const std::size_t each = values.size() / files.size();
+  const std::size_t each = values_per_file(header, "data file", values.size(), files.size());
   const std::uint64_t announced = each * type.bytes;
   for (std::size_t f = 0; f < files.size(); ++f) {
     const std::string& file = files[f];
@@ -452,10 +426,7 @@ void check_length(const TextHeader& header, NumberType type, std::uint64_t voxel
                                   ? announced / kMaxBzip2Ratio
                                   : announced / kMaxDeflateRatio;
   const bool exact = encoding == "raw" && !header.has("byte skip") && !header.has("line skip");
-  if (held == least || (held > least && !exact)) return;
-  throw InputError(
-      header.path, "data", std::to_string(held) + " bytes",
-      (encoding == "raw" ? "" : "at least ") + std::to_string(least) + " bytes after the header");
+  check_data_bytes(header.path, held, least, exact ? DataLength::kExact : DataLength::kAtLeast);
 }
 
 }  // namespace

@@ -126,6 +126,22 @@ const std::string& TextHeader::need(const std::string& key) const {
   return value;
 }
 
+std::vector<std::int64_t> sizes_of(const TextHeader& header, const HeaderField& sizes,
+                                   const HeaderField& dimension) {
+  std::vector<std::int64_t> all = whole_numbers(header.path, sizes.name, header.need(sizes.key));
+  const auto axes = number<int>(header.need(dimension.key));
+  if (axes && *axes == static_cast<int>(all.size())) return all;
+  throw InputError(header.path, sizes.name, std::to_string(all.size()) + " numbers",
+                   "as many as " + dimension.name + " says (" + header.at(dimension.key) + ")");
+}
+
+std::size_t values_per_file(const TextHeader& header, const std::string& place,
+                            std::uint64_t values, std::size_t files) {
+  if (values % files == 0) return values / files;
+  throw InputError(header.path, place, std::to_string(files) + " files",
+                   "as many as part " + std::to_string(values) + " values evenly");
+}
+
 TextHeader read_nrrd_text(const std::string& path) {
   std::ifstream in = open_header(path);
   TextHeader header(path);

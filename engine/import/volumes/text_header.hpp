@@ -47,6 +47,15 @@ struct TextHeader {
   const std::string& need(const std::string& key) const;
 };
 
+/// A field by its key, and by its name in the format, for messages.
+struct HeaderField {
+  std::string key, name;
+};
+
+/// The sizes of the axes. @throws InputError: not as many as `dimension` says.
+std::vector<std::int64_t> sizes_of(const TextHeader& header, const HeaderField& sizes,
+                                   const HeaderField& dimension);
+
 /// Lines until an empty one. `key := value` is a note of the user's. @throws InputError: no header
 /// that ends, a field twice.
 TextHeader read_nrrd_text(const std::string& path);
@@ -58,5 +67,9 @@ TextHeader read_meta_image_text(const std::string& path);
 /// pattern that is none, a file that is not there.
 std::vector<std::string> data_files(const TextHeader& header, const std::string& key,
                                     const std::string& place);
+
+/// Of so many values, those in each of so many files. @throws InputError: they do not part evenly.
+std::size_t values_per_file(const TextHeader& header, const std::string& place,
+                            std::uint64_t values, std::size_t files);
 
 }  // namespace sulcus

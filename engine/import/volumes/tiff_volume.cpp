@@ -201,34 +201,22 @@ void read_tiles(const std::string& file, unsigned page, TIFF* tiff, const TiffFo
 
 /// Where its orientation puts what is stored in column `c` and row `r` [TIFF 6.0, "Orientation"].
 std::size_t upright(const TiffForm& form, std::uint32_t c, std::uint32_t r) {
-  const std::uint32_t c_end = form.width - 1 - c, r_end = form.height - 1 - r;
-  std::uint32_t x = c, y = r;
-  switch (form.orientation) {
-    case ORIENTATION_TOPRIGHT:
-      x = c_end;
-      break;
-    case ORIENTATION_BOTRIGHT:
-      x = c_end, y = r_end;
-      break;
-    case ORIENTATION_BOTLEFT:
-      y = r_end;
-      break;
-    case ORIENTATION_LEFTTOP:
-      x = r, y = c;
-      break;
-    case ORIENTATION_RIGHTTOP:
-      x = r_end, y = c;
-      break;
-    case ORIENTATION_RIGHTBOT:
-      x = r_end, y = c_end;
-      break;
-    case ORIENTATION_LEFTBOT:
-      x = r, y = c_end;
-      break;
-    default:
-      break;
+  const auto is_one_of = [&](std::initializer_list<int> orientations) {
+    return std::ranges::find(orientations, form.orientation) != orientations.end();
+  };
+  const bool turned = form.transposed();
+  const std::uint32_t width = turned ? form.height : form.width;
+  const std::uint32_t height = turned ? form.width : form.height;
+  std::uint32_t x = turned ? r : c, y = turned ? c : r;
+  if (is_one_of({ORIENTATION_TOPRIGHT, ORIENTATION_BOTRIGHT, ORIENTATION_RIGHTTOP,
+                 ORIENTATION_RIGHTBOT})) {
+    x = width - 1 - x;
   }
-  return std::size_t{y} * (form.transposed() ? form.height : form.width) + x;
+  if (is_one_of(
+          {ORIENTATION_BOTLEFT, ORIENTATION_BOTRIGHT, ORIENTATION_LEFTBOT, ORIENTATION_RIGHTBOT})) {
+    y = height - 1 - y;
+  }
+  return std::size_t{y} * width + x;
 }
 
 /// All pages into `values`; where the next file's begin.

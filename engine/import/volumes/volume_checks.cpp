@@ -1,6 +1,6 @@
 #include "engine/import/volumes/volume_checks.hpp"
 
-#include <limits>
+#include <algorithm>
 #include <sstream>
 
 #include "engine/core/error.hpp"
@@ -31,6 +31,22 @@ std::uint64_t checked_voxel_count(const std::string& path, const std::string& pl
   return count;
 }
 
+void check_three_axes(const std::string& path, std::span<const std::int64_t> sizes) {
+  if (sizes.size() >= 3 &&
+      std::ranges::all_of(sizes.subspan(3), [](std::int64_t size) { return size == 1; })) {
+    return;
+  }
+  throw InputError(path, "dimension", std::to_string(sizes.size()), "3");
+}
+
+void check_data_bytes(const std::string& path, std::uint64_t held, std::uint64_t least,
+                      DataLength length) {
+  const bool exact = length == DataLength::kExact;
+  if (held == least || (held > least && !exact)) return;
+  throw InputError(path, "data", std::to_string(held) + " bytes",
+                   (exact ? "" : "at least ") + std::to_string(least) + " bytes after the header");
+}
+
 void check_spacing(const std::string& path, const std::string& place, double spacing) {
   if (spacing >= kLeastSpacing && spacing <= kMostSpacing) return;
   std::ostringstream found;
@@ -45,6 +61,13 @@ void set_steps(MedicalVolume& volume, const std::string& place, const Eigen::Mat
     check_spacing(volume.file, place, length);
     volume.spacing_m[d] = length * unit_m;
     volume.direction.col(d) = steps.col(d) / length;
+  }
+}
+
+void rescale(std::span<float> values, double slope, double offset) {
+  if (slope == 1.0 && offset == 0.0) return;
+  for (float& value : values) {
+    value = static_cast<float>(slope * static_cast<double>(value) + offset);
   }
 }
 
