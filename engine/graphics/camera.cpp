@@ -29,6 +29,34 @@ Eigen::Vector3d towards_eye(Camera camera) {
   return Eigen::Vector3d::UnitZ();
 }
 
+struct ViewAxes {
+  Eigen::Vector3d right, up, back;
+};
+
+/// Moves `focus` to the middle of what is seen of the solid; how far from it the eye must be for
+/// that to fill the frame.
+double fill_frame(std::span<const Eigen::AlignedBox3d> solid_world, const ViewAxes& axes,
+                  const Eigen::Vector2d& slopes, Eigen::Vector3d& focus) {
+  double distance = 0.0;
+  for (int pass = 0; pass < 2; ++pass) {
+    double low = 0.0, high = 0.0;
+    distance = 0.0;
+    for (const Eigen::AlignedBox3d& part : solid_world) {
+      for (int corner = 0; corner < 8; ++corner) {
+        const Eigen::Vector3d d =
+            part.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)) - focus;
+        low = std::min(low, d.dot(axes.up));
+        high = std::max(high, d.dot(axes.up));
+        const double x = std::abs(d.dot(axes.right)) / (slopes.x() * kFill);
+        const double y = std::abs(d.dot(axes.up)) / (slopes.y() * kFill);
+        distance = std::max(distance, d.dot(axes.back) + std::max(x, y));
+      }
+    }
+    if (pass == 0) focus += 0.5 * (low + high) * axes.up;
+  }
+  return distance;
+}
+
 }  // namespace
 
 Viewpoint::Viewpoint(Camera named)
@@ -66,24 +94,7 @@ View make_view(const Viewpoint& from, std::span<const Eigen::AlignedBox3d> solid
     focus = tip_world + Eigen::Vector3d::UnitZ() * 0.5 * burr_radius_m;
     distance = std::max(1.5 * kMillimetre, 3.2 * burr_radius_m) / slope_y;
   } else {
-    // First the middle of what is seen is brought to the middle of the frame.
-    for (int pass = 0; pass < 2; ++pass) {
-      double low = 0.0, high = 0.0;
-      double nearest = 0.0;
-      for (const Eigen::AlignedBox3d& part : solid_world) {
-        for (int corner = 0; corner < 8; ++corner) {
-          const Eigen::Vector3d d =
-              part.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)) - focus;
-          low = std::min(low, d.dot(up));
-          high = std::max(high, d.dot(up));
-          const double x = std::abs(d.dot(right)) / (slope_x * kFill);
-          const double y = std::abs(d.dot(up)) / (slope_y * kFill);
-          nearest = std::max(nearest, d.dot(back) + std::max(x, y));
-        }
-      }
-      if (pass == 0) focus += 0.5 * (low + high) * up;
-      distance = nearest;
-    }
+    distance = fill_frame(solid_world, {right, up, back}, {slope_x, slope_y}, focus);
   }
   distance /= from.zoom;
   focus += slope_y * distance * (from.pan.x() * right + from.pan.y() * up);

@@ -100,16 +100,12 @@ struct Between {
     };
     if (too_far(leaf_box(a.grid(), leaf_a))) return static_cast<float>(best);
     const Cell first_a = a.grid().leaf_origin(leaf_a), first_b = b.grid().leaf_origin(leaf_b);
-    for (int k = 0; k < kLeafEdge; ++k) {
-      std::uint64_t rest = a.voxels(leaf_a).words[static_cast<std::size_t>(k)];
-      for (; rest != 0; rest &= rest - 1) {
-        const int bit = std::countr_zero(rest);
-        const Cell c = first_a + Cell(bit % kLeafEdge, bit / kLeafEdge, k);
-        if (!too_far(Eigen::Vector3f(c.cast<float>()))) {
-          best = nearer(c, first_b, b.voxels(leaf_b), best);
-        }
+    for_each_voxel(a.voxels(leaf_a), [&](int place) {
+      const Cell c = first_a + cell_in_leaf(place);
+      if (!too_far(Eigen::Vector3f(c.cast<float>()))) {
+        best = nearer(c, first_b, b.voxels(leaf_b), best);
       }
-    }
+    });
     return static_cast<float>(best);
   }
   // NOLINTEND(readability-identifier-naming)

@@ -177,104 +177,64 @@ constexpr std::array<StoredField, 1> kPositions{{{"", kF32, 3, "m", "x, y, z; to
 constexpr std::array<StoredField, 1> kTriangles{
     {{"", kU32, 3, "", "positions, from 0 on, counter-clockwise from outside"}}};
 
-constexpr std::array<StoredPart, 30> kLayout{{
-    {"/", StoredKind::kGroup, "", "what the recording is", kRoot, {}},
-    {"/ticks", StoredKind::kRows, "", "one row for each tick", kTicks, {}},
-    {"/edits", StoredKind::kRows, "", "every voxel that changed, in order", kEdits, {}},
-    {"/cutting", StoredKind::kRows, "with [cutting]", "one row for each of /ticks", kCutting, {}},
-    {"/port",
-     StoredKind::kRows,
-     "with [device] or [coupling]",
-     "one row for each of /ticks",
-     kPort,
-     {}},
-    {"/pieces", StoredKind::kRows, "with [loose_pieces]", "what came loose and left", kPieces, {}},
-    {"/piece_poses", StoredKind::kRows, "with [loose_pieces]", "how they moved", kPiecePoses, {}},
-    {"/taken_answers", StoredKind::kRows, "with [loose_pieces]", "for a replay", kTakenAnswers, {}},
-    {"/state_hashes", StoredKind::kRows, "", "from which a replay is verified", kStateHashes, {}},
-    {"/keyframe_index", StoredKind::kRows, "", "states to go back to", kKeyframeIndex, {}},
-    {"/keyframes",
-     StoredKind::kArray,
-     "",
-     "those states, one after another; for this program",
-     kKeyframes,
-     {}},
-    {"/end", StoredKind::kRow, "", "what it holds; all 0 where it was not closed", kEnd, {}},
-    {"/summary",
-     StoredKind::kArray,
-     "",
-     "summary.json of the run; none where it was not ended",
-     kSummary,
-     {}},
-    {"/summary_check",
-     StoredKind::kRow,
-     "",
-     "of that; all 0 where there is none",
-     kSummaryCheck,
-     {}},
-    {"/workpiece", StoredKind::kGroup, "", "the solid at the start", kSolid, {}},
-    {"/workpiece/leaves", StoredKind::kArray, "", "those with a solid voxel, rising", kLeaves, {}},
-    {"/workpiece/words", StoredKind::kArray, "", "for each of leaves", kWords, {}},
-    {"/workpiece/leaf_labels",
-     StoredKind::kArray,
-     "with several tissues",
-     "for each of leaves",
-     kLeafLabels,
-     {}},
-    {"/workpiece/mixed",
-     StoredKind::kArray,
-     "with several tissues",
-     "those of several tissues, rising",
-     kMixed,
-     {}},
-    {"/workpiece/mixed_labels",
-     StoredKind::kArray,
-     "with several tissues",
-     "for each of mixed",
-     kMixedLabels,
-     {}},
-    {"/bodies", StoredKind::kGroup, "with [[body]]", "the solids beside it", {}, {}},
-    {"/bodies/0",
-     StoredKind::kGroup,
-     "with [[body]]",
-     "and so on, in their order",
-     {},
-     "/workpiece"},
-    {"/goal",
-     StoredKind::kGroup,
-     "with a file in [goal]",
-     "what that holds, on the workpiece's "
-     "grid",
-     {},
-     "/workpiece"},
-    {"/earlier",
-     StoredKind::kGroup,
-     "where it goes on from another",
-     "what came before, for the marks of the whole",
-     kEarlier,
-     {}},
-    {"/earlier/edits",
-     StoredKind::kRows,
-     "where it goes on from another",
-     "every voxel that had changed",
-     kEdits,
-     {}},
-    {"/earlier/workpiece",
-     StoredKind::kGroup,
-     "where it goes on from another",
-     "the leaves that these are of, as they were before the first tick of all",
-     {},
-     "/workpiece"},
-    {"/input",
-     StoredKind::kGroup,
-     "with a file in [workpiece]",
-     "where that file lies: its space, and of a volume its voxels",
-     kInput,
-     {}},
-    {"/burr", StoredKind::kGroup, "with a file in [burr]", "its surface", kBurr, {}},
-    {"/burr/positions", StoredKind::kArray, "", "of its vertices", kPositions, {}},
-    {"/burr/triangles", StoredKind::kArray, "", "of it", kTriangles, {}},
-}};
+using Text = std::string_view;
+using Fields = std::span<const StoredField>;
+
+constexpr StoredPart group(Text path, Text when, Text what, Fields attributes) {
+  return {path, StoredKind::kGroup, when, what, attributes, {}};
+}
+constexpr StoredPart like(Text path, Text other, Text when, Text what) {
+  return {path, StoredKind::kGroup, when, what, {}, other};
+}
+constexpr StoredPart rows(Text path, Text when, Text what, Fields columns) {
+  return {path, StoredKind::kRows, when, what, columns, {}};
+}
+constexpr StoredPart one_row(Text path, Text when, Text what, Fields columns) {
+  return {path, StoredKind::kRow, when, what, columns, {}};
+}
+constexpr StoredPart array(Text path, Text when, Text what, Fields values) {
+  return {path, StoredKind::kArray, when, what, values, {}};
+}
+
+// What these parts come with.
+constexpr Text kWithPieces = "with [loose_pieces]", kWithTissues = "with several tissues",
+               kWithBodies = "with [[body]]", kWhereItGoesOn = "where it goes on from another";
+
+constexpr std::array kLayout{
+    group("/", "", "what the recording is", kRoot),
+    rows("/ticks", "", "one row for each tick", kTicks),
+    rows("/edits", "", "every voxel that changed, in order", kEdits),
+    rows("/cutting", "with [cutting]", "one row for each of /ticks", kCutting),
+    rows("/port", "with [device] or [coupling]", "one row for each of /ticks", kPort),
+    rows("/pieces", kWithPieces, "what came loose and left", kPieces),
+    rows("/piece_poses", kWithPieces, "how they moved", kPiecePoses),
+    rows("/taken_answers", kWithPieces, "for a replay", kTakenAnswers),
+    rows("/state_hashes", "", "from which a replay is verified", kStateHashes),
+    rows("/keyframe_index", "", "states to go back to", kKeyframeIndex),
+    array("/keyframes", "", "those states, one after another; for this program", kKeyframes),
+    one_row("/end", "", "what it holds; all 0 where it was not closed", kEnd),
+    array("/summary", "", "summary.json of the run; none where it was not ended", kSummary),
+    one_row("/summary_check", "", "of that; all 0 where there is none", kSummaryCheck),
+    group("/workpiece", "", "the solid at the start", kSolid),
+    array("/workpiece/leaves", "", "those with a solid voxel, rising", kLeaves),
+    array("/workpiece/words", "", "for each of leaves", kWords),
+    array("/workpiece/leaf_labels", kWithTissues, "for each of leaves", kLeafLabels),
+    array("/workpiece/mixed", kWithTissues, "those of several tissues, rising", kMixed),
+    array("/workpiece/mixed_labels", kWithTissues, "for each of mixed", kMixedLabels),
+    group("/bodies", kWithBodies, "the solids beside it", {}),
+    like("/bodies/0", "/workpiece", kWithBodies, "and so on, in their order"),
+    like("/goal", "/workpiece", "with a file in [goal]",
+         "what that holds, on the workpiece's grid"),
+    group("/earlier", kWhereItGoesOn, "what came before, for the marks of the whole", kEarlier),
+    rows("/earlier/edits", kWhereItGoesOn, "every voxel that had changed", kEdits),
+    like("/earlier/workpiece", "/workpiece", kWhereItGoesOn,
+         "the leaves that these are of, as they were before the first tick of all"),
+    group("/input", "with a file in [workpiece]",
+          "where that file lies: its space, and of a volume its voxels", kInput),
+    group("/burr", "with a file in [burr]", "its surface", kBurr),
+    array("/burr/positions", "", "of its vertices", kPositions),
+    array("/burr/triangles", "", "of it", kTriangles),
+};
 
 }  // namespace
 
