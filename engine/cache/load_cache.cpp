@@ -91,16 +91,15 @@ class File {
   int descriptor_;
 };
 
-/// Whether a name is an entry's, or (`temporary`) one that is being written: nothing else in the
-/// folder is ours to remove.
-bool is_entry_name(std::string_view name, bool temporary) {
-  if (temporary) {
-    if (!name.ends_with(kTemporary)) return false;
-    name.remove_suffix(kTemporary.size());
-    name = name.substr(0, kKeyDigits + kSuffix.size());
-  }
+// Entries, and those that are being written: nothing else in the folder is ours to remove.
+
+bool is_entry_name(std::string_view name) {
   return name.size() == kKeyDigits + kSuffix.size() && name.ends_with(kSuffix) &&
          name.find_first_not_of("0123456789abcdef") == kKeyDigits;
+}
+
+bool is_temporary_name(std::string_view name) {
+  return name.ends_with(kTemporary) && is_entry_name(name.substr(0, kKeyDigits + kSuffix.size()));
 }
 
 /// Why an open entry is not to be read; null where its header is right.
@@ -233,8 +232,8 @@ void LoadCache::evict() {
   // Another run may remove what this one has just seen: what cannot be asked is left out.
   for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
-    const bool temporary = is_entry_name(name, true);
-    if (!temporary && !is_entry_name(name, false)) continue;
+    const bool temporary = is_temporary_name(name);
+    if (!temporary && !is_entry_name(name)) continue;
     if (!it->is_regular_file(ignored)) continue;
     const fs::file_time_type used = it->last_write_time(ignored);
     if (ignored) continue;

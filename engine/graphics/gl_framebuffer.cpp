@@ -24,10 +24,10 @@ GlFramebuffer::GlFramebuffer(int width, int height) : width_(width), height_(hei
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-  make(bodies_, true);
-  make(scene_, true);
-  make(smooth_, false);
-  make(picture_, false);
+  make(bodies_, Depth::kOwn);
+  make(scene_, Depth::kOwn);
+  make(smooth_, Depth::kNone);
+  make(picture_, Depth::kNone);
 }
 
 GlFramebuffer::~GlFramebuffer() {
@@ -39,7 +39,7 @@ GlFramebuffer::~GlFramebuffer() {
   glDeleteTextures(1, &scene_texture_);
 }
 
-void GlFramebuffer::make(Layer& layer, bool depth) {
+void GlFramebuffer::make(Layer& layer, Depth depth) {
   glGenFramebuffers(1, &layer.framebuffer);
   glBindFramebuffer(GL_FRAMEBUFFER, layer.framebuffer);
   if (&layer == &scene_) {
@@ -50,7 +50,7 @@ void GlFramebuffer::make(Layer& layer, bool depth) {
     glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, width_, height_);
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, layer.colour);
   }
-  if (depth) {
+  if (depth == Depth::kOwn) {
     glGenRenderbuffers(1, &layer.depth);
     glBindRenderbuffer(GL_RENDERBUFFER, layer.depth);
     glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, width_, height_);

@@ -43,7 +43,8 @@ class GlFramebuffer {
   struct Layer {
     unsigned framebuffer = 0, colour = 0, depth = 0;  // colour and depth are renderbuffers
   };
-  void make(Layer& layer, bool depth);
+  enum class Depth { kNone, kOwn };
+  void make(Layer& layer, Depth depth);
   void bind(const Layer& layer, const PixelRect& pixels) const;
   void copy(const Layer& from, const PixelRect& pixels, unsigned what) const;
 

@@ -35,8 +35,8 @@ struct Curve {
   std::string value;
   std::span<const float> history;
   ImU32 colour;
-  bool logarithmic;
   double top;  // of the axis
+  bool logarithmic = false;
 };
 
 constexpr float kCardWidth = 236.0f, kCardHeight = 104.0f;
@@ -196,14 +196,22 @@ void draw_arrows(const Pen& pen, const FrameState& state, const View& view, floa
 void draw_figures(const Pen& pen, const FrameState& state, float wide, float tall) {
   const float x = wide - kCardWidth - 18;
   float y = 18;
-  const Curve curves[] = {
-      {"Force", format("%.2f N", state.force_N.norm()), state.force_history_N, kForce, false,
-       axis_top(state.force_history_N, 0.5)},
-      {"Torque", format("%.2f mN m", 1e3 * state.torque_Nm.norm()), state.torque_history_mNm,
-       kTorque, false, axis_top(state.torque_history_mNm, 5.0)},
-      {"Tick", format("%.0f \xC2\xB5s", state.tick_us), state.tick_history_us, kTick, true,
-       10.0 * kTickBudget_us},
-  };
+  const Curve curves[] = {{.name = "Force",
+                           .value = format("%.2f N", state.force_N.norm()),
+                           .history = state.force_history_N,
+                           .colour = kForce,
+                           .top = axis_top(state.force_history_N, 0.5)},
+                          {.name = "Torque",
+                           .value = format("%.2f mN m", 1e3 * state.torque_Nm.norm()),
+                           .history = state.torque_history_mNm,
+                           .colour = kTorque,
+                           .top = axis_top(state.torque_history_mNm, 5.0)},
+                          {.name = "Tick",
+                           .value = format("%.0f \xC2\xB5s", state.tick_us),
+                           .history = state.tick_history_us,
+                           .colour = kTick,
+                           .top = 10.0 * kTickBudget_us,
+                           .logarithmic = true}};
   for (const Curve& curve : curves) {
     draw_curve(pen, x, y, curve);
     y += kCardHeight + 10;

@@ -41,7 +41,7 @@ class Hdf5Handle {
   operator hid_t() const { return id_; }
   bool valid() const { return id_ >= 0; }
   /// Leaves it open for good: HDF5 1.10.8 must not be asked to close what it could not write.
-  void forget() { id_ = H5I_INVALID_HID; }
+  void release() { id_ = H5I_INVALID_HID; }
   /// Closes now; false where HDF5 could not (a file whose last bytes found no room).
   bool close() {
     const hid_t id = std::exchange(id_, H5I_INVALID_HID);

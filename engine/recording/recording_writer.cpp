@@ -176,13 +176,13 @@ struct RecordingWriter::File {
 
   /// After a failure HDF5 is not asked anything more about this file: it could not close it, and
   /// crashes at exit over what it then frees twice. The file stays as a killed process leaves it.
-  void forget() {
+  void release() {
     for_each_table([](auto& table) {
-      if (table) table->forget();
+      if (table) table->release();
     });
-    summary_check.forget();
-    end.forget();
-    file.forget();
+    summary_check.release();
+    end.release();
+    file.release();
   }
 
   template <class Visit>
@@ -192,7 +192,7 @@ struct RecordingWriter::File {
               keyframes, keyframe_index, summary);
   }
 
-  /// Runs `step`; the first failure is kept and told again by every later call.
+  /// Runs `step`; the first failure is kept and thrown again by every later call.
   template <class Step>
   void guarded(Step step) {
     if (!failure.empty()) throw std::runtime_error(failure);
@@ -202,7 +202,7 @@ struct RecordingWriter::File {
       step();
     } catch (const Hdf5Error& error) {
       failure = path + ": " + error.what();
-      forget();
+      release();
       throw std::runtime_error(failure);
     }
   }

@@ -50,8 +50,8 @@ class GrowingTable {
     waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(count));
   }
   void flush() { flush(waiting_.size()); }
-  /// See Hdf5Handle::forget.
-  void forget() { dataset_.forget(); }
+  /// See Hdf5Handle::release.
+  void release() { dataset_.release(); }
 
  private:
   const char* name_;

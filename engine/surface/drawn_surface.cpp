@@ -131,12 +131,15 @@ DrawnSurface::Lattice::Lattice(int cell_level, const Eigen::Vector3i& cells)
 }
 
 void DrawnSurface::remove(std::span<const std::uint32_t> voxels, double time_s) {
-  change(voxels, false, static_cast<float>(time_s));
+  change(voxels, Occupancy::kEmpty, static_cast<float>(time_s));
 }
 
-void DrawnSurface::restore(std::span<const std::uint32_t> voxels) { change(voxels, true, 0.0f); }
+void DrawnSurface::restore(std::span<const std::uint32_t> voxels) {
+  change(voxels, Occupancy::kSolid, 0.0f);
+}
 
-void DrawnSurface::change(std::span<const std::uint32_t> voxels, bool solid, float time_s) {
+void DrawnSurface::change(std::span<const std::uint32_t> voxels, Occupancy now, float time_s) {
+  const bool solid = now == Occupancy::kSolid;
   std::vector<std::uint32_t> leaves;
   for (const std::uint32_t voxel : voxels) {
     const Cell c = model_.grid.cell_of_linear(voxel);

@@ -120,7 +120,8 @@ class DrawnSurface {
   const Lattice& lattice(Detail detail) const {
     return lattices_[static_cast<std::size_t>(detail)];
   }
-  void change(std::span<const std::uint32_t> voxels, bool solid, float time_s);
+  enum class Occupancy : std::uint8_t { kEmpty, kSolid };
+  void change(std::span<const std::uint32_t> voxels, Occupancy now, float time_s);
   bool may_have_surface(const Eigen::Vector3i& low_voxel, const Eigen::Vector3i& high_voxel) const;
   bool has_removals(const Eigen::Vector3i& low_voxel, const Eigen::Vector3i& high_voxel) const;
   BrickPlace place_of(int brick, Detail detail) const;

@@ -12,7 +12,9 @@ namespace sulcus {
 namespace {
 
 /// Smooths the picture along one of its edges, 1 4 6 4 1, so that no staircase of voxels shows.
-void smooth(SectionFace& face, bool along) {
+enum class Edge { kAlong, kAcross };
+void smooth(SectionFace& face, Edge edge) {
+  const bool along = edge == Edge::kAlong;
   const std::vector<std::array<std::uint8_t, 4>> sharp = face.pixels;
   const int count = along ? face.width : face.height, lines = along ? face.height : face.width;
   const int step = along ? 1 : face.width, next_line = along ? face.width : 1;
@@ -85,8 +87,8 @@ SectionFace section_face(const DrawnSurface& body, const Pose& world_from_grid,
                   static_cast<std::size_t>(column)] = colours[tissue];
     }
   });
-  smooth(face, true);
-  smooth(face, false);
+  smooth(face, Edge::kAlong);
+  smooth(face, Edge::kAcross);
   return face;
 }
 

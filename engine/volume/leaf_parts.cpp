@@ -4,7 +4,7 @@ namespace sulcus {
 
 namespace {
 
-/// What hangs together with `found` in one slice.
+/// What is connected to `found` in one slice.
 std::uint64_t flood_slice(std::uint64_t found, std::uint64_t within) {
   found &= within;
   for (;;) {
@@ -15,7 +15,7 @@ std::uint64_t flood_slice(std::uint64_t found, std::uint64_t within) {
   }
 }
 
-/// What hangs together with the first voxel of `within`, which must have one: 64 voxels at a time,
+/// What is connected to the first voxel of `within`, which must have one: 64 voxels at a time,
 /// up and down the slices until a pass finds nothing more.
 LeafBits flood_from_first(const LeafBits& within) {
   LeafBits found;

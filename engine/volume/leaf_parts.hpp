@@ -27,7 +27,7 @@ inline LeafBits across(const LeafBits& bits, int face) {
   return beyond;
 }
 
-/// Appends the parts of `bits` whose voxels hang together by faces inside the leaf, by their first
+/// Appends the parts of `bits` whose voxels are connected by faces inside the leaf, by their first
 /// voxel (z, then y, then x).
 void append_parts(const LeafBits& bits, std::vector<LeafBits>& parts);
 

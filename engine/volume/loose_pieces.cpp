@@ -187,7 +187,7 @@ void LoosePieces::reach(std::uint32_t front, Node node) {
 }
 
 /// Leaves one node behind for its neighbours. False where there is none: the front has all that
-/// hangs together with where it set out.
+/// is connected to where it set out.
 bool LoosePieces::advance(std::uint32_t front) {
   if (fronts_[front].next == fronts_[front].todo.size()) return false;
   const Node node = fronts_[front].todo[fronts_[front].next++];

@@ -14,7 +14,7 @@ struct LoosePiece {
   std::vector<std::uint32_t> voxels;
 };
 
-/// Finds what cutting has separated. Voxels hang together by faces; of what hung together at the
+/// Finds what cutting has separated. Voxels are connected by faces; of what was connected at the
 /// start the largest part stays (of equal ones the one with the lowest first voxel), all others are
 /// loose. A start may have several components, each of which keeps its own largest part: nothing is
 /// loose before anything is cut.
@@ -24,7 +24,7 @@ struct LoosePiece {
 /// `take` do count: what one has taken is gone, and does not win when the rest is cut smaller than
 /// it later.)
 ///
-/// The nodes of the search are the parts of each leaf that hang together inside it: one in most
+/// The nodes of the search are the parts of each leaf that are connected inside it: one in most
 /// leaves. After a cut a search sets out from every node beside a removed voxel, all in turn, one
 /// node at a time; those that meet go on as one, one that finds no more has been cut off, and
 /// when one is left the rest of the component is its. So the time goes with the size of what came
@@ -36,7 +36,7 @@ class LoosePieces {
   /// Takes a copy of the voxels; the tissues are shared.
   explicit LoosePieces(VoxelModel model);
 
-  /// Voxels that were cut, each below grid.cell_count(); those that are empty are passed over.
+  /// Voxels that were cut, each below grid.cell_count(); those that are empty are skipped.
   void remove(std::span<const std::uint32_t> voxels);
   /// The pieces that came loose since the last call, by their lowest voxel. They are removed from
   /// the copy. At once where nothing was removed.

@@ -11,7 +11,7 @@
 namespace sulcus {
 
 /// The text of a mesh file, word by word. Words end at blanks; lines end with \n, \r\n or \r, as
-/// the systems of the three formats' times wrote them. A byte order mark in front is passed over.
+/// the systems of the three formats' times wrote them. A byte order mark in front is skipped.
 class MeshText {
  public:
   /// From the byte `at` on, which lies in the line `line`. The text is not copied.
@@ -21,9 +21,9 @@ class MeshText {
   std::string_view word_of_line();
   /// The next word, of whatever line; empty at the end of the text.
   std::string_view word();
-  /// Passes over what is left of the line.
+  /// Skips what is left of the line.
   void skip_line();
-  /// Passes over the end of the line, which all of it was read of; false at that of the text.
+  /// Skips the end of the line, which all of it was read of; false at that of the text.
   bool end_line();
   /// Goes to the next line that holds a word; false where there is none.
   bool next_line();
@@ -32,7 +32,7 @@ class MeshText {
   bool at_line_end();
   /// "line 12": of the last word, or of where the text ends.
   std::string place() const { return "line " + std::to_string(line_); }
-  /// How the word that was read last is told of: itself, or what was there instead.
+  /// The last word for a message: itself, or what was there instead.
   std::string found(std::string_view word) const;
 
  private:

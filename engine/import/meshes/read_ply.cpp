@@ -39,7 +39,7 @@ class PlyRows {
     const auto number = parse_whole_number(word_);
     return number ? std::optional(static_cast<double>(*number)) : std::nullopt;
   }
-  /// Passes over `count` numbers of one type.
+  /// Skips `count` numbers of one type.
   bool skip(PlyNumber type, std::uint64_t count) {
     if (is_text()) {
       for (; count > 0; --count) {

@@ -49,8 +49,12 @@ bool has_long_length(std::array<char, 2> vr) {
 /// Goes through encoded elements. Offsets are those of the whole file.
 class Parser {
  public:
-  Parser(const std::string& path, std::span<const std::byte> bytes, bool implicit, bool big_endian)
-      : path_(path), bytes_(bytes), implicit_(implicit), big_endian_(big_endian) {}
+  /// How elements are written; explicit and little endian unless said.
+  struct Syntax {
+    bool implicit = false, big_endian = false;
+  };
+  Parser(const std::string& path, std::span<const std::byte> bytes, Syntax syntax)
+      : path_(path), bytes_(bytes), implicit_(syntax.implicit), big_endian_(syntax.big_endian) {}
 
   /// Elements from `at` up to `end`, to the end of an item where that has no length, or to the
   /// pixels.
@@ -144,7 +148,8 @@ class Parser {
       if (implicit_items == implicit_) {
         read_items(at, sequence_end, undefined, depth, element);
       } else {
-        Parser(path_, bytes_, true, false).read_items(at, sequence_end, undefined, depth, element);
+        Parser(path_, bytes_, {.implicit = true})
+            .read_items(at, sequence_end, undefined, depth, element);
       }
       return element;
     }
@@ -320,7 +325,7 @@ DicomFile read_dicom_file(const std::string& path, std::uint64_t most_bytes) {
     }
     meta_end += length;
   }
-  const DicomDataSet meta = Parser(path, all, false, false).data_set(at, meta_end, false, 0);
+  const DicomDataSet meta = Parser(path, all, {}).data_set(at, meta_end, false, 0);
   constexpr DicomTag kTransferSyntax = dicom_tag(2, 0x10);
   file.transfer_syntax = meta.text(kTransferSyntax);
   if (file.transfer_syntax.empty()) {
@@ -337,7 +342,8 @@ DicomFile read_dicom_file(const std::string& path, std::uint64_t most_bytes) {
     at = 0;
   }
   const std::span<const std::byte> rest(file.bytes);
-  file.data = Parser(file.path, rest, file.transfer_syntax == kImplicit, file.big_endian)
+  file.data = Parser(file.path, rest,
+                     {.implicit = file.transfer_syntax == kImplicit, .big_endian = file.big_endian})
                   .data_set(at, rest.size(), false, 0);
   return file;
 }

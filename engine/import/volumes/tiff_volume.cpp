@@ -43,7 +43,7 @@ struct TiffForm {
 };
 
 Tiff open_tiff(const std::string& file) {
-  // Errors are told in one line, by exception.
+  // Errors are reported in one line, by exception.
   TIFFSetWarningHandler(nullptr);
   TIFFSetErrorHandler(nullptr);
   Tiff tiff(TIFFOpen(file.c_str(), "rm"), TIFFClose);

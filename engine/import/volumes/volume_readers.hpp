@@ -26,8 +26,8 @@ MedicalVolume read_meta_image_volume(const std::string& path, const InputLimits&
 
 /// Reads NIfTI-1 and NIfTI-2 (.nii, or .hdr and .img beside each other; each also packed by gzip)
 /// [nifti1.h, nifti2.h]. The place is sform's where it has a code, else qform's, else along the
-/// axes; what of these disagrees is told in `warnings`. Lengths are what xyzt_units says; mm, with
-/// a warning, where it says nothing. Grey values are scaled by scl_slope and scl_inter.
+/// axes; what of these disagrees is reported in `warnings`. Lengths are what xyzt_units says; mm,
+/// with a warning, where it says nothing. Grey values are scaled by scl_slope and scl_inter.
 /// @throws InputError, see read_medical_volume.
 MedicalVolume read_nifti_volume(const std::string& path, const InputLimits& limits);
 
