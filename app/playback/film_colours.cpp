@@ -9,7 +9,6 @@
 #include "engine/core/units.hpp"
 #include "engine/normals/normal_errors.hpp"
 #include "engine/outcome/goal.hpp"
-#include "engine/outcome/goal_distance.hpp"
 
 namespace sulcus {
 

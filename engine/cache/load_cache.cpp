@@ -14,7 +14,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "engine/cache/program_id.hpp"
 #include "engine/core/stop.hpp"
 
 namespace sulcus {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <initializer_list>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -67,5 +68,11 @@ class LoadCache {
   int hits_ = 0;
   std::string note_;
 };
+
+/// Which code is running: the hash of the build ids that the linker wrote into the program and
+/// into every library it has loaded. It changes with every change of a source, a compiler, a flag
+/// or a library, also where no revision is committed, and costs no file to be read. Found once,
+/// at the first call. Empty where the program carries no build id.
+std::optional<Hash128> program_id();
 
 }  // namespace sulcus

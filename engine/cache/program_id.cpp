@@ -1,5 +1,3 @@
-#include "engine/cache/program_id.hpp"
-
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -9,6 +7,8 @@
 
 #include <elf.h>
 #include <link.h>
+
+#include "engine/cache/load_cache.hpp"
 
 namespace sulcus {
 namespace {

@@ -12,7 +12,6 @@
 
 #include "engine/core/units.hpp"
 #include "engine/graphics/hud_pen.hpp"
-#include "engine/graphics/hud_scales.hpp"
 
 namespace sulcus {
 namespace {

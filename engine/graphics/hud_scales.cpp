@@ -1,9 +1,9 @@
-#include "engine/graphics/hud_scales.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
+
+#include "engine/graphics/hud_pen.hpp"
 
 namespace sulcus {
 namespace {

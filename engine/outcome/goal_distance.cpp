@@ -1,11 +1,9 @@
-#include "engine/outcome/goal_distance.hpp"
-
 #include <array>
 #include <cmath>
 #include <vector>
 
 #include "engine/outcome/goal.hpp"
-#include "engine/outcome/voxel_distance.hpp"
+#include "engine/outcome/voxel_set.hpp"
 #include "engine/volume/workpiece.hpp"
 
 namespace sulcus {

@@ -1,5 +1,3 @@
-#include "engine/outcome/voxel_distance.hpp"
-
 #include <algorithm>
 #include <bit>
 #include <limits>
@@ -7,6 +5,8 @@
 #include <Eigen/Geometry>
 #include <oneapi/tbb/parallel_for.h>
 #include <unsupported/Eigen/BVH>
+
+#include "engine/outcome/voxel_set.hpp"
 
 namespace sulcus {
 

@@ -10,9 +10,8 @@
 #include "engine/core/units.hpp"
 #include "engine/normals/normal_choice.hpp"
 #include "engine/scene/burr_number.hpp"
-#include "engine/scene/scene_overrides.hpp"
 #include "engine/scene/table_readers.hpp"
-#include "engine/scene/toml_depth.hpp"
+#include "engine/scene/toml_table.hpp"
 
 namespace sulcus {
 

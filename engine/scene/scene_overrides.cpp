@@ -1,5 +1,3 @@
-#include "engine/scene/scene_overrides.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -15,7 +13,6 @@
 #include "engine/scene/burr_number.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/scene/scene_keys.hpp"
-#include "engine/scene/toml_depth.hpp"
 #include "engine/scene/toml_table.hpp"
 
 namespace sulcus {

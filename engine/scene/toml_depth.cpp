@@ -1,10 +1,9 @@
-#include "engine/scene/toml_depth.hpp"
-
 #include <algorithm>
 #include <cstddef>
 
 #include "engine/core/error.hpp"
 #include "engine/core/input_limits.hpp"
+#include "engine/scene/toml_table.hpp"
 
 namespace sulcus {
 

@@ -74,4 +74,17 @@ std::string nearest_word(std::string_view word, std::span<const std::string> wor
 /// A TOML value as it would be written, shortened for a message.
 std::string describe(const toml::node& node);
 
+/// Refuses a text in which arrays and inline tables lie deeper than InputLimits::kSceneDepth or
+/// whose keys have more parts, before toml++ reads it: it removes a table of tables by recursion,
+/// and a key of 10^5 parts makes as many tables. Anything else that is no TOML passes.
+/// @throws InputError with line and column.
+void check_toml_depth(std::string_view text, const std::string& file);
+
+/// Applies one `--set TABLE.KEY=VALUE` to a scene: the value is read as TOML, else taken as a
+/// string; tables that are not there are made; `tissue.NAME.KEY` addresses a [[tissue]] by its
+/// name, and a workpiece's file takes the place of its shape. The nodes carry that they came from
+/// --set (kFromOverride). InputError for what is none; whether a key is known is found when the
+/// scene is read.
+void apply_override(toml::table& root, const std::string& text);
+
 }  // namespace sulcus

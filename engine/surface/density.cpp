@@ -86,66 +86,45 @@ void Density::sample(const VoxelModel& model, int level, DensityBlock& block) co
   const Eigen::Vector3i low = block.first.cwiseMax(0);
   const Eigen::Vector3i high = (block.first + block.dims).cwiseMin(cells);
   if ((low.array() >= high.array()).any()) return;
-  if (level == 3) {
-    for (int z = low.z(); z < high.z(); ++z) {
-      for (int y = low.y(); y < high.y(); ++y) {
-        float* const row = &block.values[at(block, 0, y - block.first.y(), z - block.first.z())];
-        for (int x = low.x(); x < high.x(); ++x) {
-          int count = 0;
-          for (int part = 0; part < 8; ++part) {
-            count +=
-                quarter_count(2 * x + (part & 1), 2 * y + (part >> 1 & 1), 2 * z + (part >> 2));
-          }
-          row[x - block.first.x()] = static_cast<float>(count) * (1.0f / 512.0f);
-        }
+  if (level >= 2) {
+    const float full = level == 3 ? 1.0f / 512.0f : 1.0f / 64.0f;
+    for_each_cell(low, high, [&](const Cell& c) {
+      int count = level == 2 ? quarter_count(c.x(), c.y(), c.z()) : 0;
+      for (int part = 0; level == 3 && part < 8; ++part) {
+        count += quarter_count(2 * c.x() + (part & 1), 2 * c.y() + (part >> 1 & 1),
+                               2 * c.z() + (part >> 2));
       }
-    }
-    return;
-  }
-  if (level == 2) {
-    for (int z = low.z(); z < high.z(); ++z) {
-      for (int y = low.y(); y < high.y(); ++y) {
-        float* const row = &block.values[at(block, 0, y - block.first.y(), z - block.first.z())];
-        for (int x = low.x(); x < high.x(); ++x) {
-          row[x - block.first.x()] = static_cast<float>(quarter_count(x, y, z)) * (1.0f / 64.0f);
-        }
-      }
-    }
+      const Cell p = c - block.first;
+      block.values[at(block, p.x(), p.y(), p.z())] = static_cast<float>(count) * full;
+    });
     return;
   }
   const int edge = kLeafEdge >> level;  // cells along a leaf
   const float full = level == 0 ? 1.0f : 0.125f;
   const Eigen::Vector3i leaf_low = low / edge;
   const Eigen::Vector3i leaf_high = (high - Eigen::Vector3i::Ones()) / edge;
-  for (int lz = leaf_low.z(); lz <= leaf_high.z(); ++lz) {
-    for (int ly = leaf_low.y(); ly <= leaf_high.y(); ++ly) {
-      for (int lx = leaf_low.x(); lx <= leaf_high.x(); ++lx) {
-        const LeafBits& bits = model.leaves[model.grid.leaf_of(Cell(lx, ly, lz) * kLeafEdge)];
-        std::uint64_t any = 0;
-        for (std::uint64_t word : bits.words) any |= word;
-        if (any == 0) continue;
-        const Eigen::Vector3i origin = Eigen::Vector3i(lx, ly, lz) * edge;
-        const Eigen::Vector3i from = low.cwiseMax(origin);
-        const Eigen::Vector3i to = high.cwiseMin(origin + Eigen::Vector3i::Constant(edge));
-        const std::array<std::uint8_t, 64> counts =
-            level == 1 ? half_counts(bits) : std::array<std::uint8_t, 64>{};
-        for (int z = from.z(); z < to.z(); ++z) {
-          for (int y = from.y(); y < to.y(); ++y) {
-            float* const row =
-                &block.values[at(block, 0, y - block.first.y(), z - block.first.z())];
-            const int j = y - origin.y();
-            const int k = z - origin.z();
-            for (int x = from.x(); x < to.x(); ++x) {
-              const int i = x - origin.x();
-              const int count = level == 1 ? counts[i + 4 * j + 16 * k]
-                                           : static_cast<int>(bits.words[k] >> (i + 8 * j) & 1);
-              row[x - block.first.x()] = full * static_cast<float>(count);
-            }
-          }
+  for_each_cell(leaf_low, leaf_high + Cell::Ones(), [&](const Cell& leaf) {
+    const LeafBits& bits = model.leaves[model.grid.leaf_of(leaf * kLeafEdge)];
+    if (!any(bits)) return;
+    const Eigen::Vector3i origin = leaf * edge;
+    const Eigen::Vector3i from = low.cwiseMax(origin);
+    const Eigen::Vector3i to = high.cwiseMin(origin + Eigen::Vector3i::Constant(edge));
+    const std::array<std::uint8_t, 64> counts =
+        level == 1 ? half_counts(bits) : std::array<std::uint8_t, 64>{};
+    for (int z = from.z(); z < to.z(); ++z) {
+      for (int y = from.y(); y < to.y(); ++y) {
+        float* const row = &block.values[at(block, 0, y - block.first.y(), z - block.first.z())];
+        const int j = y - origin.y();
+        const int k = z - origin.z();
+        for (int x = from.x(); x < to.x(); ++x) {
+          const int i = x - origin.x();
+          const int count = level == 1 ? counts[i + 4 * j + 16 * k]
+                                       : static_cast<int>(bits.words[k] >> (i + 8 * j) & 1);
+          row[x - block.first.x()] = full * static_cast<float>(count);
         }
       }
     }
-  }
+  });
 }
 
 namespace {

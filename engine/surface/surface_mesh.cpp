@@ -7,7 +7,6 @@
 #include <span>
 
 #include "engine/surface/surface_nets.hpp"
-#include "engine/surface/voxel_net.hpp"
 
 namespace sulcus {
 namespace {

@@ -1,5 +1,3 @@
-#include "engine/surface/voxel_net.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cstddef>

@@ -1,8 +1,8 @@
-#include "engine/outcome/goal_distance.hpp"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
+
+#include "engine/outcome/goal.hpp"
 
 namespace sulcus {
 namespace {

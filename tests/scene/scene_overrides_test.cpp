@@ -1,9 +1,8 @@
-#include "engine/scene/scene_overrides.hpp"
-
 #include <filesystem>
 
 #include <gtest/gtest.h>
 
+#include "engine/scene/toml_table.hpp"
 #include "tests/support/scene_text.hpp"
 
 namespace sulcus {

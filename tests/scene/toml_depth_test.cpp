@@ -1,10 +1,9 @@
-#include "engine/scene/toml_depth.hpp"
-
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "engine/core/error.hpp"
+#include "engine/scene/toml_table.hpp"
 
 namespace sulcus {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "engine/core/user_text.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/scene/scene_overrides.hpp"
+#include "engine/scene/toml_table.hpp"
 #include "tools/fuzz/fuzz_targets.hpp"
 #include "tools/fuzz/handed_file.hpp"
 

@@ -13,6 +13,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
+#include "engine/volume/grid.hpp"
 #include "engine/volume/input_geometry.hpp"
 
 namespace sulcus {
@@ -110,14 +111,10 @@ MedicalVolume turned(const MedicalVolume& labels, const Eigen::Matrix3i& turn) {
   result.origin_m =
       labels.origin_m + labels.direction * labels.spacing_m.cwiseProduct(first.cast<double>());
   result.values.reserve(labels.values.size());
-  for (int k = 0; k < result.sizes.z(); ++k) {
-    for (int j = 0; j < result.sizes.y(); ++j) {
-      for (int i = 0; i < result.sizes.x(); ++i) {
-        const Eigen::Vector3i p = back * Eigen::Vector3i(i, j, k) + first;
-        result.values.push_back(labels.at(p.x(), p.y(), p.z()));
-      }
-    }
-  }
+  for_each_cell(Cell::Zero(), result.sizes, [&](const Cell& voxel) {
+    const Eigen::Vector3i p = back * voxel + first;
+    result.values.push_back(labels.at(p.x(), p.y(), p.z()));
+  });
   return result;
 }
 
@@ -289,16 +286,14 @@ MedicalVolume take_part(MedicalVolume volume, const MedicalVolume* labels,
   std::vector<bool> taken(static_cast<std::size_t>(size.cast<std::ptrdiff_t>().prod()));
   Eigen::Vector3i low = volume.sizes, high = Eigen::Vector3i::Zero();
   std::size_t bit = 0;
-  for (int k = reach.low.z(); k < reach.high.z(); ++k) {
-    for (int j = reach.low.y(); j < reach.high.y(); ++j) {
-      for (int i = reach.low.x(); i < reach.high.x(); ++i, ++bit) {
-        if (!choice.taken(i, j, k)) continue;
-        taken[bit] = true;
-        low = low.cwiseMin(Eigen::Vector3i(i, j, k));
-        high = high.cwiseMax(Eigen::Vector3i(i + 1, j + 1, k + 1));
-      }
+  for_each_cell(reach.low, reach.high, [&](const Cell& voxel) {
+    if (choice.taken(voxel.x(), voxel.y(), voxel.z())) {
+      taken[bit] = true;
+      low = low.cwiseMin(voxel);
+      high = high.cwiseMax(voxel + Cell::Ones());
     }
-  }
+    ++bit;
+  });
   if (settings.box_file && choice.in_box == 0) {
     throw_empty_box(volume, lattice, *settings.box_file);
   }
@@ -322,25 +317,19 @@ MedicalVolume take_part(MedicalVolume volume, const MedicalVolume* labels,
   const bool mask = !settings.solid_above;
   const float level = mask ? 0.0f : static_cast<float>(*settings.solid_above);
   const float air = mask ? 0.0f : air_of(volume, level);
-  std::size_t v = 0;
-  for (int k = first.z(); k < end.z(); ++k) {
-    for (int j = first.y(); j < end.y(); ++j) {
-      for (int i = first.x(); i < end.x(); ++i, ++v) {
-        const Eigen::Vector3i at = Eigen::Vector3i(i, j, k) - reach.low;
-        const bool reached = (at.array() >= 0).all() && (at.array() < size.array()).all();
-        if (reached) {
-          const std::size_t place =
-              static_cast<std::size_t>(at.x()) +
-              static_cast<std::size_t>(size.x()) *
-                  (static_cast<std::size_t>(at.y()) +
-                   static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(at.z()));
-          if (taken[place]) continue;
-        }
-        float& value = part.values[v];
-        if (mask || value >= level) value = air;
-      }
-    }
-  }
+  auto value = part.values.begin();
+  for_each_cell(first, end, [&](const Cell& voxel) {
+    const Eigen::Vector3i at = voxel - reach.low;
+    const bool reached = (at.array() >= 0).all() && (at.array() < size.array()).all();
+    const std::size_t place =
+        static_cast<std::size_t>(at.x()) +
+        static_cast<std::size_t>(size.x()) *
+            (static_cast<std::size_t>(at.y()) +
+             static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(at.z()));
+    const bool stays = reached && taken[place];
+    if (!stays && (mask || *value >= level)) *value = air;
+    ++value;
+  });
   return part;
 }
 

@@ -125,25 +125,21 @@ void for_each_crossing(const SolidCut& cut, bool mask, Visit visit) {
   const Eigen::Vector3i n = cut.solid.sizes;
   const std::array<std::ptrdiff_t, 3> stride = {1, n.x(),
                                                 static_cast<std::ptrdiff_t>(n.x()) * n.y()};
-  for (int k = 1; k + 1 < n.z(); ++k) {
-    for (int j = 1; j + 1 < n.y(); ++j) {
-      for (int i = 1; i + 1 < n.x(); ++i) {
-        const auto v = static_cast<std::ptrdiff_t>(cut.solid.index(i, j, k));
-        if (cut.solid.values[v] == 0) continue;
-        for (int axis = 0; axis < 3; ++axis) {
-          for (const int sign : {-1, 1}) {
-            const std::ptrdiff_t w = v + sign * stride[axis];
-            if (cut.solid.values[w] != 0) continue;
-            const double in = cut.grey.values[v], out = cut.grey.values[w];
-            const double t = mask ? 0.5 : (in - cut.level) / (in - out);
-            Eigen::Vector3d p_cut(i, j, k);
-            p_cut[axis] += sign * t;
-            visit(p_cut);
-          }
-        }
+  for_each_cell(Cell::Ones(), n - Cell::Ones(), [&](const Cell& point) {
+    const auto v = static_cast<std::ptrdiff_t>(cut.solid.index(point.x(), point.y(), point.z()));
+    if (cut.solid.values[v] == 0) return;
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const int sign : {-1, 1}) {
+        const std::ptrdiff_t w = v + sign * stride[axis];
+        if (cut.solid.values[w] != 0) continue;
+        const double in = cut.grey.values[v], out = cut.grey.values[w];
+        const double t = mask ? 0.5 : (in - cut.level) / (in - out);
+        Eigen::Vector3d p_cut = point.cast<double>();
+        p_cut[axis] += sign * t;
+        visit(p_cut);
       }
     }
-  }
+  });
 }
 
 /// p_cut = linear * p_index + offset.
