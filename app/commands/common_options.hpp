@@ -1,7 +1,12 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include <tbb/global_control.h>
 
 #include "app/commands/commands.hpp"
 
@@ -13,30 +18,54 @@ inline constexpr const char* kSceneArgument =
     "Scene, .toml, or the name of one that came with the program";
 inline constexpr const char* kRecordingArgument = "Recording, .h5";
 
+/// An option with a value; `type` names that in the help.
+template <class Value>
+CLI::Option* add_option(CLI::App& command, const char* name, Value& value, const char* type,
+                        const std::string& what) {
+  return command.add_option(name, value, what)->type_name(type);
+}
+
 inline void add_recording_argument(CLI::App& command, std::string& file) {
-  command.add_option("RECORDING", file, kRecordingArgument)->required()->type_name("FILE");
+  add_option(command, "RECORDING", file, "FILE", kRecordingArgument)->required();
+}
+
+/// -o and --force. `usual`: where the results go without them.
+inline std::array<CLI::Option*, 2> add_folder_options(CLI::App& command, std::string& folder,
+                                                      bool& force, const std::string& usual) {
+  return {add_option(command, "-o", folder, "DIR", "Folder for the results (" + usual + ")"),
+          command.add_flag("--force", force, "Replace another run in the folder of -o")};
 }
 
 /// `pace` keeps what it is where the option is not given.
 inline CLI::Option* add_pace_option(CLI::App& command, std::string& pace) {
   const std::string text = "real: 1 tick each 1 / rate_hz; fast: no waiting (" + pace + ")";
-  return command.add_option("--pace", pace, text)
-      ->type_name("PACE")
-      ->check(CLI::IsMember({"real", "fast"}));
-}
-
-/// Beside -o.
-inline CLI::Option* add_force_option(CLI::App& command, bool& force) {
-  return command.add_flag("--force", force, "Replace another run in the folder of -o");
+  return add_option(command, "--pace", pace, "PACE", text)->check(CLI::IsMember({"real", "fast"}));
 }
 
 /// One value a time: without `expected` the option would swallow what follows it.
 inline CLI::Option* add_set_option(CLI::App& command, std::vector<std::string>& overrides,
                                    const std::string& text) {
-  return command.add_option("--set", overrides, text)
-      ->type_name("TABLE.KEY=VALUE")
-      ->expected(1)
-      ->take_all();
+  return add_option(command, "--set", overrides, "TABLE.KEY=VALUE", text)->expected(1)->take_all();
 }
+
+/// The option --threads of a command, 0 where it is not given.
+inline void add_threads_option(CLI::App& command, int& threads) {
+  add_option(command, "--threads", threads, "N", "Threads for loading and meshing (all cores)")
+      ->check(CLI::Range(1, 1024));
+}
+
+/// Holds oneTBB to so many threads while it lives; to all cores where there are 0.
+class ThreadLimit {
+ public:
+  explicit ThreadLimit(int threads) {
+    if (threads > 0) {
+      limit_.emplace(tbb::global_control::max_allowed_parallelism,
+                     static_cast<std::size_t>(threads));
+    }
+  }
+
+ private:
+  std::optional<tbb::global_control> limit_;
+};
 
 }  // namespace sulcus

@@ -1,11 +1,16 @@
+#include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "app/commands/common_options.hpp"
-#include "app/commands/output_file.hpp"
-#include "app/commands/tissue_meshes.hpp"
 #include "app/playback/recorded_run.hpp"
+#include "app/report/output_file.hpp"
 #include "app/terminal/progress.hpp"
 #include "app/terminal/terminal.hpp"
 #include "engine/core/error.hpp"
@@ -79,15 +84,46 @@ void export_volume(const ExportOptions& options, const VoxelModel& model,
   }
 }
 
+/// A tissue's name as a part of a file's: a scene from elsewhere must name no other folder.
+std::string file_part(std::string name) {
+  constexpr std::size_t kLongest = 64;
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return c < ' ' || c == '/' || c == '\\' || c == 127; }, '_');
+  return name.substr(0, kLongest);
+}
+
+/// The surface of each tissue (tissue_surfaces), moved by `space_from_world`, beside `file`:
+/// "cut.stl" gives "cut_enamel.stl" and so on; none of a tissue with no voxel left. A name that is
+/// taken gets its number.
+void write_tissue_meshes(const std::string& file, const VoxelModel& model,
+                         std::span<const TissueSettings> tissues,
+                         const Eigen::Affine3d& space_from_world) {
+  const std::filesystem::path path(file);
+  std::vector<TriangleMesh> meshes = tissue_surfaces(model, tissues.size());
+  std::set<std::string> taken;
+  for (std::size_t t = 0; t < meshes.size(); ++t) {
+    std::string name = file_part(tissues[t].name);
+    if (!taken.insert(name).second) name += "_" + std::to_string(t + 1);
+    taken.insert(name);
+    if (meshes[t].triangles.empty()) {
+      say("%s: no voxel left\n", name.c_str());
+      continue;
+    }
+    std::filesystem::path one = path;
+    one.replace_filename(path.stem().string() + "_" + name + path.extension().string());
+    transform(space_from_world, meshes[t]);
+    write_mesh(one.string(), meshes[t]);
+    say("%s: %zu triangles\n", one.string().c_str(), meshes[t].triangles.size());
+  }
+}
+
 void export_recording(const ExportOptions& options) {
   if (options.mesh.empty() && options.volume.empty() && options.csv.empty()) {
     throw InputError("", "export", "nothing to write", "--mesh, --volume or --csv");
   }
-  if (!options.mesh.empty()) check_output("--mesh", options.mesh, {".stl", ".obj", ".ply"});
-  if (!options.volume.empty()) {
-    check_output("--volume", options.volume, {".nrrd", ".mha", ".nii.gz"});
-  }
-  if (!options.csv.empty()) check_output("--csv", options.csv, {".csv"});
+  check_output("--mesh", options.mesh, {".stl", ".obj", ".ply"});
+  check_output("--volume", options.volume, {".nrrd", ".mha", ".nii.gz"});
+  check_output("--csv", options.csv, {".csv"});
   Progress progress("exporting");
   const RecordingReader reader(options.recording);
   if (reader.tick_count() == 0) {
@@ -131,26 +167,20 @@ void add_export_command(CLI::App& program) {
   auto options = std::make_shared<ExportOptions>();
   CLI::App* command = program.add_subcommand("export", "Write the cut tooth or the curves");
   add_recording_argument(*command, options->recording);
-  command->add_option("--at", options->at_s, "Time, s (the end)")->type_name("S");
-  CLI::Option* mesh =
-      command->add_option("--mesh", options->mesh, "Closed surface, .stl, .obj or .ply, mm")
-          ->type_name("FILE");
+  add_option(*command, "--at", options->at_s, "S", "Time, s (the end)");
+  CLI::Option* mesh = add_option(*command, "--mesh", options->mesh, "FILE",
+                                 "Closed surface, .stl, .obj or .ply, mm");
   command
       ->add_flag("--per-tissue", options->per_tissue,
                  "One closed mesh for each tissue, FILE_TISSUE.stl, with shared borders")
       ->needs(mesh);
-  command
-      ->add_option("--volume", options->volume,
-                   "Voxels, .nrrd, .mha or .nii.gz: 0 empty, else 1 + tissue in the scene's order")
-      ->type_name("FILE");
-  command
-      ->add_option("--geometry", options->geometry,
-                   "file: in the space of the workpiece's file, over the scan (the default where\n"
-                   "it came from one); input: on the scan's own voxels; scene: the scene's space")
-      ->type_name("SPACE")
+  add_option(*command, "--volume", options->volume, "FILE",
+             "Voxels, .nrrd, .mha or .nii.gz: 0 empty, else 1 + tissue in the scene's order");
+  add_option(*command, "--geometry", options->geometry, "SPACE",
+             "file: in the space of the workpiece's file, over the scan (the default where\n"
+             "it came from one); input: on the scan's own voxels; scene: the scene's space")
       ->check(CLI::IsMember({"file", "input", "scene"}));
-  command->add_option("--csv", options->csv, "One row per tick up to then, .csv")
-      ->type_name("FILE");
+  add_option(*command, "--csv", options->csv, "FILE", "One row per tick up to then, .csv");
   command->callback([options] { export_recording(*options); });
 }
 

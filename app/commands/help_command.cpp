@@ -3,10 +3,9 @@
 #include <memory>
 
 #include "app/commands/commands.hpp"
+#include "app/commands/help_text.hpp"
 #include "app/commands/manual.hpp"
-#include "app/commands/output_file.hpp"
-#include "app/commands/recording_help.hpp"
-#include "app/commands/scene_help.hpp"
+#include "app/report/output_file.hpp"
 #include "engine/core/whole_file.hpp"
 
 namespace sulcus {
@@ -62,15 +61,12 @@ void add_help_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "help",
       "Tell of a command, every key of a scene, all that a recording holds, or burrs by number");
-  command
-      ->add_option("TOPIC", options->topic, "scene, recording, burrs, or a command (the program)")
-      ->type_name("TOPIC")
+  add_option(*command, "TOPIC", options->topic, "TOPIC",
+             "scene, recording, burrs, or a command (the program)")
       ->check(CLI::IsMember(topics));
-  command
-      ->add_option("--write", options->folder,
-                   "Write manual pages and the completion of bash below this folder, as they lie "
-                   "in /usr/share")
-      ->type_name("DIR");
+  add_option(*command, "--write", options->folder, "DIR",
+             "Write manual pages and the completion of bash below this folder, as they lie "
+             "in /usr/share");
   command->callback([&program, options] { help(program, *options); });
 }
 

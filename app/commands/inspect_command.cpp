@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "app/commands/common_options.hpp"
-#include "app/commands/output_file.hpp"
-#include "app/commands/shipped_scene.hpp"
+#include "app/commands/shipped_files.hpp"
 #include "app/inspect/inspect.hpp"
+#include "app/report/output_file.hpp"
 #include "app/terminal/progress.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/file_kind.hpp"
@@ -53,7 +53,7 @@ void inspect(const InspectOptions& options) {
   if (!options.spacing_mm.empty() && (scene || mesh || recording)) {
     throw InputError(file, "--spacing-mm", "no volume", "a volume, whose voxels have that size");
   }
-  if (!options.picture.empty()) check_output("--picture", options.picture, {".png"});
+  check_output("--picture", options.picture, {".png"});
   const Progress progress("reading");
   if (scene) {
     inspect_scene(file, options.overrides, options.picture);
@@ -74,16 +74,12 @@ void add_inspect_command(CLI::App& program) {
   auto options = std::make_shared<InspectOptions>();
   CLI::App* command =
       program.add_subcommand("inspect", "Say what a scene, recording, volume or mesh holds");
-  command->add_option("FILE", options->file, "File to look at")->required()->type_name("FILE");
-  command
-      ->add_option("--picture", options->picture,
-                   "Draw a volume's sections and histogram, or a scene's burr, into a PNG file")
-      ->type_name("FILE");
+  add_option(*command, "FILE", options->file, "FILE", "File to look at")->required();
+  add_option(*command, "--picture", options->picture, "FILE",
+             "Draw a volume's sections and histogram, or a scene's burr, into a PNG file");
   constexpr double kLeast_mm = 1e-4, kMost_mm = 100.0;
-  command
-      ->add_option("--spacing-mm", options->spacing_mm,
-                   "Size of a volume's voxels, where its file does not say it")
-      ->type_name("X Y Z")
+  add_option(*command, "--spacing-mm", options->spacing_mm, "X Y Z",
+             "Size of a volume's voxels, where its file does not say it")
       ->expected(3)
       ->check(CLI::Range(kLeast_mm, kMost_mm));
   command->add_flag("--as-burr", options->as_burr, "A mesh as the burr that it would be");

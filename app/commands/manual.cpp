@@ -3,8 +3,7 @@
 #include <array>
 #include <cctype>
 
-#include "app/commands/recording_help.hpp"
-#include "app/commands/scene_help.hpp"
+#include "app/commands/help_text.hpp"
 
 namespace sulcus {
 

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -13,11 +12,11 @@
 #include <vector>
 
 #include "app/commands/common_options.hpp"
-#include "app/commands/output_file.hpp"
 #include "app/commands/section_range.hpp"
 #include "app/commands/video_writer.hpp"
 #include "app/playback/film_colours.hpp"
 #include "app/playback/recorded_film.hpp"
+#include "app/report/output_file.hpp"
 #include "app/report/review_page.hpp"
 #include "app/terminal/progress.hpp"
 #include "app/terminal/terminal.hpp"
@@ -73,6 +72,18 @@ NamedViewpoint viewpoint_of(const std::string& text) {
   if (numbers.size() == 3) given.from.zoom = numbers[2];
   std::ranges::replace(given.name, ',', '_');
   return given;
+}
+
+/// Those of --camera, else the scene's.
+std::vector<NamedViewpoint> viewpoints(const RenderOptions& options,
+                                       const RenderSettings& settings) {
+  std::vector<NamedViewpoint> cameras;
+  for (const std::string& text : options.cameras) cameras.push_back(viewpoint_of(text));
+  if (cameras.empty()) {
+    cameras.push_back(
+        {std::string(kCameraNames[static_cast<std::size_t>(settings.camera)]), settings.camera});
+  }
+  return cameras;
 }
 
 /// Rows to be drawn, rising: those of --at, else every 1 / fps, else the last.
@@ -132,19 +143,15 @@ class PictureNames {
     }
     if (options.colour_by != "tissue") shown_ += "_by_" + options.colour_by;
     if (settings.section) {
-      char text[48];
-      std::snprintf(text, sizeof text, "_%c=%g", "xyz"[settings.section->axis],
-                    settings.section->at_m / kMillimetre);
-      shown_ += text;
+      shown_ +=
+          formatted("_%c=%g", "xyz"[settings.section->axis], settings.section->at_m / kMillimetre);
     }
     if (options.contacts) shown_ += "_contacts";
   }
 
   /// Such as occlusal_7.500s_by_goal, without an end.
   std::string of(const std::string& camera, const TickRecord& row) const {
-    char time[48];
-    std::snprintf(time, sizeof time, "_%0*.*fs", digits_, decimals_, row.time_s);
-    return camera + time + shown_;
+    return camera + formatted("_%0*.*fs", digits_, decimals_, row.time_s) + shown_;
   }
 
  private:
@@ -168,23 +175,96 @@ std::string write_picture(const Image& image, const std::string& folder, const s
   }
 }
 
-/// Draws rows from each camera, and hands on what is drawn: `take(image, camera, row)`.
-template <class Take>
-void draw_rows(RecordedFilm& film, FilmColours& colours, Renderer& renderer,
-               std::span<const std::size_t> rows, std::span<const NamedViewpoint> cameras,
-               const Take& take) {
-  Progress progress("drawing");
-  std::size_t drawn = 0;
-  for (const std::size_t row : rows) {
-    progress.at(drawn++, rows.size());
-    FrameState state = film.seek_row(row, renderer);
-    colours.show(row, film, renderer, state);
-    for (const NamedViewpoint& camera : cameras) {
-      renderer.set_viewpoint(camera.from);
-      take(renderer.draw(state), camera, row);
+/// The pictures that were asked for: rows of a recording, each from every camera.
+class AskedPictures {
+ public:
+  AskedPictures(const RecordingReader& reader, const RenderOptions& options)
+      : options_(options),
+        film_(reader, options.recording),
+        settings_(render_settings(film_, options)),
+        cameras_(viewpoints(options, settings_)),
+        renderer_(settings_, film_.bodies(), film_.burr().mesh_tool, film_.burr().head_length_m),
+        colours_(reader, options.recording, film_, colour_by(options), options.contacts, renderer_),
+        rows_(rows_to_draw(film_, options)) {
+    renderer_.set_handpiece(!options.no_handpiece);
+    set_hud(settings_.hud);
+  }
+
+  void write_video() {
+    VideoWriter video(options_.video, settings_.width, settings_.height, options_.fps);
+    draw([&](const Image& image, const NamedViewpoint&, std::size_t) { video.add(image); });
+    video.close();
+    say("%s\n", options_.video.c_str());
+  }
+
+  void write_sheet() {
+    constexpr double kMostPixels = 1 << 28;
+    const std::size_t count = rows_.size() * cameras_.size();
+    if (static_cast<double>(count) * settings_.width * settings_.height > kMostPixels) {
+      throw InputError("", "--sheet", std::to_string(count) + " pictures of this --size",
+                       "268 million pixels at most");
+    }
+    set_hud(false);
+    std::vector<Image> images;
+    draw([&](Image image, const NamedViewpoint&, std::size_t) {
+      images.push_back(std::move(image));
+    });
+    // A row to each time where there are several cameras.
+    const auto columns =
+        cameras_.size() > 1 ? cameras_.size() : std::min<std::size_t>(rows_.size(), 4);
+    write_png(sheet_of(images, static_cast<int>(columns)), options_.sheet);
+    say("%s\n", options_.sheet.c_str());
+  }
+
+  void write_files() {
+    std::string folder = options_.folder;
+    if (folder.empty()) {
+      folder = (std::filesystem::path(options_.recording).parent_path() / "render").string();
+    }
+    make_output_folder("-o", folder);
+    const PictureNames names(film_, options_, settings_);
+    std::size_t drawn = 0;
+    draw([&](const Image& image, const NamedViewpoint& camera, std::size_t row) {
+      const std::string file =
+          write_picture(image, folder, names.of(camera.name, film_.rows()[row]));
+      ++drawn;
+      if (options_.fps <= 0.0) say("%s\n", file.c_str());
+    });
+    if (options_.fps > 0.0) say("%s: %zu pictures\n", folder.c_str(), drawn);
+  }
+
+ private:
+  static ColourBy colour_by(const RenderOptions& options) {
+    return ColourBy(std::ranges::find(kColourByNames, options.colour_by) - kColourByNames.begin());
+  }
+  /// Colours that stand for a quantity mean nothing without their scale, which stays.
+  void set_hud(bool figures) {
+    renderer_.set_hud({.title = settings_.hud, .figures = figures, .arrows = settings_.arrows});
+  }
+  /// Draws them all, and hands on what is drawn: `take(image, camera, row)`.
+  template <class Take>
+  void draw(const Take& take) {
+    Progress progress("drawing");
+    std::size_t drawn = 0;
+    for (const std::size_t row : rows_) {
+      progress.at(drawn++, rows_.size());
+      FrameState state = film_.seek_row(row, renderer_);
+      colours_.show(row, film_, renderer_, state);
+      for (const NamedViewpoint& camera : cameras_) {
+        renderer_.set_viewpoint(camera.from);
+        take(renderer_.draw(state), camera, row);
+      }
     }
   }
-}
+
+  const RenderOptions& options_;
+  RecordedFilm film_;
+  RenderSettings settings_;
+  std::vector<NamedViewpoint> cameras_;
+  Renderer renderer_;
+  FilmColours colours_;
+  std::vector<std::size_t> rows_;
+};
 
 void check(const RenderOptions& options) {
   if (!options.at_s.empty() && options.fps > 0.0) {
@@ -204,16 +284,15 @@ void check(const RenderOptions& options) {
   if (!options.video.empty() && !options.sheet.empty()) {
     throw InputError("", "--video", "both --video and --sheet", "one of them");
   }
-  if (!options.video.empty()) {
-    check_output("--video", options.video, {".mp4", ".mov", ".mkv", ".avi"});
-  }
-  if (!options.sheet.empty()) check_output("--sheet", options.sheet, {".png"});
-  if (!options.review.empty()) check_output("--review", options.review, {".html", ".htm"});
-  if (!options.folder.empty()) check_output_folder("-o", options.folder);
+  check_output("--video", options.video, {".mp4", ".mov", ".mkv", ".avi"});
+  check_output("--sheet", options.sheet, {".png"});
+  check_output("--review", options.review, {".html", ".htm"});
+  check_output_folder("-o", options.folder);
 }
 
 void render(RenderOptions options) {
   check(options);
+  if (!options.video.empty() && options.fps <= 0.0) options.fps = 30.0;
   std::optional<Progress> progress(std::in_place, "reading");
   const RecordingReader reader(options.recording);
   if (!options.review.empty()) {
@@ -223,69 +302,16 @@ void render(RenderOptions options) {
     say("%s\n", options.review.c_str());
     return;
   }
-  RecordedFilm film(reader, options.recording);
+  AskedPictures pictures(reader, options);
   say_what_is_missing(reader);
-  const RenderSettings settings = render_settings(film, options);
-  std::vector<NamedViewpoint> cameras;
-  for (const std::string& text : options.cameras) cameras.push_back(viewpoint_of(text));
-  if (cameras.empty()) {
-    cameras.push_back(
-        {std::string(kCameraNames[static_cast<std::size_t>(settings.camera)]), settings.camera});
-  }
-  Renderer renderer(settings, film.bodies(), film.burr().mesh_tool, film.burr().head_length_m);
-  renderer.set_handpiece(!options.no_handpiece);
-  // Colours that stand for a quantity mean nothing without their scale.
-  renderer.set_hud({settings.hud, settings.hud, settings.arrows, true});
-  const auto by = std::ranges::find(kColourByNames, options.colour_by) - kColourByNames.begin();
-  FilmColours colours(reader, options.recording, film, ColourBy(by), options.contacts, renderer);
-  if (!options.video.empty() && options.fps <= 0.0) options.fps = 30.0;
-  const std::vector<std::size_t> rows = rows_to_draw(film, options);
   progress.reset();
-
   if (!options.video.empty()) {
-    VideoWriter video(options.video, settings.width, settings.height, options.fps);
-    draw_rows(film, colours, renderer, rows, cameras,
-              [&](const Image& image, const NamedViewpoint&, std::size_t) { video.add(image); });
-    video.close();
-    say("%s\n", options.video.c_str());
-    return;
+    pictures.write_video();
+  } else if (!options.sheet.empty()) {
+    pictures.write_sheet();
+  } else {
+    pictures.write_files();
   }
-  if (!options.sheet.empty()) {
-    constexpr double kMostPixels = 1 << 28;
-    const double pixels =
-        static_cast<double>(rows.size() * cameras.size()) * settings.width * settings.height;
-    if (pixels > kMostPixels) {
-      throw InputError("", "--sheet",
-                       std::to_string(rows.size() * cameras.size()) + " pictures of this --size",
-                       "268 million pixels at most");
-    }
-    renderer.set_hud({settings.hud, false, settings.arrows, true});
-    std::vector<Image> images;
-    draw_rows(film, colours, renderer, rows, cameras,
-              [&](Image image, const NamedViewpoint&, std::size_t) {
-                images.push_back(std::move(image));
-              });
-    // A row to each time where there are several cameras.
-    const auto columns =
-        cameras.size() > 1 ? cameras.size() : std::min<std::size_t>(rows.size(), 4);
-    write_png(sheet_of(images, static_cast<int>(columns)), options.sheet);
-    say("%s\n", options.sheet.c_str());
-    return;
-  }
-  if (options.folder.empty()) {
-    options.folder = (std::filesystem::path(options.recording).parent_path() / "render").string();
-  }
-  make_output_folder("-o", options.folder);
-  const PictureNames names(film, options, settings);
-  std::size_t drawn = 0;
-  draw_rows(film, colours, renderer, rows, cameras,
-            [&](const Image& image, const NamedViewpoint& camera, std::size_t row) {
-              const std::string file =
-                  write_picture(image, options.folder, names.of(camera.name, film.rows()[row]));
-              ++drawn;
-              if (options.fps <= 0.0) say("%s\n", file.c_str());
-            });
-  if (options.fps > 0.0) say("%s: %zu pictures\n", options.folder.c_str(), drawn);
 }
 
 }  // namespace
@@ -294,33 +320,26 @@ void add_render_command(CLI::App& program) {
   auto options = std::make_shared<RenderOptions>();
   CLI::App* command = program.add_subcommand("render", "Draw pictures or a video of a recording");
   add_recording_argument(*command, options->recording);
-  command->add_option("-o", options->folder, "Folder for the pictures (render/ beside it)")
-      ->type_name("DIR");
-  command->add_option("--at", options->at_s, "Time to draw, s; repeatable (the end)")
-      ->type_name("S")
+  add_option(*command, "-o", options->folder, "DIR", "Folder for the pictures (render/ beside it)");
+  add_option(*command, "--at", options->at_s, "S", "Time to draw, s; repeatable (the end)")
       ->expected(1)
       ->take_all();
-  command->add_option("--fps", options->fps, "Draw the whole run, this many pictures a second")
-      ->type_name("N")
+  add_option(*command, "--fps", options->fps, "N",
+             "Draw the whole run, this many pictures a second")
       ->check(CLI::Range(0.01, 1000.0));
-  command->add_option("--size", options->size, "Pixels (as the scene says)")->type_name("WxH");
-  command
-      ->add_option("--camera", options->cameras,
-                   "review, occlusal, buccal, mesial, burr (which follows it), or\n"
-                   "AZIMUTH,ELEVATION[,ZOOM] in degrees from mesial to lingual and up; repeatable")
-      ->type_name("CAMERA")
+  add_option(*command, "--size", options->size, "WxH", "Pixels (as the scene says)");
+  add_option(*command, "--camera", options->cameras, "CAMERA",
+             "review, occlusal, buccal, mesial, burr (which follows it), or\n"
+             "AZIMUTH,ELEVATION[,ZOOM] in degrees from mesial to lingual and up; repeatable")
       ->expected(1)
       ->take_all();
-  command->add_option("--section", options->section, "Cut open across an axis, such as y=0 (mm)")
-      ->type_name("AXIS=MM");
-  command
-      ->add_option(
-          "--colour-by", options->colour_by,
-          "tissue; time: when it was cut; goal: how far it is from the wall of the\n"
-          "scene's [goal]; contacts: in how many ticks it was touched (the run is computed\n"
-          "again); normal_error: how far the normals that are felt are off those of the\n"
-          "exact method (slow: found anew for each time)")
-      ->type_name("WHAT")
+  add_option(*command, "--section", options->section, "AXIS=MM",
+             "Cut open across an axis, such as y=0 (mm)");
+  add_option(*command, "--colour-by", options->colour_by, "WHAT",
+             "tissue; time: when it was cut; goal: how far it is from the wall of the\n"
+             "scene's [goal]; contacts: in how many ticks it was touched (the run is computed\n"
+             "again); normal_error: how far the normals that are felt are off those of the\n"
+             "exact method (slow: found anew for each time)")
       ->check(
           CLI::IsMember(std::vector<std::string>(kColourByNames.begin(), kColourByNames.end())));
   command->add_flag("--arrows", options->arrows, "Show force and torque at the burr");
@@ -328,18 +347,12 @@ void add_render_command(CLI::App& program) {
                     "Show the voxels in contact, by their force (some ticks are computed again)");
   command->add_flag("--no-hud", options->no_hud, "No figures; a scale of colours stays");
   command->add_flag("--no-handpiece", options->no_handpiece, "The burr alone, without a handpiece");
-  command
-      ->add_option("--video", options->video,
-                   "Write a video, .mp4, .mov, .mkv or .avi (30 pictures a second)")
-      ->type_name("FILE");
-  command
-      ->add_option("--sheet", options->sheet,
-                   "Write all into one picture, .png: times down, cameras across")
-      ->type_name("FILE");
-  command
-      ->add_option("--review", options->review,
-                   "Write a page on the run, .html, that needs nothing beside it")
-      ->type_name("FILE");
+  add_option(*command, "--video", options->video, "FILE",
+             "Write a video, .mp4, .mov, .mkv or .avi (30 pictures a second)");
+  add_option(*command, "--sheet", options->sheet, "FILE",
+             "Write all into one picture, .png: times down, cameras across");
+  add_option(*command, "--review", options->review, "FILE",
+             "Write a page on the run, .html, that needs nothing beside it");
   command->callback([options] { render(*options); });
 }
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "app/commands/common_options.hpp"
-#include "app/commands/output_file.hpp"
+#include "app/report/output_file.hpp"
 #include "app/terminal/progress.hpp"
 #include "app/terminal/terminal.hpp"
 #include "engine/core/error.hpp"
@@ -108,7 +108,7 @@ void add_repair_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "repair", "Write a clean copy of a recording that was not closed or is damaged");
   add_recording_argument(*command, *recording);
-  command->add_option("-o", *file, "New file, .h5")->required()->type_name("FILE");
+  add_option(*command, "-o", *file, "FILE", "New file, .h5")->required();
   command->callback([recording, file] { repair(*recording, *file); });
 }
 

@@ -4,19 +4,19 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <spdlog/spdlog.h>
 
 #include "app/commands/common_options.hpp"
-#include "app/commands/output_file.hpp"
-#include "app/commands/thread_limit.hpp"
 #include "app/playback/continued_run.hpp"
 #include "app/playback/recorded_state.hpp"
 #include "app/playback/verify_recording.hpp"
+#include "app/report/log_file.hpp"
+#include "app/report/output_file.hpp"
 #include "app/report/results.hpp"
 #include "app/report/run_key.hpp"
-#include "app/session/changed_burr.hpp"
 #include "app/terminal/progress.hpp"
 #include "app/terminal/terminal.hpp"
 #include "engine/core/error.hpp"
@@ -41,9 +41,9 @@ void verify(RecordedRun& run, std::size_t first_row) {
       "volume %s\n",
       run.path.c_str(), verified.rows, verified.edits, verified.state_hashes,
       hex(run.simulation->workpiece().hash()).c_str());
-  if (verified.passed_over > 0) {
+  if (verified.skipped > 0) {
     say("%s: %zu ticks after rows that were not recorded could not be compared\n", run.path.c_str(),
-        verified.passed_over);
+        verified.skipped);
   }
   if (run.reader.damage().empty() && verified.damaged_states == 0) return;
   const std::string why =
@@ -52,9 +52,8 @@ void verify(RecordedRun& run, std::size_t first_row) {
                            std::to_string(run.reader.tick_rows()) + " ticks: " + why);
 }
 
-/// Makes a run go on after a row. Returns what the new recording names as its parent.
-std::string go_on_after(RecordedRun& run, std::size_t row,
-                        const std::vector<std::string>& overrides) {
+/// Refuses a row after which no tick was recorded.
+void check_goes_on(const RecordedRun& run, std::size_t row) {
   const std::vector<TickRecord>& rows = run.rows;
   if (row + 1 == rows.size()) {
     throw InputError(run.path, "--from", "the end of the recording",
@@ -64,8 +63,6 @@ std::string go_on_after(RecordedRun& run, std::size_t row,
     throw InputError(run.path, "--from", "a time before ticks that were not recorded",
                      "one from " + std::to_string(rows[row + 1].time_s) + " s on, or earlier");
   }
-  run.simulation = simulation_after(run, row, overrides, changed_burr(run, overrides));
-  return parent_of(run, row);
 }
 
 /// Rows from `first` that follow on one another.
@@ -77,7 +74,7 @@ std::size_t rows_in_line(const RecordedRun& run, std::size_t first) {
 
 void replay(const ReplayOptions& options) {
   const ThreadLimit limit(options.threads);
-  if (!options.folder.empty()) check_output_folder("-o", options.folder);
+  check_output_folder("-o", options.folder);
   std::optional<Progress> reading(std::in_place, "reading");
   RecordedRun run = open_recorded_run(options.recording);
   reading.reset();
@@ -105,14 +102,17 @@ void replay(const ReplayOptions& options) {
   std::size_t first = 0;
   if (options.from_s) {
     const Progress going_there("going to the time");
-    session.earlier = earlier_of(run, row);
-    session.parent = go_on_after(run, row, options.overrides);
+    check_goes_on(run, row);
+    ContinuedRun continued = continue_run(run, row, options.overrides);
+    run.simulation = std::move(continued.simulation);
+    session.earlier = std::move(continued.earlier);
+    session.parent = std::move(continued.parent);
     first = row + 1;
   } else {
     session.earlier = run.earlier;
     session.parent = run.reader.header().parent;
     session.played_back = run.taken_answers;
-    place.key = key_of_replay(run);
+    place.key = key_of_recording(run.reader, RecordingUse::kReplay);
   }
   session.ticks = rows_in_line(run, first);
   ResultsFolder folder(place);
@@ -137,17 +137,13 @@ void add_replay_command(CLI::App& program) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* command = program.add_subcommand("replay", "Run a recording again, tick by tick");
   add_recording_argument(*command, options->recording);
-  CLI::Option* const folder =
-      command->add_option("-o", options->folder, "Folder for the results (out/<recording>_replay)")
-          ->type_name("DIR");
-  CLI::Option* const force = add_force_option(*command, options->force);
+  const auto [folder, force] =
+      add_folder_options(*command, options->folder, options->force, "out/<recording>_replay");
   CLI::Option* const verify = command->add_flag(
       "--verify", options->verify, "Only compare every tick's forces and the volume, bit for bit");
-  command
-      ->add_option("--from", options->from_s,
-                   "Go on from this time of the recording, s; what "
-                   "comes is a recording of its own")
-      ->type_name("S");
+  add_option(*command, "--from", options->from_s, "S",
+             "Go on from this time of the recording, s; what "
+             "comes is a recording of its own");
   CLI::Option* const set =
       add_set_option(*command, options->overrides, "Change a key of the scene from there on");
   CLI::Option* const pace = add_pace_option(*command, options->pace);

@@ -6,15 +6,15 @@
 #include <spdlog/spdlog.h>
 
 #include "app/commands/common_options.hpp"
-#include "app/commands/output_file.hpp"
-#include "app/commands/shipped_scene.hpp"
-#include "app/commands/thread_limit.hpp"
+#include "app/commands/shipped_files.hpp"
+#include "app/playback/scene_trajectory.hpp"
+#include "app/report/log_file.hpp"
+#include "app/report/output_file.hpp"
 #include "app/report/results.hpp"
 #include "app/report/run_key.hpp"
 #include "app/session/loaded_run.hpp"
 #include "app/session/plugin_device.hpp"
 #include "app/session/plugin_library.hpp"
-#include "app/session/scene_trajectory.hpp"
 #include "app/terminal/progress.hpp"
 #include "engine/cache/load_cache.hpp"
 #include "engine/core/error.hpp"
@@ -62,7 +62,7 @@ void end_plugin(PluginDevice& device) {
 
 void run(const RunOptions& options) {
   const ThreadLimit limit(options.threads);
-  if (!options.folder.empty()) check_output_folder("-o", options.folder);
+  check_output_folder("-o", options.folder);
   // All input is read before anything is written.
   const InputLimits limits{
       .memory_bytes = static_cast<std::uint64_t>(options.limit_gib * InputLimits::kGibibyte)};
@@ -120,30 +120,21 @@ void run(const RunOptions& options) {
 void add_run_command(CLI::App& program) {
   auto options = std::make_shared<RunOptions>();
   CLI::App* command = program.add_subcommand("run", "Run a scene");
-  command->add_option("SCENE", options->scene, kSceneArgument)->required()->type_name("FILE");
-  command->add_option("-o", options->folder, "Folder for the results (out/<scene>)")
-      ->type_name("DIR");
-  add_force_option(*command, options->force);
+  add_option(*command, "SCENE", options->scene, "FILE", kSceneArgument)->required();
+  add_folder_options(*command, options->folder, options->force, "out/<scene>");
   add_pace_option(*command, options->pace);
-  command
-      ->add_option("--duration", options->duration_s,
-                   "Seconds of the run's time to simulate (all of the trajectory)")
-      ->type_name("S")
+  add_option(*command, "--duration", options->duration_s, "S",
+             "Seconds of the run's time to simulate (all of the trajectory)")
       ->check(CLI::Range(1e-6, 1e6));
   add_set_option(*command, options->overrides, "Change a key of the scene; repeatable");
-  command
-      ->add_option(
-          "--plugins", options->plugins,
-          "Folder in which the scene's device plug-in is looked for first (the installed one)")
-      ->type_name("DIR")
+  add_option(*command, "--plugins", options->plugins, "DIR",
+             "Folder in which the scene's device plug-in is looked for first (the installed one)")
       ->check(CLI::ExistingDirectory);
   command->add_flag("--no-render", options->no_render, "Draw nothing, whatever the scene says");
   command->add_flag("--no-cache", options->no_cache, "Make all anew, and keep nothing of it");
   add_threads_option(*command, options->threads);
-  command
-      ->add_option("--limit-gib", options->limit_gib,
-                   "GiB that the contents of a volume, mesh or pose table may take once read (4)")
-      ->type_name("GIB")
+  add_option(*command, "--limit-gib", options->limit_gib, "GIB",
+             "GiB that the contents of a volume, mesh or pose table may take once read (4)")
       ->check(CLI::Range(1e-3, 1024.0));
   command->callback([options] { run(*options); });
 }

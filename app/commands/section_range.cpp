@@ -1,12 +1,11 @@
 #include "app/commands/section_range.hpp"
 
-#include <array>
 #include <bit>
-#include <cstdio>
 #include <limits>
 
 #include <Eigen/Geometry>
 
+#include "app/terminal/terminal.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
 #include "engine/volume/leaf_bits.hpp"
@@ -70,10 +69,10 @@ void check_section(const Section& section, std::span<const RenderedBody> bodies,
                    const std::string& text) {
   const Extent extent = extent_along(section.axis, bodies);
   if (section.at_m > extent.low_m && section.at_m < extent.high_m) return;
-  std::array<char, 96> range{};
-  std::snprintf(range.data(), range.size(), "%c=%.4g to %.4g, where there is something to cut open",
-                "xyz"[section.axis], extent.low_m / kMillimetre, extent.high_m / kMillimetre);
-  throw InputError("", "--section", "'" + text + "'", range.data());
+  throw InputError(
+      "", "--section", "'" + text + "'",
+      formatted("%c=%.4g to %.4g, where there is something to cut open", "xyz"[section.axis],
+                extent.low_m / kMillimetre, extent.high_m / kMillimetre));
 }
 
 }  // namespace sulcus

@@ -1,11 +1,18 @@
 #include "app/commands/video_writer.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <iterator>
+#include <sstream>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include <fcntl.h>
 #include <unistd.h>
+
+#include "app/terminal/terminal.hpp"
 
 namespace sulcus {
 
@@ -13,41 +20,18 @@ VideoWriter::VideoWriter(const std::string& file, int width, int height, double 
     : video_(file), said_(std::tmpfile(), std::fclose), pictures_(nullptr, std::fclose) {
   std::array<int, 2> ends{};
   if (!said_ || ::pipe2(ends.data(), O_CLOEXEC) != 0) {
-    throw std::runtime_error(file + ": no room for what ffmpeg is told");
+    throw std::runtime_error(file + ": no room for what ffmpeg reads and writes");
   }
-  const std::string size = std::to_string(width) + "x" + std::to_string(height);
-  char rate[32];
-  std::snprintf(rate, sizeof rate, "%.6g", fps);
+  std::istringstream words(
+      "ffmpeg -v error -xerror -y -f rawvideo -pix_fmt rgb24 -i - -vf "
+      "pad=ceil(iw/2)*2:ceil(ih/2)*2 "
+      "-c:v libx264 -preset fast -crf 18 -pix_fmt yuv420p -movflags +faststart");
+  std::vector<std::string> command{std::istream_iterator<std::string>(words), {}};
+  const auto input = std::ranges::find(command, "-i");
+  command.insert(input, {"-s", formatted("%dx%d", width, height), "-r", formatted("%.6g", fps)});
   // "file:", since ffmpeg takes what comes before a colon in a name for a protocol, and a dash
   // ahead of it for an option.
-  const std::vector<std::string> command{"ffmpeg",
-                                         "-v",
-                                         "error",
-                                         "-xerror",
-                                         "-y",
-                                         "-f",
-                                         "rawvideo",
-                                         "-pix_fmt",
-                                         "rgb24",
-                                         "-s",
-                                         size,
-                                         "-r",
-                                         rate,
-                                         "-i",
-                                         "-",
-                                         "-vf",
-                                         "pad=ceil(iw/2)*2:ceil(ih/2)*2",
-                                         "-c:v",
-                                         "libx264",
-                                         "-preset",
-                                         "fast",
-                                         "-crf",
-                                         "18",
-                                         "-pix_fmt",
-                                         "yuv420p",
-                                         "-movflags",
-                                         "+faststart",
-                                         "file:" + video_.beside()};
+  command.push_back("file:" + video_.beside());
   pictures_.reset(::fdopen(ends[1], "wb"));
   try {
     ffmpeg_.emplace(command, ChildProcess::Files{ends[0], -1, fileno(said_.get())});

@@ -23,9 +23,6 @@ BurrFacts burr_facts(const Burr& burr, const BurrSettings& settings);
 /// file. Errors as load_burr; std::runtime_error where gnuplot cannot.
 void show_burr(const Scene& scene, const std::string& picture_png);
 
-/// Size, field and error, on lines of their own.
-void print_burr(const Burr& burr, const BurrFacts& facts, const BurrSettings& settings);
-
 /// A name for the picture and the first line: "round, 1.4 mm".
 std::string burr_title(const BurrSettings& settings, const BurrFacts& facts);
 

@@ -20,12 +20,12 @@ constexpr double kTop = 70.0, kBottom = 60.0;
 constexpr const char* kCuttingColour = "#000000";
 constexpr const char* kShankColour = "#6a3d9a";
 
-/// A window in the plane through the axis, millimetres.
-struct Window {
+/// A rectangle of the plane through the axis, millimetres.
+struct PlaneWindow {
   double left, bottom, width, height;
 };
 
-PlaneValues plane_of(const Burr& burr, const Window& window, double step_mm) {
+PlaneValues plane_of(const Burr& burr, const PlaneWindow& window, double step_mm) {
   PlaneValues plane;
   plane.columns = std::max(2, static_cast<int>(std::lround(window.width / step_mm)));
   plane.rows = std::max(2, static_cast<int>(std::lround(window.height / step_mm)));
@@ -65,22 +65,26 @@ void put_outline(std::FILE* gnuplot, const TriangleMesh& mesh) {
   std::fputs("0 -1000\n0 -1000\nEOD\n", gnuplot);  // so that it is never empty
 }
 
-void put_window(std::FILE* gnuplot, const Burr& burr, const Window& window, const PlotFrame& frame,
-                double step_mm, bool lines) {
+/// Lines on the field: of its zero alone, or every 0.1 mm too.
+enum class Lines : std::uint8_t { kSurface, kEqualDistance };
+
+void put_window(std::FILE* gnuplot, const Burr& burr, const PlaneWindow& window,
+                const PlotFrame& frame, double step_mm, Lines lines) {
   const PlaneValues plane = plane_of(burr, window, step_mm);
   put_frame(gnuplot, frame, kBurrWidth, kBurrHeight);
   const double head = burr.head_length_m / kMillimetre;
   std::fprintf(
       gnuplot, "set xrange [%.8g:%.8g]\nset yrange [%.8g:%.8g]\nplot '-' using 1:2:3 with image",
       window.left, window.left + window.width, window.bottom, window.bottom + window.height);
-  if (lines) std::fputs(", '-' with lines lw 0.7 lc rgb '#8a8a8a'", gnuplot);
+  if (lines == Lines::kEqualDistance)
+    std::fputs(", '-' with lines lw 0.7 lc rgb '#8a8a8a'", gnuplot);
   std::fprintf(gnuplot,
                ", '-' using ($2 <= %.6g ? $1 : NaN):2 with lines lw 4 lc rgb '%s'"
                ", '-' using ($2 > %.6g ? $1 : NaN):2 with lines lw 4 lc rgb '%s'"
                ", $outline using 1:2 with lines lw 1 lc rgb '#ffffff'\n",
                head, kCuttingColour, head, kShankColour);
   put_values(gnuplot, plane);
-  if (lines) {
+  if (lines == Lines::kEqualDistance) {
     constexpr double kStep_mm = 0.1;
     std::vector<double> steps;
     for (int i = -10; i <= 10; ++i) {
@@ -105,12 +109,13 @@ bool draw_burr(const Burr& burr, const BurrFacts& facts, const BurrSettings& set
   const double diameter = facts.diameter_m / kMillimetre;
   const double head = burr.head_length_m / kMillimetre;
 
-  const Window all{low_mm.x(), low_mm.y(), box_mm.x(), box_mm.y()};
+  const PlaneWindow all{low_mm.x(), low_mm.y(), box_mm.x(), box_mm.y()};
   const double all_scale = std::min(high / all.height, 330.0 / all.width);
   const PlotFrame all_frame{70.0, kBottom, all.width * all_scale, all.height * all_scale};
 
   const double room = 0.28 * diameter;
-  const Window close{-0.5 * diameter - 1.6 * room, -room, diameter + 3.2 * room, head + 2.0 * room};
+  const PlaneWindow close{-0.5 * diameter - 1.6 * room, -room, diameter + 3.2 * room,
+                          head + 2.0 * room};
   const double left = all_frame.left + all_frame.width + 70.0;
   const double scale =
       std::min((kBurrWidth - left - 130.0) / close.width, (high - 50.0) / close.height);
@@ -127,7 +132,7 @@ bool draw_burr(const Burr& burr, const BurrFacts& facts, const BurrSettings& set
                  for_gnuplot(burr_title(settings, facts)).c_str(), -radius, radius);
     put_outline(gnuplot, burr.mesh_tool);
     put_scale_bar(gnuplot, 1, all_frame, all.width * 2.0, all_scale, kBurrWidth, kBurrHeight);
-    put_window(gnuplot, burr, all, all_frame, all.height / 700.0, false);
+    put_window(gnuplot, burr, all, all_frame, all.height / 700.0, Lines::kSurface);
 
     put_scale_bar(gnuplot, 1, frame, close.width, scale, kBurrWidth, kBurrHeight);
     std::fprintf(gnuplot,
@@ -160,7 +165,8 @@ bool draw_burr(const Burr& burr, const BurrFacts& facts, const BurrSettings& set
                  "set cbtics textcolor rgb '#444444'\n",
                  (frame.left + frame.width + 20.0) / kBurrWidth, frame.bottom / kBurrHeight,
                  16.0 / kBurrWidth, std::min(frame.height, 500.0) / kBurrHeight);
-    put_window(gnuplot, burr, close, frame, std::max(close.width, close.height) / 420.0, true);
+    put_window(gnuplot, burr, close, frame, std::max(close.width, close.height) / 420.0,
+               Lines::kEqualDistance);
     std::fputs("unset multiplot\n", gnuplot);
   });
 }

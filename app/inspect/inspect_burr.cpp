@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <stdexcept>
 
@@ -70,11 +69,12 @@ std::string burr_title(const BurrSettings& settings, const BurrFacts& facts) {
   if (settings.shape != BurrShape::kFile) {
     name = find_scene_key("burr", "shape")->words[static_cast<std::size_t>(settings.shape)];
   }
-  char text[64];
-  std::snprintf(text, sizeof text, ", %.3g mm", facts.diameter_m / kMillimetre);
-  return name + text;
+  return name + formatted(", %.3g mm", facts.diameter_m / kMillimetre);
 }
 
+namespace {
+
+/// Size, field and error, on lines of their own.
 void print_burr(const Burr& burr, const BurrFacts& facts, const BurrSettings& settings) {
   const DistanceField& field = burr.field;
   const Eigen::Vector3i& n = field.samples();
@@ -86,6 +86,8 @@ void print_burr(const Burr& burr, const BurrFacts& facts, const BurrSettings& se
   say("field's error    %.3g um at most, %s\n", facts.field_error_m * 1e6,
       settings.shape == BurrShape::kFile ? "at the mesh's vertices" : "near the surface");
 }
+
+}  // namespace
 
 void show_burr(const Scene& scene, const std::string& picture_png) {
   LoadCache cache = LoadCache::of_user();

@@ -2,7 +2,7 @@
 
 #include "app/inspect/burr_facts.hpp"
 #include "app/inspect/inspect.hpp"
-#include "app/session/scene_trajectory.hpp"
+#include "app/playback/scene_trajectory.hpp"
 #include "app/terminal/terminal.hpp"
 #include "engine/core/units.hpp"
 #include "engine/scene/scene_file.hpp"

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <stdexcept>
 
@@ -8,7 +7,6 @@
 
 #include "app/inspect/inspect.hpp"
 #include "app/inspect/volume_facts.hpp"
-#include "app/inspect/volume_picture.hpp"
 #include "app/terminal/terminal.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
@@ -43,9 +41,7 @@ void print_place(const MedicalVolume& volume) {
 /// " (12.3 mm3)", or nothing where the file does not say how large a voxel is.
 std::string volume_text(const MedicalVolume& volume, double voxels) {
   if (!volume.spacing_known) return {};
-  char text[64];
-  std::snprintf(text, sizeof text, " (%.3f mm3)", voxels * voxel_volume_mm3(volume));
-  return text;
+  return formatted(" (%.3f mm3)", voxels * voxel_volume_mm3(volume));
 }
 
 /// A dozen rows, each a bar by the root of its count, so that little tissue is seen beside much
@@ -147,7 +143,9 @@ void inspect_volume(const std::string& file, const std::optional<Eigen::Vector3d
     if (volume.spacing_known) {
       const Eigen::Vector3d size = facts.solid->box_file_m.sizes() / kMillimetre;
       say(", %.4g x %.4g x %.4g mm\n", size.x(), size.y(), size.z());
-      say("to cut it        %s\n", cutting_command(volume, facts, spacing_m.has_value()).c_str());
+      say("to cut it        %s\n",
+          cutting_command(volume, facts, spacing_m ? SpacingFrom::kUser : SpacingFrom::kFile)
+              .c_str());
     } else {
       say("\n");
       say("to cut it        say how large its voxels are: --spacing-mm X Y Z\n");

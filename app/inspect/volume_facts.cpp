@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include <Eigen/LU>
 
+#include "app/terminal/terminal.hpp"
 #include "engine/core/units.hpp"
 #include "engine/core/user_text.hpp"
 #include "engine/import/meshes/solid_components.hpp"
@@ -69,9 +69,7 @@ std::string tissues_of(const std::vector<LabelCount>& labels) {
 }  // namespace
 
 std::string short_number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.5g", std::abs(value) < 1e-9 ? 0.0 : value);
-  return text;
+  return formatted("%.5g", std::abs(value) < 1e-9 ? 0.0 : value);
 }
 
 double voxel_volume_mm3(const MedicalVolume& volume) {
@@ -101,7 +99,7 @@ VolumeFacts volume_facts(const MedicalVolume& volume) {
 }
 
 std::string cutting_command(const MedicalVolume& volume, const VolumeFacts& facts,
-                            bool spacing_told) {
+                            SpacingFrom spacing) {
   if (!facts.solid) return {};
   const Eigen::AlignedBox3d& box = facts.solid->box_file_m;
   const Eigen::Vector3d size_mm = box.sizes() / kMillimetre;
@@ -119,7 +117,7 @@ std::string cutting_command(const MedicalVolume& volume, const VolumeFacts& fact
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
 
   std::vector<std::string> settings{string_override("workpiece.file", volume.file)};
-  if (spacing_told) {
+  if (spacing == SpacingFrom::kUser) {
     settings.push_back("workpiece.spacing_mm=" + triple(volume.spacing_m / kMillimetre));
   }
   if (facts.solid_above) {

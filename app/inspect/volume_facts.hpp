@@ -40,11 +40,19 @@ double voxel_volume_mm3(const MedicalVolume& volume);
 /// Parallel nowhere; a volume of 512^3 takes seconds.
 VolumeFacts volume_facts(const MedicalVolume& volume);
 
+enum class SpacingFrom : std::uint8_t { kFile, kUser };
+
 /// The command that cuts it, to be given to a shell as it is: the shipped scene for a volume, a
 /// tissue for each value of a label map, a grid that just holds the solid, and a way for the burr,
-/// down on its highest place. `spacing_told`: it is not the file's, and has to be told again.
+/// down on its highest place. `spacing`: where it is not the file's, it has to be given again.
 std::string cutting_command(const MedicalVolume& volume, const VolumeFacts& facts,
-                            bool spacing_told);
+                            SpacingFrom spacing);
+
+/// Draws three sections through the middle of the solid (of the volume, where there is none) in
+/// true proportion and at one scale, with the outline at the threshold, and the histogram of grey
+/// values with the thresholds marked. False where gnuplot cannot.
+bool draw_volume(const MedicalVolume& volume, const VolumeFacts& facts,
+                 const std::string& file_png);
 
 /// A number to five digits, as it is printed and as commands take it.
 std::string short_number(double value);

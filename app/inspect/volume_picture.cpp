@@ -1,5 +1,3 @@
-#include "app/inspect/volume_picture.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <filesystem>
 
 #include "app/inspect/section_plot.hpp"
+#include "app/inspect/volume_facts.hpp"
 #include "app/report/gnuplot.hpp"
 #include "engine/core/units.hpp"
 #include "engine/core/user_text.hpp"

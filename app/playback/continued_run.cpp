@@ -5,8 +5,10 @@
 #include <stdexcept>
 
 #include "app/playback/recorded_state.hpp"
+#include "engine/cache/load_cache.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/realtime.hpp"
+#include "engine/import/load_burr.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/volume/packed_model.hpp"
 #include "haptics/saved_state.hpp"
@@ -15,7 +17,7 @@ namespace sulcus {
 
 namespace {
 
-/// What makes the bodies and the tool is in the recording, and the tool's way is played back.
+/// The recording holds the bodies, and the poses of the tool are played back.
 void check_overrides(const std::vector<std::string>& overrides) {
   for (const std::string& text : overrides) {
     const std::string key = text.substr(0, text.find('='));
@@ -32,40 +34,12 @@ void check_overrides(const std::vector<std::string>& overrides) {
 /// what is gone.
 VoxelModel as_recorded(const Workpiece& body) { return unpack(pack(body.model())); }
 
-}  // namespace
-
-bool asks_for_a_burr(const std::string& override_text) {
-  const std::string key = override_text.substr(0, override_text.find('='));
-  return (key == "burr" || key.starts_with("burr.")) && key != "burr.speed_rpm" &&
-         key != "burr.tangential_ratio";
-}
-
-std::unique_ptr<Simulation> simulation_after(RecordedRun& run, std::size_t row,
-                                             const std::vector<std::string>& overrides,
-                                             std::optional<Burr> burr) {
-  check_overrides(overrides);
-  if (burr.has_value() != std::ranges::any_of(overrides, asks_for_a_burr)) {
-    throw std::logic_error("a burr is another one where it was asked for");
-  }
-  RecordedState state(run);
-  state.seek_row(row);
-  const Simulation& then = state.simulation();
-  std::vector<VoxelModel> bodies;
-  for (const Neighbour& n : then.state().neighbours) bodies.push_back(as_recorded(n.solid));
-  std::vector<std::byte> bytes;
-  save_state(then.state(), bytes);
-  const Scene scene = parse_scene(run.reader.header().scene_toml, run.path, overrides);
-  if (burr) {
-    check_start(scene, then.workpiece().model(), bodies, *burr,
-                pose_of(run.rows[row].tool_position_m, run.rows[row].tool_orientation));
-  } else {
-    burr = recorded_burr(run.reader, scene);
-  }
-  auto simulation = std::make_unique<Simulation>(scene, as_recorded(then.workpiece()),
-                                                 make_neighbours(scene, std::move(bodies)),
-                                                 std::move(*burr), StageClock(steady_ns));
-  if (!simulation->load_state(bytes)) throw std::logic_error("a state that was just saved");
-  return simulation;
+/// The one that the overrides name, or the recorded one.
+Burr burr_of(const RecordedRun& run, const Scene& scene,
+             const std::vector<std::string>& overrides) {
+  if (std::ranges::none_of(overrides, is_other_burr)) return recorded_burr(run.reader, scene);
+  LoadCache cache = LoadCache::of_user();
+  return load_burr(scene, &cache);
 }
 
 std::shared_ptr<const EarlierRun> earlier_of(const RecordedRun& run, std::size_t row) {
@@ -87,9 +61,42 @@ std::shared_ptr<const EarlierRun> earlier_of(const RecordedRun& run, std::size_t
   return earlier;
 }
 
-std::string parent_of(const RecordedRun& run, std::size_t row) {
-  return std::filesystem::path(run.path).filename().string() + ", after tick " +
-         std::to_string(run.rows[row].tick) + ", scene_sha256 " + run.reader.header().scene_sha256;
+}  // namespace
+
+bool is_other_burr(const std::string& override_text) {
+  const std::string key = override_text.substr(0, override_text.find('='));
+  return (key == "burr" || key.starts_with("burr.")) && key != "burr.speed_rpm" &&
+         key != "burr.tangential_ratio";
+}
+
+ContinuedRun continue_run(RecordedRun& run, std::size_t row,
+                          const std::vector<std::string>& overrides) {
+  check_overrides(overrides);
+  const RecordingHeader& header = run.reader.header();
+  ContinuedRun continued;
+  continued.earlier = earlier_of(run, row);
+  continued.parent = std::filesystem::path(run.path).filename().string() + ", after tick " +
+                     std::to_string(run.rows[row].tick) + ", scene_sha256 " + header.scene_sha256;
+  const Scene scene = parse_scene(header.scene_toml, run.path, overrides);
+  Burr burr = burr_of(run, scene, overrides);
+  RecordedState state(run);
+  state.seek_row(row);
+  const Simulation& then = state.simulation();
+  std::vector<VoxelModel> bodies;
+  for (const Neighbour& n : then.state().neighbours) bodies.push_back(as_recorded(n.solid));
+  if (std::ranges::any_of(overrides, is_other_burr)) {
+    check_start(scene, then.workpiece().model(), bodies, burr,
+                pose_of(run.rows[row].tool_position_m, run.rows[row].tool_orientation));
+  }
+  std::vector<std::byte> bytes;
+  save_state(then.state(), bytes);
+  continued.simulation = std::make_unique<Simulation>(scene, as_recorded(then.workpiece()),
+                                                      make_neighbours(scene, std::move(bodies)),
+                                                      std::move(burr), StageClock(steady_ns));
+  if (!continued.simulation->load_state(bytes)) {
+    throw std::logic_error("a state that was just saved");
+  }
+  return continued;
 }
 
 }  // namespace sulcus

@@ -2,32 +2,30 @@
 
 #include <cstddef>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "app/playback/recorded_run.hpp"
 #include "app/session/simulation.hpp"
-#include "engine/tool/burr.hpp"
+#include "engine/recording/earlier_run.hpp"
 
 namespace sulcus {
 
-/// Whether an override (as of --set) is one of another burr than the recorded one.
-bool asks_for_a_burr(const std::string& override_text);
+/// A run that goes on from a recorded one.
+struct ContinuedRun {
+  std::unique_ptr<Simulation> simulation;
+  std::shared_ptr<const EarlierRun> earlier;  // what came before it, from the first tick of all
+  std::string parent;                         // what the new recording names as that
+};
 
-/// A recorded run as it was after a row, to be gone on with under other settings; `overrides` as of
-/// --set. `burr`: another one, where they ask for that; none: the recorded one. InputError where
-/// they would change what the recording holds already, no intact state leads there, or the other
-/// burr's head would be inside the solid. Moves the run's own simulation.
-std::unique_ptr<Simulation> simulation_after(RecordedRun& run, std::size_t row,
-                                             const std::vector<std::string>& overrides,
-                                             std::optional<Burr> burr = {});
+/// A recorded run as it was after a row, to go on under other settings; `overrides` as of --set.
+/// InputError where they would change what the recording holds already, no intact state leads
+/// there, as load_burr where they name another burr, or where its head would be inside the solid.
+/// Moves the run's own simulation.
+ContinuedRun continue_run(RecordedRun& run, std::size_t row,
+                          const std::vector<std::string>& overrides);
 
-/// What came before a run that goes on after a row, from the first tick of all. Before
-/// simulation_after.
-std::shared_ptr<const EarlierRun> earlier_of(const RecordedRun& run, std::size_t row);
-
-/// What the new recording names as its parent.
-std::string parent_of(const RecordedRun& run, std::size_t row);
+/// Whether an override puts another burr in the place of the recorded one.
+bool is_other_burr(const std::string& override_text);
 
 }  // namespace sulcus

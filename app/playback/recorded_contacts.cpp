@@ -25,12 +25,12 @@ void RecordedContacts::seek_row(std::size_t row) {
     if (state_.follows()) {
       look(state_.step_as_recorded());
     } else {
-      pass_gap(row);
+      skip_gap(row);
     }
   }
 }
 
-void RecordedContacts::pass_gap(std::size_t row) {
+void RecordedContacts::skip_gap(std::size_t row) {
   const std::size_t first = state_.next_row();
   std::size_t to = row;
   for (const KeyframeInfo& keyframe : run_.reader.keyframes()) {

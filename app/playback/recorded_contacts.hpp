@@ -20,17 +20,17 @@ class RecordedContacts {
   RecordedContacts(const std::string& path, bool counted);
 
   /// To right after a row, on from the last. InputError as RecordedState::seek_row. Ticks after
-  /// rows that were not recorded are passed over, up to the next state that was.
+  /// rows that were not recorded are skipped, up to the next state that was.
   void seek_row(std::size_t row);
   /// Of a body, at those of its voxels that still stand: the number of ticks in which each took
   /// part in the force. Others have none.
   VoxelValues counts(std::size_t body) const;
-  /// Those that took part in the force of the row, of all bodies; none of one that was passed over.
+  /// Those that took part in the force of the row, of all bodies; none of one that was skipped.
   const std::vector<ContactMark>& marks() const { return marks_; }
   std::size_t body_count() const { return counts_.size(); }
 
  private:
-  void pass_gap(std::size_t row);
+  void skip_gap(std::size_t row);
   void look(const TickRecord& again);
   const Workpiece& solid(std::size_t body) const;
 

@@ -30,7 +30,7 @@ void RecordedFilm::begin_again() {
   next_ = first_piece_ = 0;
 }
 
-FrameState RecordedFilm::tell(std::size_t row, std::span<const Edit> edits) {
+FrameState RecordedFilm::add_rows(std::size_t row, std::span<const Edit> edits) {
   for (; next_ <= row; ++next_) {
     history_->add(rows()[next_], next_ < cutting_.size() ? &cutting_[next_] : nullptr,
                   next_ < port_.size() ? &port_[next_] : nullptr);

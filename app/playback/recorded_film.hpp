@@ -17,7 +17,7 @@
 namespace sulcus {
 
 /// A recording as it is drawn: any time of it, on or back, is brought into a drawing (a Renderer, a
-/// GlScene), and what a frame shows besides the tooth is told.
+/// GlScene), with what a frame shows besides the tooth.
 class RecordedFilm {
  public:
   /// InputError as RecordingReader; also of one without rows.
@@ -58,7 +58,7 @@ class RecordedFilm {
       i = end;
     }
     if (back) begin_again();
-    FrameState state = tell(row, back ? shape_.edits_before(row) : edits);
+    FrameState state = add_rows(row, back ? shape_.edits_before(row) : edits);
     std::size_t piece = 0;
     for (const auto& voxels : pieces_->advance_to_tick(state.tick)) {
       if (first_piece_ + piece++ < pieces_drawn_) continue;
@@ -72,7 +72,7 @@ class RecordedFilm {
 
  private:
   void begin_again();
-  FrameState tell(std::size_t row, std::span<const Edit> edits);
+  FrameState add_rows(std::size_t row, std::span<const Edit> edits);
 
   Scene scene_;
   Burr burr_;
@@ -83,7 +83,7 @@ class RecordedFilm {
   std::vector<CuttingRecord> cutting_;
   std::vector<PortRecord> port_;
   double dt_s_;
-  // What has been told up to the row before `next_`; all of it is told again on the way back.
+  // Up to the row before `next_`; begun again on the way back.
   const FrameHistory first_history_;
   const RecordedPieces first_pieces_;
   std::optional<FrameHistory> history_;

@@ -1,9 +1,7 @@
 #include "app/playback/recorded_run.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <utility>
 
@@ -139,11 +137,8 @@ std::size_t asked_row(std::span<const TickRecord> rows, double time_s, const std
   if (time_s >= first.time_s - kRounding_s && time_s <= end_s + kRounding_s) {
     return row_at(rows, time_s);
   }
-  std::array<char, 32> found{};
-  std::array<char, 64> range{};
-  std::snprintf(found.data(), found.size(), "%g s", time_s);
-  std::snprintf(range.data(), range.size(), "%.6g to %.6g s", first.time_s, end_s);
-  throw InputError(path, option, found.data(), range.data());
+  throw InputError(path, option, formatted("%g s", time_s),
+                   formatted("%.6g to %.6g s", first.time_s, end_s));
 }
 
 RecordedShape::RecordedShape(const RecordingReader& reader, VoxelModel start)

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "app/playback/edit_cursor.hpp"
 #include "app/playback/recorded_run.hpp"
 
 namespace sulcus {

@@ -134,10 +134,10 @@ class Verification {
       }
       state_.seek_row(at);
       check_hash(at);
-      done_.passed_over += at + 1 - row;
+      done_.skipped += at + 1 - row;
       return true;
     }
-    done_.passed_over += run_.rows.size() - row;
+    done_.skipped += run_.rows.size() - row;
     return false;
   }
 

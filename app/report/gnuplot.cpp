@@ -21,7 +21,7 @@ using Stream = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
 /// With the reason that the system has just given in errno.
 [[noreturn]] void refuse_script(const std::string& file_png) {
-  throw std::runtime_error(file_png + ": cannot be written: what gnuplot is told has no room (" +
+  throw std::runtime_error(file_png + ": cannot be written: no room for gnuplot's script (" +
                            std::strerror(errno) + ")");
 }
 

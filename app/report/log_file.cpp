@@ -2,12 +2,18 @@
 
 #include <cerrno>
 #include <cstring>
+#include <memory>
 #include <stdexcept>
 #include <utility>
 
 #include <fcntl.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "app/build_info.hpp"
+#include "app/report/output_file.hpp"
+#include "app/terminal/terminal.hpp"
 #include "engine/core/error.hpp"
 
 namespace sulcus {
@@ -48,6 +54,24 @@ void LogFile::check() {
   const std::lock_guard lock(mutex_);
   if (error_ == 0 && ::fsync(file_) != 0) error_ = errno;
   if (error_ != 0) fail(path_, error_);
+}
+
+void open_log(const std::string& folder) {
+  make_output_folder("-o", folder);
+  auto file = std::make_shared<LogFile>(folder + "/log.txt");
+  file->set_formatter(one_line_formatter("[%Y-%m-%d %H:%M:%S.%e] [%l] %*"));
+  auto terminal = std::make_shared<spdlog::sinks::stderr_sink_mt>();
+  terminal->set_level(spdlog::level::warn);
+  terminal->set_formatter(one_line_formatter("sulcus: %*"));
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("sulcus", spdlog::sinks_init_list{file, terminal}));
+  spdlog::info("{}", build_info());
+}
+
+void check_log() {
+  for (const auto& sink : spdlog::default_logger()->sinks()) {
+    if (const auto file = std::dynamic_pointer_cast<LogFile>(sink)) file->check();
+  }
 }
 
 }  // namespace sulcus

@@ -30,4 +30,11 @@ class LogFile : public spdlog::sinks::base_sink<std::mutex> {
   int error_ = 0;          // of the line that could not be written
 };
 
+/// Starts log.txt in a folder that it makes; messages also go to the terminal. InputError where the
+/// folder cannot be written.
+void open_log(const std::string& folder);
+
+/// Throws where log.txt lacks a line that was logged, as LogFile::check.
+void check_log();
+
 }  // namespace sulcus

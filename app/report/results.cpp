@@ -7,22 +7,48 @@
 #include <memory>
 
 #include <nlohmann/json.hpp>
-#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
-#include "app/build_info.hpp"
-#include "app/commands/output_file.hpp"
-#include "app/report/force_chart.hpp"
+#include "app/report/gnuplot.hpp"
 #include "app/report/log_file.hpp"
 #include "app/report/summary.hpp"
 #include "app/terminal/terminal.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
+#include "engine/core/user_text.hpp"
 #include "engine/core/whole_file.hpp"
 
 namespace sulcus {
 
 namespace {
+
+/// Draws force, torque and contacts over the ticks, as figs. 5 and 6 of [Kim and Park 2019], with
+/// gnuplot. False, and no file, where gnuplot cannot be run.
+bool draw_force_chart(const RunStatistics& statistics, const std::string& title,
+                      const std::string& file_png) {
+  return draw_with_gnuplot(file_png, 1200, 900, [&](std::FILE* gnuplot) {
+    std::fputs("$data << EOD\n", gnuplot);
+    for (const ChartPoint& p : statistics.chart.points()) {
+      std::fprintf(gnuplot, "%llu %g %g %u %g\n", static_cast<unsigned long long>(p.tick),
+                   static_cast<double>(p.force_N), static_cast<double>(p.torque_mNm), p.contacts,
+                   static_cast<double>(p.tick_us));
+    }
+    if (statistics.ticks == 0) std::fputs("0 0 0 0 0\n", gnuplot);
+    std::fprintf(
+        gnuplot,
+        "EOD\n"
+        "set multiplot layout 4,1 title %s\n"
+        "set grid lc rgb '#dddddd'\nset key off\nset lmargin 9\nset yrange [0:*]\n"
+        "set ylabel 'force, N'\nplot $data using 1:2 with lines lw 1 lc rgb '#1f4e9c'\n"
+        "set ylabel 'torque, mN m'\nplot $data using 1:3 with lines lw 1 lc rgb '#1f4e9c'\n"
+        "set ylabel 'voxels in contact'\n"
+        "plot $data using 1:4 with lines lw 1 lc rgb '#555555'\n"
+        "set ylabel 'tick, us'\nset xlabel 'tick'\n"
+        "plot $data using 1:5 with lines lw 1 lc rgb '#b5651d'\n"
+        "unset multiplot\n",
+        for_gnuplot(title).c_str());
+  });
+}
 
 /// How a tick at real pace kept its time.
 void say_lateness(const SessionResult& result) {
@@ -64,26 +90,7 @@ std::string folder_of_recording(const std::string& file, const std::string& suff
   return "out/" + (by_folder ? folder : path.stem()).string() + suffix;
 }
 
-void open_log(const std::string& folder) {
-  make_output_folder("-o", folder);
-  auto file = std::make_shared<LogFile>(folder + "/log.txt");
-  file->set_formatter(one_line_formatter("[%Y-%m-%d %H:%M:%S.%e] [%l] %*"));
-  auto terminal = std::make_shared<spdlog::sinks::stderr_sink_mt>();
-  terminal->set_level(spdlog::level::warn);
-  terminal->set_formatter(one_line_formatter("sulcus: %*"));
-  spdlog::set_default_logger(
-      std::make_shared<spdlog::logger>("sulcus", spdlog::sinks_init_list{file, terminal}));
-  spdlog::info("{}", build_info());
-}
-
 namespace {
-
-/// Whether log.txt has all that was told to it.
-void check_log() {
-  for (const auto& sink : spdlog::default_logger()->sinks()) {
-    if (const auto file = std::dynamic_pointer_cast<LogFile>(sink)) file->check();
-  }
-}
 
 void write_and_tell(ResultsFolder& folder, const Scene& scene, const SessionResult& result,
                     const SessionOptions& options, const nlohmann::ordered_json& summary) {

@@ -8,15 +8,11 @@
 
 namespace sulcus {
 
-/// Where the results of a scene go unless told: out/NAME, by its file.
+/// Where the results of a scene go without -o: out/NAME, by its file.
 std::string folder_of_scene(const std::string& file, const std::string& suffix = "");
 /// The same of a recording: by its file, or by its folder where the file has the name that all
 /// have.
 std::string folder_of_recording(const std::string& file, const std::string& suffix);
-
-/// Starts log.txt in a folder that it makes; messages also go to the terminal. InputError where the
-/// folder cannot be written.
-void open_log(const std::string& folder);
 
 /// Runs a session into a folder: its recording, log and frames, summary.json, which is a copy of
 /// what the recording holds, and forces.png. Says on the terminal what happened and which files

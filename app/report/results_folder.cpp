@@ -15,10 +15,12 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-#include "app/commands/output_file.hpp"
+#include "app/report/output_file.hpp"
 #include "engine/core/error.hpp"
 
 namespace sulcus {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -32,20 +34,19 @@ constexpr std::array kResultNames{"summary.json", "forces.png",        "log.txt"
 }
 
 /// The files of a run's results that lie in a folder; not what a user has put there.
-std::vector<std::filesystem::path> results_in(const std::string& folder) {
-  std::vector<std::filesystem::path> found;
+std::vector<fs::path> results_in(const std::string& folder) {
+  std::vector<fs::path> found;
   std::error_code ignored;
   for (const char* name : kResultNames) {
-    const std::filesystem::path file = std::filesystem::path(folder) / name;
-    if (std::filesystem::is_regular_file(file, ignored)) found.push_back(file);
+    const fs::path file = fs::path(folder) / name;
+    if (fs::is_regular_file(file, ignored)) found.push_back(file);
   }
   static const std::regex frame("[0-9]{6,}\\.png"), tooth("tooth_[0-9]+\\.[0-9]+_s\\.stl");
   // Pictures of its recording (render), which would be another's.
   static const std::regex drawn(".+_[0-9]+\\.[0-9]+s.*\\.png");
   for (const auto& [inner, name] :
        {std::pair{"frames", &frame}, std::pair{"render", &drawn}, std::pair{"", &tooth}}) {
-    for (const auto& entry :
-         std::filesystem::directory_iterator(std::filesystem::path(folder) / inner, ignored)) {
+    for (const auto& entry : fs::directory_iterator(fs::path(folder) / inner, ignored)) {
       if (entry.is_regular_file(ignored) &&
           std::regex_match(entry.path().filename().string(), *name)) {
         found.push_back(entry.path());
@@ -57,13 +58,13 @@ std::vector<std::filesystem::path> results_in(const std::string& folder) {
 
 /// A name that is not taken, beside a folder.
 std::string next_free_name(const std::string& folder) {
-  std::filesystem::path path = std::filesystem::absolute(folder).lexically_normal();
+  fs::path path = fs::absolute(folder).lexically_normal();
   if (path.filename().empty()) path = path.parent_path();  // it ended with a slash
-  const bool told_whole = std::filesystem::path(folder).is_absolute();
+  const bool told_whole = fs::path(folder).is_absolute();
   for (int number = 2;; ++number) {
-    const std::filesystem::path name = path.string() + "-" + std::to_string(number);
-    if (std::filesystem::exists(std::filesystem::symlink_status(name))) continue;
-    return told_whole ? name.string() : std::filesystem::relative(name).string();
+    const fs::path name = path.string() + "-" + std::to_string(number);
+    if (fs::exists(fs::symlink_status(name))) continue;
+    return told_whole ? name.string() : fs::relative(name).string();
   }
 }
 
@@ -132,7 +133,7 @@ bool ResultsFolder::take(const std::string& folder, const ResultsPlace& place) {
   };
   const bool force = given && place.force;
   // What bears no mark is not marked by us either.
-  const bool is_marked = std::filesystem::exists(std::filesystem::path(folder) / kMarkName, error);
+  const bool is_marked = fs::exists(fs::path(folder) / kMarkName, error);
   if (!is_marked && !force && !results_in(folder).empty() && is_anothers()) return false;
   auto mark = std::make_unique<Mark>(folder);
   if (!mark->is_ours()) {
@@ -156,13 +157,13 @@ void ResultsFolder::begin_beside() {
   at_ = path_ + "/" + kUnfinishedName;
   std::error_code error;
   // A run that was killed left it: what is in the folder already goes, what is not is kept.
-  if (std::filesystem::exists(at_, error)) {
+  if (fs::exists(at_, error)) {
     const std::string before = Mark(at_).key();
     const bool is_there_whole = !before.empty() && before == mark_->key();
-    if (is_there_whole || !std::filesystem::exists(at_ + "/recording.h5", error)) {
-      std::filesystem::remove_all(at_, error);
+    if (is_there_whole || !fs::exists(at_ + "/recording.h5", error)) {
+      fs::remove_all(at_, error);
     } else {
-      std::filesystem::rename(at_, next_free_name(path_), error);
+      fs::rename(at_, next_free_name(path_), error);
     }
   }
   if (error) refuse_folder(path_);
@@ -174,34 +175,33 @@ void ResultsFolder::finish(bool whole) {
   if (at_ == path_) return;
   if (!whole) {
     const std::string name = next_free_name(path_);
-    std::filesystem::rename(at_, name);
+    fs::rename(at_, name);
     path_ = at_ = name;
     return;
   }
-  const std::vector<std::filesystem::path> before = results_in(path_);
-  std::vector<std::filesystem::path> now;
-  std::filesystem::remove(std::filesystem::path(at_) / kMarkName);
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(at_)) {
-    const std::filesystem::path to =
-        std::filesystem::path(path_) / entry.path().lexically_relative(at_);
+  const std::vector<fs::path> before = results_in(path_);
+  std::vector<fs::path> now;
+  fs::remove(fs::path(at_) / kMarkName);
+  for (const auto& entry : fs::recursive_directory_iterator(at_)) {
+    const fs::path to = fs::path(path_) / entry.path().lexically_relative(at_);
     if (entry.is_directory()) {
-      std::filesystem::create_directories(to);
+      fs::create_directories(to);
     } else {
       now.push_back(to);
     }
   }
-  for (const std::filesystem::path& to : now) {
-    std::filesystem::rename(std::filesystem::path(at_) / to.lexically_relative(path_), to);
+  for (const fs::path& to : now) {
+    fs::rename(fs::path(at_) / to.lexically_relative(path_), to);
   }
   // Its pictures show the same run, unless it was another.
   const bool same = mark_->key() == key_;
-  for (const std::filesystem::path& file : before) {
+  for (const fs::path& file : before) {
     const bool is_drawn = file.parent_path().filename() == "render";
     if (std::ranges::find(now, file) == now.end() && !(same && is_drawn)) {
-      std::filesystem::remove(file);
+      fs::remove(file);
     }
   }
-  std::filesystem::remove_all(at_);
+  fs::remove_all(at_);
   mark_->set_key(key_);
   at_ = path_;
 }

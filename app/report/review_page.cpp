@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <span>
 #include <sstream>
@@ -15,6 +14,7 @@
 #include "app/playback/recorded_film.hpp"
 #include "app/report/summary.hpp"
 #include "app/session/run_marks.hpp"
+#include "app/terminal/terminal.hpp"
 #include "engine/core/base64.hpp"
 #include "engine/core/units.hpp"
 #include "engine/core/user_text.hpp"
@@ -61,21 +61,17 @@ std::string curve(const std::string& name, const std::string& unit, const char* 
       << "<title>" << for_html(name) << "</title>";
   for (const double part : {0.0, 0.5, 1.0}) {
     const double y = kChartTall - kBottom - part * (kChartTall - kBottom - 8.0);
-    char label[32];
-    std::snprintf(label, sizeof label, "%.3g", part * top);
     svg << "<path class=\"grid\" d=\"M" << kLeft << ' ' << y << "H" << kChartWide
-        << "\"/><text x=\"" << kLeft - 6 << "\" y=\"" << y + 4 << "\" text-anchor=\"end\">" << label
-        << "</text>";
+        << "\"/><text x=\"" << kLeft - 6 << "\" y=\"" << y + 4 << "\" text-anchor=\"end\">"
+        << formatted("%.3g", part * top) << "</text>";
   }
   for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-    char label[32];
-    std::snprintf(label, sizeof label, "%.3g s", part * end_s);
     svg << "<text x=\"" << kLeft + part * (kChartWide - kLeft) << "\" y=\"" << kChartTall - 4
         << "\" text-anchor=\""
         << (part == 0.0   ? "start"
             : part == 1.0 ? "end"
                           : "middle")
-        << "\">" << label << "</text>";
+        << "\">" << formatted("%.3g s", part * end_s) << "</text>";
   }
   svg << "<polyline fill=\"none\" stroke=\"" << colour << "\" points=\"";
   for (std::size_t c = 0; c < columns; ++c) {
@@ -107,12 +103,10 @@ std::string row_of(const std::string& name, const std::string& value) {
 
 /// What came of `ticks` ticks.
 std::string outcome_table(const FrameState& end, std::uint64_t ticks, double rate_hz) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.3f s, %llu ticks", static_cast<double>(ticks) / rate_hz,
-                static_cast<unsigned long long>(ticks));
-  std::string table = "<table>\n" + row_of("Lasted", text);
-  std::snprintf(text, sizeof text, "%.3f mm\xC2\xB3", end.removed_mm3);
-  table += row_of("Removed", text);
+  std::string table = "<table>\n";
+  table += row_of("Lasted", formatted("%.3f s, %ju ticks", static_cast<double>(ticks) / rate_hz,
+                                      std::uintmax_t{ticks}));
+  table += row_of("Removed", formatted("%.3f mm\xC2\xB3", end.removed_mm3));
   for (const OutcomeLine& line : end.outcome) table += row_of(line.name, line.value);
   return table + "</table>\n";
 }
@@ -132,20 +126,20 @@ FrameState end_of_own_part(const RecordingReader& reader, const RecordedFilm& fi
   return end;
 }
 
-/// What summary.json would tell of a run with [cutting], from its rows.
+/// What summary.json would say of a run with [cutting], from its rows.
 nlohmann::ordered_json marks_of_rows(const RecordingReader& reader, const RecordedFilm& film) {
   const Scene& scene = film.scene();
-  nlohmann::ordered_json told = nlohmann::ordered_json::object();
-  if (!scene.cutting) return told;
+  nlohmann::ordered_json figures = nlohmann::ordered_json::object();
+  if (!scene.cutting) return figures;
   const std::optional<VoxelModel> goal = reader.goal();
   RunMarks marks =
       std::move(begin_marks(scene, film.start(), goal ? &*goal : nullptr, film.earlier()).front());
   for (const Edit& edit : film.edits_before(film.rows().size() - 1)) marks.preparation.add(edit);
   for (const TickRecord& row : film.rows()) marks.measures.add(row, nullptr);
   const OutcomeResult outcome = end_marks(marks, film.model());
-  told["outcome"] = outcome_json(scene, outcome);
-  if (outcome.goal) told["goal"] = goal_json(scene, *outcome.goal);
-  return told;
+  figures["outcome"] = outcome_json(scene, outcome);
+  if (outcome.goal) figures["goal"] = goal_json(scene, *outcome.goal);
+  return figures;
 }
 
 /// What came of it: of the whole, of its own part where that is less, and all figures. The film is
@@ -157,8 +151,7 @@ std::string outcome_section(const RecordingReader& reader, const RecordedFilm& f
   const std::string& parent = reader.header().parent;
   std::ostringstream html;
   if (const EarlierRun* earlier = film.earlier()) {
-    char from[48];
-    std::snprintf(from, sizeof from, "%.3f s", film.rows().front().time_s);
+    const std::string from = formatted("%.3f s", film.rows().front().time_s);
     html << "<p>Goes on from " << for_html(earlier->recording) << " at " << from << " ("
          << for_html(parent) << "). This is of the whole, from the first tooth on:</p>\n"
          << outcome_table(end, earlier->measures.ticks + own, rate_hz)
@@ -215,108 +208,134 @@ td{font-variant-numeric:tabular-nums}details{margin-top:10px}
 </style>
 )";
 
+constexpr std::array<Camera, 4> kSides{Camera::kOcclusal, Camera::kReview, Camera::kBuccal,
+                                       Camera::kMesial};
+constexpr HudParts kNoHud{.title = false, .figures = false, .arrows = false};
+
+/// The tooth after a row, from each side. Returns what it shows.
+FrameState draw_sides(RecordedFilm& film, std::size_t row, const char* when, Renderer& renderer,
+                      std::array<std::string, kSides.size()>& sides) {
+  FrameState state = film.seek_row(row, renderer);
+  state.burr_shown = false;
+  for (std::size_t side = 0; side < kSides.size(); ++side) {
+    renderer.set_viewpoint(kSides[side]);
+    const std::string name(kCameraNames[static_cast<std::size_t>(kSides[side])]);
+    sides[side] = picture(renderer.draw(state), name + ", " + when);
+  }
+  return state;
+}
+
+/// Beside the burr, cut open at it, at equal steps of the way.
+std::string draw_way(RecordedFilm& film, Renderer& renderer) {
+  const std::vector<TickRecord>& rows = film.rows();
+  Viewpoint beside(-80.0, 20.0);
+  beside.follows_burr = true;
+  beside.zoom = 0.5;
+  renderer.set_viewpoint(beside);
+  renderer.set_size(kStripWide, kStripTall);
+  renderer.set_hud({.title = false, .figures = false, .arrows = true});
+  std::string strip;
+  for (std::size_t n = 1; n <= kStrip; ++n) {
+    const std::size_t row = (rows.size() - 1) * n / (kStrip + 1);
+    const FrameState state = film.seek_row(row, renderer);
+    renderer.set_section(Section{1, state.world_from_tool.position.y()});
+    strip += picture(renderer.draw(state), formatted("%.2f s, %.2f N", rows[row].time_s,
+                                                     norm(rows[row].contact_force_N)));
+  }
+  renderer.set_section({});
+  renderer.set_size(kWide, kTall);
+  renderer.set_hud(kNoHud);
+  return strip;
+}
+
+struct Pictures {
+  std::array<std::string, kSides.size()> before, after;
+  std::string way;
+  std::string cut_open;  // empty where nothing was cut
+  FrameState end;
+};
+
+/// Brings the film to its end.
+Pictures draw_pictures(RecordedFilm& film, const RenderSettings& settings) {
+  const std::size_t last = film.rows().size() - 1;
+  Renderer renderer(settings, film.bodies(), film.burr().mesh_tool, film.burr().head_length_m);
+  renderer.set_hud(kNoHud);
+  Pictures pictures;
+  draw_sides(film, 0, "before", renderer, pictures.before);
+  pictures.way = draw_way(film, renderer);
+  pictures.end = draw_sides(film, last, "after", renderer, pictures.after);
+  if (const auto section = section_of_cut(film, film.edits_before(last))) {
+    renderer.set_section(section);
+    renderer.set_viewpoint(Viewpoint(-90.0, 15.0));
+    pictures.cut_open =
+        picture(renderer.draw(pictures.end),
+                formatted("cut open at y = %.2f mm, from buccal", section->at_m / kMillimetre));
+  }
+  return pictures;
+}
+
+/// From above, coloured by when it was cut.
+std::string draw_by_time(const RecordingReader& reader, const std::string& recording,
+                         const RenderSettings& settings) {
+  RecordedFilm film(reader, recording);
+  Renderer renderer(settings, film.bodies(), film.burr().mesh_tool, film.burr().head_length_m);
+  renderer.set_hud(kNoHud);
+  renderer.set_viewpoint(Camera::kOcclusal);
+  renderer.colour_by_time(film.rows().back().time_s);
+  FrameState state = film.seek_row(film.rows().size() - 1, renderer);
+  state.burr_shown = false;
+  return picture(renderer.draw(state), "when it was cut: early yellow, late dark");
+}
+
+std::string curves(const RecordedFilm& film) {
+  const std::vector<TickRecord>& rows = film.rows();
+  const double voxel_mm3 = std::pow(film.model().grid.voxel_m / kMillimetre, 3);
+  double removed = 0.0;
+  return curve("Force", "N", "#2062b2", rows,
+               [](const TickRecord& row) { return norm(row.force_N); }) +
+         curve("Torque", "mN m", "#c45e12", rows,
+               [](const TickRecord& row) { return 1e3 * norm(row.torque_Nm); }) +
+         curve("Voxels in contact", "1", "#6b4aa0", rows,
+               [](const TickRecord& row) { return static_cast<double>(row.contacts); }) +
+         curve("Cut", "mm\xC2\xB3", "#8a6d1c", rows,
+               [&](const TickRecord& row) {
+                 removed += static_cast<double>(row.removed) * voxel_mm3;
+                 return removed;
+               }) +
+         curve("Compute time of a tick", "\xC2\xB5s", "#1c8054", rows,
+               [](const TickRecord& row) { return static_cast<double>(row.step_us); });
+}
+
 }  // namespace
 
 void write_review_page(const RecordingReader& reader, const std::string& recording,
                        const std::string& file) {
   RecordedFilm film(reader, recording);
-  const std::vector<TickRecord>& rows = film.rows();
-  const std::size_t last = rows.size() - 1;
-  constexpr std::array<Camera, 4> kSides{Camera::kOcclusal, Camera::kReview, Camera::kBuccal,
-                                         Camera::kMesial};
   RenderSettings settings = film.scene().render.value_or(RenderSettings{});
   settings.width = kWide;
   settings.height = kTall;
   settings.section.reset();
-  std::ostringstream page;
   const std::string title = for_html(film.scene().title);
+  std::ostringstream page;
   page << kHead << "<title>" << title << "</title></head><body>\n<h1>" << title << "</h1>\n<p>"
        << for_html("scene_sha256 " + reader.header().scene_sha256 + ", recorded by " +
                    reader.header().build)
        << "</p>\n";
   if (!reader.missing().empty()) page << "<p>" << for_html(reader.missing()) << "</p>\n";
-  FrameState end;
-  std::optional<Section> section;
-  std::array<std::string, kSides.size()> before, after;
-  std::string strip, cut_open;
-  {
-    Renderer renderer(settings, film.bodies(), film.burr().mesh_tool, film.burr().head_length_m);
-    renderer.set_hud({.title = false, .figures = false, .arrows = false});
-    const auto draw_sides = [&](std::size_t row, const char* when, auto& into) {
-      FrameState state = film.seek_row(row, renderer);
-      state.burr_shown = false;
-      for (std::size_t side = 0; side < kSides.size(); ++side) {
-        renderer.set_viewpoint(kSides[side]);
-        into[side] = picture(
-            renderer.draw(state),
-            std::string(kCameraNames[static_cast<std::size_t>(kSides[side])]) + ", " + when);
-      }
-    };
-    draw_sides(0, "before", before);
-    renderer.set_size(kStripWide, kStripTall);
-    Viewpoint beside(-80.0, 20.0);
-    beside.follows_burr = true;
-    beside.zoom = 0.5;
-    renderer.set_viewpoint(beside);
-    renderer.set_hud({.title = false, .figures = false, .arrows = true});
-    for (std::size_t n = 1; n <= kStrip; ++n) {
-      const std::size_t row = last * n / (kStrip + 1);
-      char words[48];
-      std::snprintf(words, sizeof words, "%.2f s, %.2f N", rows[row].time_s,
-                    norm(rows[row].contact_force_N));
-      const FrameState state = film.seek_row(row, renderer);
-      renderer.set_section(Section{1, state.world_from_tool.position.y()});
-      strip += picture(renderer.draw(state), words);
-    }
-    renderer.set_size(kWide, kTall);
-    renderer.set_section({});
-    renderer.set_hud({.title = false, .figures = false, .arrows = false});
-    draw_sides(last, "after", after);
-    end = film.seek_row(last, renderer);
-    end.burr_shown = false;
-    section = section_of_cut(film, film.edits_before(last));
-    if (section) {
-      renderer.set_section(section);
-      renderer.set_viewpoint(Viewpoint(-90.0, 15.0));
-      char words[64];
-      std::snprintf(words, sizeof words, "cut open at y = %.2f mm, from buccal",
-                    section->at_m / kMillimetre);
-      cut_open = picture(renderer.draw(end), words);
-    }
-  }
-  page << "<h2>Outcome</h2>\n" << outcome_section(reader, film, end);
+  const Pictures pictures = draw_pictures(film, settings);
+  page << "<h2>Outcome</h2>\n" << outcome_section(reader, film, pictures.end);
   page << "<h2>Before and after</h2>\n<div class=\"two\">\n";
-  for (std::size_t side = 0; side < kSides.size(); ++side) page << before[side] << after[side];
+  for (std::size_t side = 0; side < kSides.size(); ++side) {
+    page << pictures.before[side] << pictures.after[side];
+  }
   page << "</div>\n";
-  if (section) {
-    Renderer renderer(settings, film.bodies(), film.burr().mesh_tool, film.burr().head_length_m);
-    renderer.set_hud({.title = false, .figures = false, .arrows = false});
-    renderer.set_viewpoint(Camera::kOcclusal);
-    renderer.colour_by_time(rows.back().time_s);
-    RecordedFilm again(reader, recording);
-    FrameState state = again.seek_row(last, renderer);
-    state.burr_shown = false;
+  if (!pictures.cut_open.empty()) {
     page << "<h2>What was cut</h2>\n<div class=\"two\">\n"
-         << cut_open << picture(renderer.draw(state), "when it was cut: early yellow, late dark")
-         << "</div>\n";
+         << pictures.cut_open << draw_by_time(reader, recording, settings) << "</div>\n";
   }
   page << "<h2>The way there, cut open at the burr</h2>\n<div class=\"four\">\n"
-       << strip << "</div>\n<h2>Curves</h2>\n";
-  const double voxel_mm3 = std::pow(film.model().grid.voxel_m / kMillimetre, 3);
-  double removed = 0.0;
-  page << curve("Force", "N", "#2062b2", rows, [](const TickRecord& row) {
-    return norm(row.force_N);
-  }) << curve("Torque", "mN m", "#c45e12", rows, [](const TickRecord& row) {
-    return 1e3 * norm(row.torque_Nm);
-  }) << curve("Voxels in contact", "1", "#6b4aa0", rows, [](const TickRecord& row) {
-    return static_cast<double>(row.contacts);
-  }) << curve("Cut", "mm\xC2\xB3", "#8a6d1c", rows, [&](const TickRecord& row) {
-    removed += static_cast<double>(row.removed) * voxel_mm3;
-    return removed;
-  }) << curve("Compute time of a tick", "\xC2\xB5s", "#1c8054", rows, [](const TickRecord& row) {
-    return static_cast<double>(row.step_us);
-  });
-  page << "</body></html>\n";
+       << pictures.way << "</div>\n<h2>Curves</h2>\n"
+       << curves(film) << "</body></html>\n";
   write_whole_file(file, page.str());
 }
 

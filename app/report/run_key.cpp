@@ -10,15 +10,6 @@ void add_contents(Hash128Stream& hash, const std::string& file) {
   hash.add(file.empty() ? std::optional<Hash128>() : hash_file(file));
 }
 
-void add_recording(Hash128Stream& hash, const RecordingReader& reader) {
-  const RecordingHeader& header = reader.header();
-  hash.add(header.scene_toml).add(header.workpiece_hash).add(header.parent);
-  constexpr std::size_t kRowsAtOnce = 4096;
-  for (std::size_t first = 0; first < reader.tick_count(); first += kRowsAtOnce) {
-    for (const TickRecord& row : reader.ticks(first, kRowsAtOnce)) hash.add(row.check);
-  }
-}
-
 }  // namespace
 
 std::string key_of_run(const Simulation& simulation, const VoxelModel* goal, std::uint64_t ticks,
@@ -38,17 +29,15 @@ std::string key_of_run(const Simulation& simulation, const VoxelModel* goal, std
   return hex(hash.result());
 }
 
-std::string key_of_replay(const RecordedRun& run) {
+std::string key_of_recording(const RecordingReader& reader, RecordingUse use) {
   Hash128Stream hash;
-  hash.add("replay");
-  add_recording(hash, run.reader);
-  return hex(hash.result());
-}
-
-std::string key_of_view(const RecordingReader& reader) {
-  Hash128Stream hash;
-  hash.add("view");
-  add_recording(hash, reader);
+  hash.add(use == RecordingUse::kReplay ? "replay" : "view");
+  const RecordingHeader& header = reader.header();
+  hash.add(header.scene_toml).add(header.workpiece_hash).add(header.parent);
+  constexpr std::size_t kRowsAtOnce = 4096;
+  for (std::size_t first = 0; first < reader.tick_count(); first += kRowsAtOnce) {
+    for (const TickRecord& row : reader.ticks(first, kRowsAtOnce)) hash.add(row.check);
+  }
   return hex(hash.result());
 }
 

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "app/playback/recorded_run.hpp"
 #include "app/session/simulation.hpp"
+#include "engine/recording/recording_reader.hpp"
 
 namespace sulcus {
 
@@ -17,10 +17,8 @@ namespace sulcus {
 std::string key_of_run(const Simulation& simulation, const VoxelModel* goal, std::uint64_t ticks,
                        bool renders);
 
-/// Of a recording run again as it was.
-std::string key_of_replay(const RecordedRun& run);
-
-/// Of looking at a recording.
-std::string key_of_view(const RecordingReader& reader);
+/// Of a recording run again as it was, or looked at.
+enum class RecordingUse : std::uint8_t { kReplay, kView };
+std::string key_of_recording(const RecordingReader& reader, RecordingUse use);
 
 }  // namespace sulcus

@@ -204,8 +204,9 @@ void add_port(const Scene& scene, const DevicePortState& port, const RunStatisti
         {"evaluations", {{"mean", s.evaluations_sum / ticks}, {"max", s.evaluations_max}}}};
   }
   if (scene.device || scene.coupling) {
-    j["asked_force_N"] = {{"mean", s.asked_force_sum_N / ticks}, {"max", s.asked_force_max_N}};
-    j["asked_force_step_N"] = {{"max", s.asked_step_max_N}};
+    j["asked_force_N"] = {{"mean", s.commanded_force_sum_N / ticks},
+                          {"max", s.commanded_force_max_N}};
+    j["asked_force_step_N"] = {{"max", s.commanded_step_max_N}};
     j["buzz_ticks"] = s.fault_ticks(kFaultBuzz);
   }
   if (!scene.device) return;
@@ -234,6 +235,64 @@ Json faults_json(const RunStatistics& statistics, std::uint64_t dropped_rows) {
   return faults;
 }
 
+/// All parts of the program that ran, in the order in which they are listed.
+std::vector<PartUse> all_parts(const Simulation& simulation, const SessionResult& result,
+                               const std::vector<PartUse>& loading) {
+  const RunStatistics& s = result.statistics;
+  std::vector<PartUse> parts = loading;
+  parts.push_back({"contact", 1e-6 * s.tick_us.sum(), simulation.contact_bytes()});
+  if (simulation.scene().cutting) {
+    const auto& us = s.stage_us[static_cast<int>(Stage::kRemoval)];
+    parts.push_back({"cutting", 1e-6 * us.sum(), simulation.cutting_bytes()});
+  }
+  parts.insert(parts.end(), result.parts.begin(), result.parts.end());
+  return parts;
+}
+
+Json parts_json(const std::vector<PartUse>& parts) {
+  Json uses = Json::array();
+  for (const PartUse& part : parts) {
+    Json use{{"name", part.name}, {"time_s", part.seconds}, {"memory_MiB", mebibytes(part.bytes)}};
+    if (part.cached) use["cached"] = *part.cached;
+    uses.push_back(std::move(use));
+  }
+  return uses;
+}
+
+Json memory_json(const std::vector<PartUse>& parts) {
+  Json memory = Json::object();
+  for (const PartUse& part : parts) memory[part.name] = mebibytes(part.bytes);
+  memory["peak_rss"] = mebibytes(peak_resident_bytes());
+  return memory;
+}
+
+/// How long ticks and their stages took, and how late they were.
+void add_times(const Scene& scene, const SessionResult& result, Json& j) {
+  const RunStatistics& s = result.statistics;
+  j["tick_us"] = times_json(s.tick_us);
+  j["stage_us"] = Json::object();
+  for (int stage = 0; stage < kStageCount; ++stage) {
+    if (Stage(stage) == Stage::kRemoval && !scene.cutting) continue;  // was not there
+    j["stage_us"][kStageNames[stage]] = {{"mean", s.stage_us[stage].mean()},
+                                         {"p99", s.stage_us[stage].quantile(0.99)}};
+  }
+  j["late_us"] = {{"p50", s.late_us.quantile(0.5)},
+                  {"p99", s.late_us.quantile(0.99)},
+                  {"max", s.late_us.largest()}};
+  j["missed_ticks"] = result.missed_ticks;
+  j["realtime_refused"] = result.refused;
+}
+
+void add_contact(const RunStatistics& s, Json& j) {
+  const double ticks = std::max<double>(1.0, static_cast<double>(s.ticks));
+  j["leaves_in_contact"] = {{"mean", s.leaves_sum / ticks}, {"max", s.leaves_max}};
+  j["voxels_tested"] = {{"mean", s.tested_sum / ticks}, {"max", s.tested_max}};
+  j["voxels_in_contact"] = {{"mean", s.contacts_sum / ticks}, {"max", s.contacts_max}};
+  j["force_N"] = {{"mean", s.force_N.mean()}, {"max", s.force_N.largest()}};
+  j["force_step_N"] = {{"max", s.force_step_max_N}};
+  j["torque_mNm"] = {{"mean", s.torque_mNm.mean()}, {"max", s.torque_mNm.largest()}};
+}
+
 }  // namespace
 
 nlohmann::ordered_json make_summary(const Simulation& simulation, const SessionResult& result,
@@ -241,15 +300,7 @@ nlohmann::ordered_json make_summary(const Simulation& simulation, const SessionR
                                     const std::vector<PartUse>& loading) {
   const Scene& scene = simulation.scene();
   const RunStatistics& s = result.statistics;
-  const double ticks = std::max<double>(1.0, static_cast<double>(s.ticks));
-  std::vector<PartUse> parts = loading;
-  parts.push_back({"contact", 1e-6 * s.tick_us.sum(), simulation.contact_bytes()});
-  if (scene.cutting) {
-    const auto& us = s.stage_us[static_cast<int>(Stage::kRemoval)];
-    parts.push_back({"cutting", 1e-6 * us.sum(), simulation.cutting_bytes()});
-  }
-  parts.insert(parts.end(), result.parts.begin(), result.parts.end());
-
+  const std::vector<PartUse> parts = all_parts(simulation, result, loading);
   Json j;
   j["scene"] = scene.title;
   j["scene_sha256"] = sha256_hex(scene.text);
@@ -265,35 +316,11 @@ nlohmann::ordered_json make_summary(const Simulation& simulation, const SessionR
   j["load_s"] = result.load_seconds;
   j["wall_s"] = result.wall_seconds;
   j["frames"] = result.frames;
-  j["parts"] = Json::array();
-  Json memory = Json::object();
-  for (const PartUse& part : parts) {
-    Json use{{"name", part.name}, {"time_s", part.seconds}, {"memory_MiB", mebibytes(part.bytes)}};
-    if (part.cached) use["cached"] = *part.cached;
-    j["parts"].push_back(std::move(use));
-    memory[part.name] = mebibytes(part.bytes);
-  }
-  memory["peak_rss"] = mebibytes(peak_resident_bytes());
+  j["parts"] = parts_json(parts);
   j["workpiece"] = workpiece_json(simulation);
   j["workpiece_start"] = start_json(simulation, result.outcome);
-  j["tick_us"] = times_json(s.tick_us);
-  j["stage_us"] = Json::object();
-  for (int stage = 0; stage < kStageCount; ++stage) {
-    if (Stage(stage) == Stage::kRemoval && !scene.cutting) continue;  // was not there
-    j["stage_us"][kStageNames[stage]] = {{"mean", s.stage_us[stage].mean()},
-                                         {"p99", s.stage_us[stage].quantile(0.99)}};
-  }
-  j["late_us"] = {{"p50", s.late_us.quantile(0.5)},
-                  {"p99", s.late_us.quantile(0.99)},
-                  {"max", s.late_us.largest()}};
-  j["missed_ticks"] = result.missed_ticks;
-  j["realtime_refused"] = result.refused;
-  j["leaves_in_contact"] = {{"mean", s.leaves_sum / ticks}, {"max", s.leaves_max}};
-  j["voxels_tested"] = {{"mean", s.tested_sum / ticks}, {"max", s.tested_max}};
-  j["voxels_in_contact"] = {{"mean", s.contacts_sum / ticks}, {"max", s.contacts_max}};
-  j["force_N"] = {{"mean", s.force_N.mean()}, {"max", s.force_N.largest()}};
-  j["force_step_N"] = {{"max", s.force_step_max_N}};
-  j["torque_mNm"] = {{"mean", s.torque_mNm.mean()}, {"max", s.torque_mNm.largest()}};
+  add_times(scene, result, j);
+  add_contact(s, j);
   j["removed_voxels"] = s.removed;
   j["removed_mm3"] =
       removed_json(simulation.state().removal, simulation.workpiece().grid(), scene.tissues);
@@ -308,7 +335,7 @@ nlohmann::ordered_json make_summary(const Simulation& simulation, const SessionR
   if (result.part) {
     j["since_fork"] = {{"ticks", s.ticks}, {"outcome", outcome_json(scene, *result.part)}};
   }
-  j["memory_MiB"] = memory;
+  j["memory_MiB"] = memory_json(parts);
   j["volume_hash"] = hex(simulation.workpiece().hash());
   j["force_hash"] = hex(s.force_hash);
   j["faults"] = faults_json(s, result.dropped_rows);

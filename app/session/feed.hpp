@@ -20,7 +20,7 @@
 
 namespace sulcus {
 
-// What the threads of a run tell each other: session.hpp draws who feeds whom.
+// What the threads of a run pass to each other: session.hpp draws who feeds whom.
 //
 // Properties of a feed
 //

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
+#include "app/terminal/terminal.hpp"
 #include "engine/core/units.hpp"
 
 namespace sulcus {
@@ -15,11 +15,7 @@ double voxel_mm3(const WorkpieceSettings& solid) {
   return std::pow(solid.voxel_m / kMillimetre, 3);
 }
 
-std::string mm3(double value) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.3f mm\xC2\xB3", value);
-  return text;
-}
+std::string mm3(double value) { return formatted("%.3f mm\xC2\xB3", value); }
 
 /// A name of a scene's in the room that there is for it.
 std::string shortened(const std::string& name) {
@@ -89,10 +85,7 @@ std::vector<OutcomeLine> FrameHistory::outcome() const {
     }
     if (progress_->has_pulp()) {
       const std::optional<std::uint64_t> tick = progress_->pulp_exposed_tick();
-      char text[32];
-      std::snprintf(text, sizeof(text), "exposed at %.1f s",
-                    static_cast<double>(tick.value_or(0)) * dt_s_);
-      lines.push_back({"Pulp", tick ? text : "covered"});
+      lines.push_back({"Pulp", tick ? formatted("exposed at %.1f s", seconds(*tick)) : "covered"});
     }
   }
   for (const Damage& body : damage_) {
@@ -100,13 +93,9 @@ std::vector<OutcomeLine> FrameHistory::outcome() const {
     lines.push_back({body.name, mm3(static_cast<double>(body.removed) * body.voxel_mm3)});
   }
   if (progress_ && measures_.ticks_in_contact > 0) {
-    char text[48];
-    std::snprintf(text, sizeof(text), "%.2f, %.2f N", measures_.peak_force_N,
-                  measures_.mean_force_in_contact_N());
-    lines.push_back({"Peak, mean force", text});
-    std::snprintf(text, sizeof(text), "%.1f s",
-                  static_cast<double>(measures_.ticks_in_contact) * dt_s_);
-    lines.push_back({"In contact", text});
+    lines.push_back({"Peak, mean force", formatted("%.2f, %.2f N", measures_.peak_force_N,
+                                                   measures_.mean_force_in_contact_N())});
+    lines.push_back({"In contact", formatted("%.1f s", seconds(measures_.ticks_in_contact))});
   }
   add_warnings(lines);
   return lines;
@@ -114,17 +103,16 @@ std::vector<OutcomeLine> FrameHistory::outcome() const {
 
 /// What somebody should look at; nothing where all is well.
 void FrameHistory::add_warnings(std::vector<OutcomeLine>& lines) const {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.2f mJ", given_out_J_ * 1e3);
-  if (given_out_J_ >= 1e-5) lines.push_back({"Energy given out", text});
+  if (given_out_J_ >= 1e-5) {
+    lines.push_back({"Energy given out", formatted("%.2f mJ", given_out_J_ * 1e3)});
+  }
   for (const auto& [name, ticks] :
        {std::pair{"Not sent in full", measures_.limited_ticks},
         std::pair{"Buzz", measures_.buzz_ticks}, std::pair{"Device silent", measures_.silent_ticks},
         std::pair{"Device jumped", measures_.jumped_ticks},
         std::pair{"Step too long", measures_.long_step_ticks},
         std::pair{"Burr inside", measures_.inside_ticks}}) {
-    std::snprintf(text, sizeof(text), "%.3f s", static_cast<double>(ticks) * dt_s_);
-    if (ticks > 0) lines.push_back({name, text});
+    if (ticks > 0) lines.push_back({name, formatted("%.3f s", seconds(ticks))});
   }
 }
 

@@ -45,6 +45,7 @@ class FrameHistory {
 
  private:
   std::vector<OutcomeLine> outcome() const;
+  double seconds(std::uint64_t ticks) const { return static_cast<double>(ticks) * dt_s_; }
   void add_warnings(std::vector<OutcomeLine>& lines) const;
 
   std::string title_;

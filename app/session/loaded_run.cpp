@@ -12,10 +12,6 @@ namespace sulcus {
 
 namespace {
 
-double seconds_since(std::uint64_t begin_ns) {
-  return 1e-9 * static_cast<double>(steady_ns() - begin_ns);
-}
-
 /// What is tested are surface voxels' centres: a burr fits between those that are as far apart as
 /// it is thick.
 void warn_of_coarse_voxels(const std::string& name, const WorkpieceSettings& solid,

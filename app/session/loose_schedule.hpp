@@ -38,7 +38,7 @@ class LooseFinder {
   explicit LooseFinder(VoxelModel start) : pieces_(std::move(start)) {}
 
   /// The edits of a tick, each once, in their order; those of other bodies than the workpiece are
-  /// passed over. The answer where it is asked after the tick.
+  /// skipped. The answer where it is asked after the tick.
   std::optional<LooseAnswer> add_tick(std::uint64_t tick, std::span<const Edit> edits);
   /// What stays.
   const VoxelModel& model() const { return pieces_.model(); }
@@ -49,7 +49,7 @@ class LooseFinder {
   std::vector<std::uint32_t> removed_;  // of a tick
 };
 
-/// That a tick took what had come loose after another.
+/// Which tick took what had come loose after another.
 struct TakenAnswer {
   std::uint64_t asked = 0, taken = 0;  // ticks
 };

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
@@ -48,13 +47,10 @@ bool is_pose(const SulcusPose& pose) noexcept {
   return near && squared > 0.98 && squared < 1.02;  // as floats have it, or better
 }
 
-std::string said_of(const SulcusPose& pose) {
+std::string text_of(const SulcusPose& pose) {
   const double *p = pose.position_m, *q = pose.orientation;
-  std::array<char, 192> text{};
-  std::snprintf(text.data(), text.size(),
-                "position (%.4g %.4g %.4g) m, w x y z (%.4g %.4g %.4g %.4g)", p[0], p[1], p[2],
-                q[0], q[1], q[2], q[3]);
-  return text.data();
+  return formatted("position (%.4g %.4g %.4g) m, w x y z (%.4g %.4g %.4g %.4g)", p[0], p[1], p[2],
+                   q[0], q[1], q[2], q[3]);
 }
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -62,10 +58,8 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 void check_limits(const SulcusDeviceLimits& limits, const std::string& title) {
   const auto check = [&](const char* name, double value, double least, double most) {
     if (value >= least && value <= most) return;
-    std::array<char, 96> found{}, expected{};
-    std::snprintf(found.data(), found.size(), "%s = %g", name, value);
-    std::snprintf(expected.data(), expected.size(), "%g to %g", least, most);
-    throw InputError(title, "its limits", found.data(), expected.data());
+    throw InputError(title, "its limits", formatted("%s = %g", name, value),
+                     formatted("%g to %g", least, most));
   };
   check("force_N", limits.force_N, 1e-3, 1e3);
   check("torque_Nm", limits.torque_Nm, 0.0, 100.0);
@@ -131,9 +125,7 @@ void PluginDevice::close() noexcept {
 
 std::vector<std::string> PluginDevice::limits_as_overrides() const {
   const auto set = [](const char* key, double value) {
-    std::array<char, 96> text{};
-    std::snprintf(text.data(), text.size(), "device.%s=%.17g", key, value);
-    return std::string(text.data());
+    return formatted("device.%s=%.17g", key, value);
   };
   const auto least = [](double own, const std::optional<double>& asked) {
     return asked ? std::min(own, *asked) : own;
@@ -234,7 +226,7 @@ void PluginDevice::apply(const Wrench& wrench) noexcept {
   const bool cut_off = force_step_N > kRounding * steps_.force_step_N ||
                        torque_step_Nm > kRounding * steps_.torque_step_Nm;
   if (cut_off && !fade_) fade_.emplace(written_, steps_);
-  write(fade_ ? fade_->next() : wrench, false);
+  write(fade_ ? fade_->next() : wrench, Write::kTick);
 }
 
 bool PluginDevice::fade() noexcept {
@@ -242,18 +234,19 @@ bool PluginDevice::fade() noexcept {
   ++tick_;
   const Wrench next = fade_->next();
   if (is_gone() || fade_->is_over()) return false;
-  write(next, false);
+  write(next, Write::kTick);
   return true;
 }
 
-void PluginDevice::release() noexcept { write({}, true); }
+void PluginDevice::release() noexcept { write({}, Write::kLast); }
 
-void PluginDevice::write(const Wrench& wrench, bool last) noexcept {
+void PluginDevice::write(const Wrench& wrench, Write which) noexcept {
   if (is_gone()) return;
   const Eigen::Vector3d &f = wrench.force_N, &t = wrench.torque_Nm;
   const SulcusWrench sent{{f.x(), f.y(), f.z()}, {t.x(), t.y(), t.z()}};
   written_ = wrench;
-  const int code = timed("write", [&] { return plugin_.write(device_, tick_, &sent, last); });
+  const int code =
+      timed("write", [&] { return plugin_.write(device_, tick_, &sent, which == Write::kLast); });
   if (code != SULCUS_DEVICE_OK && end_ == End::kNone) fail(End::kGone, code);
 }
 
@@ -271,7 +264,7 @@ std::vector<std::string> PluginDevice::end() {
     line += end_ == End::kGone ? " is gone" : " gave what is no pose";
     line += " at tick " + std::to_string(end_tick_);
     line += end_ == End::kGone ? " (code " + std::to_string(end_code_) + ")"
-                               : ": " + said_of(end_pose_);
+                               : ": " + text_of(end_pose_);
     if (!word.empty()) line += ": " + word;
     throw std::runtime_error(line + "; the force was taken off, and the run ended");
   }

@@ -69,6 +69,7 @@ class PluginDevice final : public Device {
   std::vector<std::string> end();
 
  private:
+  enum class Write : std::uint8_t { kTick, kLast };
   enum class End : std::uint8_t { kNone, kGone, kNoPose };
   struct Host : SulcusDeviceHost {
     const Trajectory* path;
@@ -78,7 +79,7 @@ class PluginDevice final : public Device {
   template <class Call>
   int timed(const char* name, const Call& call) noexcept;
   void fail(End end, int code) noexcept;
-  void write(const Wrench& wrench, bool last) noexcept;
+  void write(const Wrench& wrench, Write which) noexcept;
   void watch(const std::stop_token& stop) const;
   void close() noexcept;
 

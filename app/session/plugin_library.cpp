@@ -6,7 +6,6 @@
 
 #include <dlfcn.h>
 
-#include "app/commands/program_folder.hpp"
 #include "engine/core/error.hpp"
 
 namespace sulcus {
@@ -84,13 +83,6 @@ const SulcusDevicePlugin& checked(const SulcusDevicePlugin* plugin, const std::s
 }
 
 }  // namespace
-
-std::vector<std::string> plugin_folders(const std::string& given) {
-  std::vector<std::string> folders;
-  if (!given.empty()) folders.push_back(given);
-  folders.push_back((program_folder() / SULCUS_PLUGIN_FOLDER).lexically_normal().string());
-  return folders;
-}
 
 const SulcusDevicePlugin& load_plugin(const std::string& name,
                                       const std::vector<std::string>& folders,

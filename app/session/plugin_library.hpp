@@ -7,10 +7,6 @@
 
 namespace sulcus {
 
-/// Where plug-ins are looked for: `given` (of --plugins) first where it is not empty, then the
-/// folder of the installation. A scene has no say in it.
-std::vector<std::string> plugin_folders(const std::string& given);
-
 /// Loads the plug-in of a name, which has been checked to be no path, from the first folder that
 /// has it; it stays loaded until the process ends, since threads of its own may outlive its device.
 /// InputError where there is none (`scene_file` is what named it), or where it cannot be loaded,

@@ -1,13 +1,13 @@
 #include "app/session/render_thread.hpp"
 
 #include <chrono>
-#include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <utility>
 
 #include "app/session/frame_history.hpp"
 #include "app/session/live_film.hpp"
+#include "app/terminal/terminal.hpp"
 #include "engine/core/realtime.hpp"
 #include "engine/core/stop.hpp"
 
@@ -45,10 +45,7 @@ void RenderThread::run() {
     renderer.set_hurried(pieces == LiveFilm::Pieces::kThatAreThere);
     const std::uint64_t begin = steady_ns();
     const Image image = renderer.draw(film.bring(renderer, pieces));
-    char name[32];
-    std::snprintf(name, sizeof(name), "/frames/%06llu.png",
-                  static_cast<unsigned long long>(frames_++));
-    write_png(image, options_.folder + name);
+    write_png(image, options_.folder + formatted("/frames/%06ju.png", std::uintmax_t{frames_++}));
     seconds_ += seconds_since(begin);
   };
 

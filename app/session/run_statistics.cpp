@@ -44,19 +44,19 @@ double Distribution::quantile(double part) const {
 void RunStatistics::add(const TickReport& report) {
   const TickRecord& r = report.record;
   const PortRecord& port = report.port;
-  double force[3], torque[3], step[3], asked_step[3];
+  double force[3], torque[3], step[3], commanded_step[3];
   for (int a = 0; a < 3; ++a) {
     force[a] = r.force_N[a];
     torque[a] = r.torque_Nm[a];
     step[a] = ticks == 0 ? 0.0 : force[a] - last_force_[a];
     last_force_[a] = force[a];
-    asked_step[a] = ticks == 0 ? 0.0 : port.asked_force_N[a] - last_asked_[a];
-    last_asked_[a] = port.asked_force_N[a];
+    commanded_step[a] = ticks == 0 ? 0.0 : port.asked_force_N[a] - last_commanded_[a];
+    last_commanded_[a] = port.asked_force_N[a];
   }
   force_step_max_N = std::max(force_step_max_N, length(step));
-  asked_step_max_N = std::max(asked_step_max_N, length(asked_step));
-  asked_force_sum_N += length(port.asked_force_N);
-  asked_force_max_N = std::max(asked_force_max_N, length(port.asked_force_N));
+  commanded_step_max_N = std::max(commanded_step_max_N, length(commanded_step));
+  commanded_force_sum_N += length(port.asked_force_N);
+  commanded_force_max_N = std::max(commanded_force_max_N, length(port.asked_force_N));
   evaluations_sum += static_cast<double>(port.evaluations);
   evaluations_max = std::max(evaluations_max, port.evaluations);
   force_hash = hash_bytes(force, sizeof(force), force_hash);

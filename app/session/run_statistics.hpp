@@ -75,8 +75,8 @@ struct RunStatistics {
   double leaves_sum = 0.0, tested_sum = 0.0;
   std::uint32_t leaves_max = 0, tested_max = 0;
   double force_step_max_N = 0.0;
-  double asked_force_sum_N = 0.0, asked_force_max_N = 0.0;  // before the device's limits
-  double asked_step_max_N = 0.0;
+  double commanded_force_sum_N = 0.0, commanded_force_max_N = 0.0;  // before the device's limits
+  double commanded_step_max_N = 0.0;
   double evaluations_sum = 0.0;  // of the contact, in a tick
   std::uint64_t evaluations_max = 0;
   std::uint64_t removed = 0;
@@ -88,7 +88,7 @@ struct RunStatistics {
   std::uint64_t fault_ticks(Fault fault) const { return faults[std::countr_zero(+fault)]; }
 
  private:
-  double last_force_[3]{}, last_asked_[3]{};
+  double last_force_[3]{}, last_commanded_[3]{};
 };
 
 }  // namespace sulcus

@@ -39,7 +39,7 @@ namespace sulcus {
 // - Unhindered: the haptic thread waits for nobody at real pace. Everything is made before the
 // first
 //   tick.
-// - Contained: a thread that throws closes its feed and is told of at the end. Only where reports
+// - Contained: a thread that throws closes its feed and is reported at the end. Only where reports
 // or
 //   pieces fail, without which there is no result, the run ends. The force is taken away first.
 // - Whole: who consumes a feed ends after all that was pushed into it.

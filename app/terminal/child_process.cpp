@@ -15,7 +15,7 @@
 namespace sulcus {
 namespace {
 
-/// Frees what posix_spawn was told.
+/// Frees what posix_spawn was given.
 struct Plan {
   posix_spawn_file_actions_t files{};
   posix_spawnattr_t attributes{};

@@ -1,7 +1,6 @@
 #include "app/terminal/progress.hpp"
 
 #include <chrono>
-#include <cstdio>
 #include <utility>
 
 #include <unistd.h>
@@ -16,7 +15,7 @@ constexpr std::chrono::milliseconds kFirst{1000}, kEach{200};
 }  // namespace
 
 Progress::Progress(std::string what) : what_(std::move(what)) {
-  if (::isatty(STDERR_FILENO) == 1) thread_ = std::thread([this] { tell(); });
+  if (::isatty(STDERR_FILENO) == 1) thread_ = std::thread([this] { show(); });
 }
 
 Progress::~Progress() {
@@ -29,20 +28,16 @@ Progress::~Progress() {
   thread_.join();
 }
 
-void Progress::tell() {
+void Progress::show() {
   const auto begin = std::chrono::steady_clock::now();
   std::unique_lock lock(mutex_);
   std::chrono::milliseconds wait = kFirst;
   while (!woken_.wait_for(lock, wait, [this] { return ended_; })) {
     wait = kEach;
-    char text[32];
-    if (const double part = part_.load(); part >= 0.0) {
-      std::snprintf(text, sizeof text, " %.0f %%", 100.0 * part);
-    } else {
-      const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
-      std::snprintf(text, sizeof text, " %.0f s", passed.count());
-    }
-    show_progress(what_ + text);
+    const double part = part_.load();
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
+    show_progress(what_ + (part >= 0.0 ? formatted(" %.0f %%", 100.0 * part)
+                                       : formatted(" %.0f s", passed.count())));
   }
   show_progress("");
 }

@@ -8,7 +8,7 @@
 
 namespace sulcus {
 
-/// Tells on a terminal how far some work is that takes over a second, in a line that is written
+/// Shows on a terminal how far some work is that takes over a second, in a line that is written
 /// over and goes with this; nothing where the error stream is no terminal. What is said meanwhile
 /// (app/terminal/terminal.hpp) stands above it. It has a thread of its own, so that libraries need
 /// not come back to us. One at a time; not beside a run at real pace.
@@ -20,7 +20,7 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// How much of it, 0 to 1; seconds are told instead where it never says. Of any thread, and as
+  /// How much of it, 0 to 1; seconds are shown instead where it never says. Of any thread, and as
   /// cheap as a store.
   void at(double part) noexcept { part_.store(part, std::memory_order_relaxed); }
   /// Of `whole` steps so many are done.
@@ -29,7 +29,7 @@ class Progress {
   }
 
  private:
-  void tell();
+  void show();
 
   std::string what_;
   std::atomic<double> part_{-1.0};  // below 0: not said

@@ -25,13 +25,18 @@ void clear_progress() {
   std::fflush(stderr);
 }
 
-void say_to(std::FILE* stream, const char* format, std::va_list arguments) {
+std::string text_of(const char* format, std::va_list arguments) {
   std::va_list again;
   va_copy(again, arguments);
   const int bytes = std::vsnprintf(nullptr, 0, format, arguments);
   std::string text(bytes > 0 ? static_cast<std::size_t>(bytes) : 0, '\0');
   std::vsnprintf(text.data(), text.size() + 1, format, again);
   va_end(again);
+  return text;
+}
+
+void say_to(std::FILE* stream, const char* format, std::va_list arguments) {
+  const std::string text = text_of(format, arguments);
   const bool ends = text.ends_with('\n');
   std::string line = for_terminal(std::string_view(text).substr(0, text.size() - (ends ? 1 : 0)));
   if (ends) line += '\n';
@@ -53,6 +58,14 @@ class OneLine : public spdlog::custom_flag_formatter {
 };
 
 }  // namespace
+
+std::string formatted(const char* format, ...) {
+  std::va_list arguments;
+  va_start(arguments, format);
+  std::string text = text_of(format, arguments);
+  va_end(arguments);
+  return text;
+}
 
 void say(const char* format, ...) {
   std::va_list arguments;

@@ -1,11 +1,15 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <string_view>
 
 #include <spdlog/formatter.h>
 
 namespace sulcus {
+
+/// printf into a text.
+[[gnu::format(printf, 1, 2)]] std::string formatted(const char* format, ...);
 
 /// printf of one line to standard output, a line feed at its end or not. What texts of a user's in
 /// it would do to the terminal they do not (for_terminal).

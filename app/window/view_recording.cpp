@@ -11,7 +11,6 @@
 #include "app/report/run_key.hpp"
 #include "app/session/session.hpp"
 #include "app/terminal/terminal.hpp"
-#include "app/window/view_camera.hpp"
 #include "app/window/view_windows.hpp"
 #include "engine/core/realtime.hpp"
 #include "engine/graphics/gl_scene.hpp"
@@ -26,10 +25,9 @@ namespace {
 
 /// Writes the tooth as it is; returns what to say of it.
 std::string export_tooth(const RecordedFilm& film, const std::string& folder, double time_s) {
-  char name[48];
-  std::snprintf(name, sizeof name, "/tooth_%.3f_s.stl", time_s);
-  write_mesh(folder + name, closed_surface(film.model()));
-  return folder + name;
+  const std::string file = folder + formatted("/tooth_%.3f_s.stl", time_s);
+  write_mesh(file, closed_surface(film.model()));
+  return file;
 }
 
 void take_keys(const WindowInput& input, double tick_s, PlayerControls& player) {
@@ -78,13 +76,7 @@ void view_recording(const ViewOptions& options) {
     if (input.middle || (input.left && input.shift)) camera.move(input);
     drawing.set_hurried(player.playing);
     const bool turning = input.left || input.middle || input.wheel != 0.0;
-    drawing.set_detail(turning ? Detail::kCoarse : Detail::kFull);
-    drawing.set_viewpoint(camera.from());
-    drawing.set_section(player.picture.section());
-    drawing.set_handpiece(false);  // as in the window of a scene
-    drawing.set_hud({true, player.picture.figures, player.picture.arrows});
-    const Eigen::Vector2i size = window.size();
-    drawing.set_size(size.x(), size.y());
+    set_picture(drawing, camera, player.picture, window, turning);
     drawing.draw(
         film.seek_row(film.row_at(static_cast<double>(player.time_s) + 0.5 * tick_s), drawing));
     window.end(drawing.frame());
@@ -92,8 +84,11 @@ void view_recording(const ViewOptions& options) {
       player.export_asked = false;
       try {
         if (!folder) {
-          folder.emplace(ResultsPlace{options.folder, folder_of_recording(options.file, "_view"),
-                                      options.force, key_of_view(reader), true});
+          folder.emplace(ResultsPlace{.given = options.folder,
+                                      .otherwise = folder_of_recording(options.file, "_view"),
+                                      .force = options.force,
+                                      .key = key_of_recording(reader, RecordingUse::kView),
+                                      .adds = true});
         }
         player.said = export_tooth(film, folder->path(), static_cast<double>(player.time_s));
         say("%s\n", player.said.c_str());

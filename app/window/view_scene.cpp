@@ -10,16 +10,15 @@
 
 #include "app/playback/continued_run.hpp"
 #include "app/playback/saved_scene.hpp"
+#include "app/playback/scene_trajectory.hpp"
+#include "app/report/log_file.hpp"
 #include "app/report/results.hpp"
-#include "app/session/changed_burr.hpp"
 #include "app/session/frame_history.hpp"
 #include "app/session/live_film.hpp"
 #include "app/session/loaded_run.hpp"
-#include "app/session/scene_trajectory.hpp"
 #include "app/session/session.hpp"
 #include "app/terminal/progress.hpp"
 #include "app/window/mouse_device.hpp"
-#include "app/window/view_camera.hpp"
 #include "app/window/view_windows.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/realtime.hpp"
@@ -147,26 +146,19 @@ std::optional<GoOn> run_part(Part& part, Window& window, ViewCamera& camera, Liv
       camera.follow(input);
       if (input.right) camera.turn(input);
       if (input.middle) camera.move(input);
-      const Eigen::Vector2i size = window.size();
-      if (burr.drag(input, drawing.view(), size.y())) device.go_to(burr.pose());
+      if (burr.drag(input, drawing.view(), window.size().y())) device.go_to(burr.pose());
       const bool turning = input.right || input.middle || input.wheel != 0.0;
-      drawing.set_detail(turning ? Detail::kCoarse : Detail::kFull);
-      drawing.set_viewpoint(camera.from());
-      drawing.set_section(live.picture.section());
-      drawing.set_handpiece(false);  // it would be in the way of the hand
-      drawing.set_hud({true, live.picture.figures, live.picture.arrows});
-      drawing.set_size(size.x(), size.y());
-      if (!film.empty()) {
-        FrameState state = film.bring(drawing, LiveFilm::Pieces::kThatAreThere);
-        live.time_s = static_cast<float>(state.time_s);
-        state.device = burr.pose();
-        drawing.draw(state);
-        live.first_s = std::min(live.first_s, live.time_s);
-      } else {
-        FrameState state;
+      set_picture(drawing, camera, live.picture, window, turning);
+      FrameState state;
+      if (film.empty()) {
         state.world_from_tool = burr.pose();
-        drawing.draw(state);
+      } else {
+        state = film.bring(drawing, LiveFilm::Pieces::kThatAreThere);
+        state.device = burr.pose();
+        live.time_s = static_cast<float>(state.time_s);
+        live.first_s = std::min(live.first_s, live.time_s);
       }
+      drawing.draw(state);
       window.end(drawing.frame());
       if (live.save_asked) {
         try {
@@ -190,11 +182,12 @@ Part part_after(const std::string& recording, const GoOn& from, const std::strin
   RecordedRun run = open_recorded_run(recording);
   const std::size_t row = row_at(run.rows, from.at_s);
   Part part;
-  part.session.parent = parent_of(run, row);
-  part.session.earlier = earlier_of(run, row);
+  ContinuedRun continued = continue_run(run, row, from.overrides);
+  part.simulation = std::move(continued.simulation);
+  part.session.earlier = std::move(continued.earlier);
+  part.session.parent = std::move(continued.parent);
   part.session.goal = run.reader.goal();
   part.session.input = run.reader.input();
-  part.simulation = simulation_after(run, row, from.overrides, changed_burr(run, from.overrides));
   part.start = pose_of(run.rows[row].device_position_m, run.rows[row].device_orientation);
   part.folder.emplace(ResultsPlace{{}, folder});
   return part;
@@ -246,7 +239,7 @@ void view_scene(const ViewOptions& options) {
       part = part_after(recording, *go_on, next);
     } catch (const InputError& error) {  // the other burr cannot be there: on with the one before
       live.said = error.what();
-      std::erase_if(go_on->overrides, asks_for_a_burr);
+      std::erase_if(go_on->overrides, is_other_burr);
       part = part_after(recording, *go_on, next);
     }
     live.other_burr = false;  // it is this part's own now

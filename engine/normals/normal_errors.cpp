@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <oneapi/tbb/parallel_for.h>
 
 #include "engine/normals/exact.hpp"

@@ -5,6 +5,7 @@
 #include <regex>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -111,6 +112,33 @@ TEST(Layers, OnlyDrawingAndAppKnowDrawing) {
   });
   expect_none("the surface does not know how it is drawn", [](const Include& i) {
     return is_in(i.file, "engine/surface/") && is_in(i.header, "engine/graphics/");
+  });
+}
+
+//   commands                 everything that the program is told to do
+//   inspect   window         what is printed of a file; what is shown and done in a window
+//   report                   results of a run: folder, summary, pages, log
+//   playback                 recordings run again
+//   session                  a run and its threads
+//   terminal                 what is said, other programs
+TEST(Layers, AFolderOfAppSeesThoseBelowIt) {
+  const auto height = [](std::string_view file) {
+    constexpr std::array<std::pair<std::string_view, int>, 7> kHeights{{{"app/terminal/", 1},
+                                                                        {"app/session/", 2},
+                                                                        {"app/playback/", 3},
+                                                                        {"app/report/", 4},
+                                                                        {"app/inspect/", 5},
+                                                                        {"app/window/", 5},
+                                                                        {"app/commands/", 6}}};
+    for (const auto& [folder, height] : kHeights) {
+      if (is_in(file, folder)) return height;
+    }
+    return file.starts_with("app/main.") ? 7 : 0;  // the build's name
+  };
+  const auto folder = [](std::string_view file) { return file.substr(0, file.rfind('/')); };
+  expect_none("a folder of app sees those below it", [&](const Include& i) {
+    return is_in(i.file, "app/") && is_in(i.header, "app/") && folder(i.file) != folder(i.header) &&
+           height(i.header) >= height(i.file);
   });
 }
 

@@ -3,15 +3,18 @@
 #include <string>
 #include <vector>
 
+#include "engine/recording/recording_layout.hpp"
 #include "engine/scene/scene_keys.hpp"
 
 namespace sulcus {
+
+// What help and manual say of scenes and recordings.
 
 /// A text broken at spaces; further lines begin with `indent` of them, as does, unwritten, the
 /// first.
 std::string wrapped(const std::string& text, std::size_t indent, std::size_t columns);
 
-/// A key as help and manual tell it.
+/// A key as help and manual have it.
 struct KeyHelp {
   std::string key, values, what;  // values: type, unit, range, default
 };
@@ -30,5 +33,18 @@ std::string burr_help();
 
 /// TABLE.KEY of every key that --set can change.
 std::vector<std::string> keys_to_set();
+
+/// A part of a recording as help and manual have it: "rows, with [cutting]: one row for each ...".
+std::string text_of(const StoredPart& part);
+/// A column, an attribute, or the values of an array: "f64[3], m".
+std::string values_of(const StoredField& field);
+
+/// What reads a recording, in Python and MATLAB.
+std::string recording_examples();
+/// What holds for all of it.
+std::string recording_notes();
+
+/// The whole layout, for a terminal of 100 columns.
+std::string recording_help();
 
 }  // namespace sulcus

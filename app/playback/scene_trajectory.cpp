@@ -1,4 +1,4 @@
-#include "app/session/scene_trajectory.hpp"
+#include "app/playback/scene_trajectory.hpp"
 
 #include <string>
 #include <utility>

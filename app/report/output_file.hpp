@@ -6,7 +6,8 @@
 
 namespace sulcus {
 
-// What a command is to write, looked at before the work: who mistypes waits for nothing.
+// What a command is to write, looked at before the work: who mistypes waits for nothing. An empty
+// name is one that was not given: nothing is to be written there.
 
 /// A file's name ends in one of `endings` (".png", in small letters; the file's in any case), and
 /// it could be written. `option` names it in the message.

@@ -1,4 +1,4 @@
-#include "app/commands/output_file.hpp"
+#include "app/report/output_file.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -36,6 +36,7 @@ std::string list_of(std::initializer_list<std::string_view> endings) {
 
 void check_output(const std::string& option, const std::string& file,
                   std::initializer_list<std::string_view> endings) {
+  if (file.empty()) return;
   const std::string name = lower_case(file);
   const auto ends = [&](std::string_view ending) { return name.ends_with(ending); };
   if (std::ranges::none_of(endings, ends)) {
@@ -45,6 +46,7 @@ void check_output(const std::string& option, const std::string& file,
 }
 
 void check_output_folder(const std::string& option, const std::string& folder) {
+  if (folder.empty()) return;
   std::error_code error;
   fs::path there = fs::absolute(folder, error).lexically_normal();
   while (!fs::exists(there, error) && there.has_relative_path()) {

@@ -1,4 +1,4 @@
-#include "app/window/view_camera.hpp"
+#include "app/window/view_windows.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -39,6 +39,16 @@ Viewpoint ViewCamera::from() const {
   from.zoom = at_.zoom;
   from.pan = at_.pan;
   return from;
+}
+
+void set_picture(GlScene& drawing, const ViewCamera& camera, const PictureControls& controls,
+                 const Window& window, bool moves) {
+  drawing.set_detail(moves ? Detail::kCoarse : Detail::kFull);
+  drawing.set_viewpoint(camera.from());
+  drawing.set_section(controls.section());
+  drawing.set_handpiece(false);
+  drawing.set_hud({.title = true, .figures = controls.figures, .arrows = controls.arrows});
+  drawing.set_size(window.size().x(), window.size().y());
 }
 
 }  // namespace sulcus

@@ -1,15 +1,20 @@
-#include "app/commands/scene_help.hpp"
+#include "app/commands/help_text.hpp"
 
+#include <array>
 #include <cmath>
-#include <cstdio>
 #include <sstream>
+#include <string_view>
 
+#include "app/terminal/terminal.hpp"
 #include "engine/core/units.hpp"
 #include "engine/scene/burr_number.hpp"
 
 namespace sulcus {
 
 namespace {
+
+// Of a terminal; of names before what they are.
+constexpr std::size_t kColumns = 100, kNameColumns = 24;
 
 std::string type_of(const SceneKey& key) {
   const std::string count = std::to_string(key.count);
@@ -44,6 +49,20 @@ std::string type_of(const SceneKey& key) {
 bool has_range(KeyKind kind) {
   return kind == KeyKind::kNumber || kind == KeyKind::kWhole || kind == KeyKind::kNumbers ||
          kind == KeyKind::kRows;
+}
+
+std::string_view kind_of(const StoredPart& part) {
+  switch (part.kind) {
+    case StoredKind::kRows:
+      return "rows";
+    case StoredKind::kRow:
+      return "one row";
+    case StoredKind::kArray:
+      return "array";
+    case StoredKind::kGroup:
+      break;
+  }
+  return part.fields.empty() ? "group" : "group with attributes";
 }
 
 }  // namespace
@@ -93,7 +112,6 @@ std::string text_of(const SceneTableKeys& table) {
 }
 
 std::string scene_help() {
-  constexpr std::size_t kKeyColumns = 24, kColumns = 100;
   std::string out =
       "A scene is TOML: tables of keys. What it does not name is not modelled, allocated or "
       "timed.\n"
@@ -107,13 +125,13 @@ std::string scene_help() {
       const KeyHelp help = help_of(key);
       out.append("  ").append(help.key);
       const std::size_t used = 2 + help.key.size();
-      if (used + 2 > kKeyColumns) {
-        out.append("\n").append(kKeyColumns, ' ');
+      if (used + 2 > kNameColumns) {
+        out.append("\n").append(kNameColumns, ' ');
       } else {
-        out.append(kKeyColumns - used, ' ');
+        out.append(kNameColumns - used, ' ');
       }
-      out.append(wrapped(help.values, kKeyColumns, kColumns)).append("\n");
-      out.append(kKeyColumns, ' ').append(wrapped(help.what, kKeyColumns, kColumns)).append("\n");
+      out.append(wrapped(help.values, kNameColumns, kColumns)).append("\n");
+      out.append(kNameColumns, ' ').append(wrapped(help.what, kNameColumns, kColumns)).append("\n");
     }
   }
   return out;
@@ -128,16 +146,13 @@ std::string burr_help() {
       "toothing and\ngrit are not modelled; the shank is the friction grip's, 313 to 316. "
       "Shapes:\n\n";
   for (const BurrShapeNumber& row : burr_shape_numbers()) {
-    char line[128];
     const std::string shape(shapes[static_cast<std::size_t>(row.shape)]);
-    std::snprintf(
-        line, sizeof line, "  %s  %-20s %-14s %-26s %s\n", row.number.data(),
-        std::string(row.what).c_str(), shape.c_str(),
-        row.length_m > 0.0
-            ? ("head of " + std::to_string(std::lround(row.length_m / kMillimetre)) + " mm").c_str()
-            : "length by our ratio",
-        std::string(row.source).c_str());
-    out += line;
+    const std::string length =
+        row.length_m > 0.0 ? formatted("head of %ld mm", std::lround(row.length_m / kMillimetre))
+                           : "length by our ratio";
+    out +=
+        formatted("  %s  %-20s %-14s %-26s %s\n", row.number.data(), std::string(row.what).c_str(),
+                  shape.c_str(), length.c_str(), std::string(row.source).c_str());
   }
   return out +
          "\nSources: Komet's FG diamonds by ISO number as fossviking.com lists them (2019); Mr. "
@@ -156,6 +171,57 @@ std::vector<std::string> keys_to_set() {
     }
   }
   return keys;
+}
+
+std::string text_of(const StoredPart& part) {
+  std::string text(kind_of(part));
+  if (!part.when.empty()) text.append(", only ").append(part.when);
+  text.append(": ").append(part.what);
+  if (!part.like.empty()) text.append("; it has all that ").append(part.like).append(" has");
+  return text;
+}
+
+std::string values_of(const StoredField& field) {
+  constexpr std::array<std::string_view, 7> kNames{"u8", "u16", "u32", "u64", "f32", "f64", "text"};
+  std::string text(kNames[static_cast<std::size_t>(field.type)]);
+  if (field.count > 1) text.append("[").append(std::to_string(field.count)).append("]");
+  if (!field.unit.empty()) text.append(", ").append(field.unit);
+  return text;
+}
+
+std::string recording_notes() {
+  return "A recording is HDF5. Numbers are little-endian: u8 to u64 without a sign, f32 and f64 of "
+         "IEEE 754. Rows are compounds, whose fields are columns. World: the origin is the centre "
+         "of the workpiece's grid. A recording whose program was killed opens in the mode of a "
+         "single writer and multiple readers only; sulcus repair makes one that opens everywhere. "
+         "The last rows of such a one may be torn: each has a check.";
+}
+
+std::string recording_examples() {
+  return "  import h5py                                               # Python\n"
+         "  with h5py.File(\"recording.h5\", \"r\", swmr=True) as f:\n"
+         "      scene = f.attrs[\"scene\"].decode()\n"
+         "      ticks, edits = f[\"ticks\"][:], f[\"edits\"][:]\n"
+         "  force_N = ticks[\"force_N\"]                                # rows x 3\n"
+         "\n"
+         "  scene = h5readatt('recording.h5', '/', 'scene');          % MATLAB, closed recordings\n"
+         "  ticks = h5read('recording.h5', '/ticks');                 % a struct of columns\n";
+}
+
+std::string recording_help() {
+  std::string out = wrapped(recording_notes(), 0, kColumns) + "\n\n" + recording_examples();
+  for (const StoredPart& part : recording_layout()) {
+    const std::string path(part.path);
+    out.append("\n").append(path).append("  ");
+    out.append(wrapped(text_of(part), path.size() + 2, kColumns)).append("\n");
+    for (const StoredField& field : part.fields) {
+      std::string line = "  " + std::string(field.name);
+      line.append(line.size() + 2 > kNameColumns ? 2 : kNameColumns - line.size(), ' ');
+      line.append(values_of(field)).append(field.what.empty() ? "" : ": ");
+      out.append(line).append(wrapped(std::string(field.what), line.size(), kColumns)).append("\n");
+    }
+  }
+  return out;
 }
 
 }  // namespace sulcus

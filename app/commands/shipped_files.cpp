@@ -1,12 +1,20 @@
-#include "app/commands/shipped_scene.hpp"
+#include "app/commands/shipped_files.hpp"
 
 #include <filesystem>
-
-#include "app/commands/program_folder.hpp"
 
 namespace sulcus {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// Where the running program lies. Empty where the system does not say.
+fs::path program_folder() {
+  std::error_code error;
+  return fs::read_symlink("/proc/self/exe", error).parent_path();
+}
+
+}  // namespace
 
 std::string scene_file_of(const std::string& given) {
   std::error_code error;
@@ -22,6 +30,13 @@ std::string scene_file_of(const std::string& given) {
     if (fs::exists(file, error)) return file.lexically_normal().string();
   }
   return given;
+}
+
+std::vector<std::string> plugin_folders(const std::string& given) {
+  std::vector<std::string> folders;
+  if (!given.empty()) folders.push_back(given);
+  folders.push_back((program_folder() / SULCUS_PLUGIN_FOLDER).lexically_normal().string());
+  return folders;
 }
 
 }  // namespace sulcus
