@@ -86,7 +86,7 @@ void warn_of_greys(const std::vector<TissueSettings>& tissues, ImportNotes& note
   for (const TissueSettings& tissue : tissues) {
     if (!tissue.above) continue;
     notes.warnings.push_back("above of the tissue '" + tissue.name +
-                             "' tells nothing: the workpiece is no volume of grey values");
+                             "' has no effect: the workpiece is no volume of grey values");
   }
 }
 

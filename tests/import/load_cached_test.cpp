@@ -297,7 +297,7 @@ TEST(BuildWorkpiece, AboveWithoutGreyValuesIsSaid) {
   build_workpiece(scene, nullptr, &notes);
   ASSERT_EQ(notes.warnings.size(), 1u);
   EXPECT_EQ(notes.warnings[0],
-            "above of the tissue 'dentine' tells nothing: the workpiece is no volume of grey "
+            "above of the tissue 'dentine' has no effect: the workpiece is no volume of grey "
             "values");
 }
 

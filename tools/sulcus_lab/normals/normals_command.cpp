@@ -228,7 +228,7 @@ void add_normals_command(CLI::App& program) {
   command->footer(
       "Writes into the folder:\n"
       "  normals.csv         errors in degrees and nanoseconds per normal, by method, NS and zone\n"
-      "  normals_tool.csv    largest error of the ldm methods where the tool's direction is known\n"
+      "  normals_tool.csv    largest error of the ldm methods where the tool hint is given\n"
       "  normals.png         error against time, a panel for each shape or zone\n"
       "  speed_accuracy.png  the same of one shape: the molar, or the only one\n"
       "  cost.csv, cost.png  places read and time against 2 NS + 1: the sphere, or the only shape\n"

@@ -157,8 +157,8 @@ void add_pareto_command(CLI::App& program) {
   command->footer(
       "The built-in molar at 512^3, a round burr of 20 voxels' radius, 4 deep, at 200 random "
       "poses\n"
-      "on the crown. The truth: the same voxels with the analytic normals at their foot points, "
-      "and\n"
+      "on the crown. The truth: the same voxels with the analytic normals at their closest "
+      "points, and\n"
       "depths there. Writes into the folder:\n"
       "  pareto.csv   force_error_pct: of a tick's force as it is, RMS; directions_error_pct: "
       "with\n"

@@ -345,8 +345,8 @@ std::string what_was_tried() {
              "no device.") +
          tag("dl", "\n" + methods) + "\n" +
          paragraph(
-             "The limits are for the method coupling, which is what the program does unless told "
-             "otherwise. The others stand beside it under the same limits, to show what they do. "
+             "The limits are for the method coupling, which is what the program does by "
+             "default. The others stand beside it under the same limits, to show what they do. "
              "Forces and steps are judged before they are clamped for the device.");
 }
 

@@ -140,13 +140,13 @@ std::span<const CaseText> case_texts() { return kCaseTexts; }
 std::span<const CaseText> other_texts() {
   static constexpr CaseText kTexts[] = {
       {"harness", "The loop that measures, checked",
-       "A simulation of a haptic loop can be wrong by itself, and then tells nothing of methods.",
+       "A simulation of a haptic loop can be wrong by itself, and then says nothing about methods.",
        "The simulated device is pushed against a plain wall, a spring and a damper, without "
        "friction or quantisation, and the stiffest wall at which it comes to rest is found.",
        "Within 2 % of the stiffness at which the spectral radius of the sampled system is one, and "
        "within 10 % of the delay rule where the wall has no damping; with damping the rule leaves "
-       "too much out, and is only told."},
-      {"pressed_off_axis", "A burr aslant turns the handle",
+       "too much out, and is only reported."},
+      {"pressed_off_axis", "A tilted burr turns the handle",
        "A tool of three degrees of freedom has no torques; one of six may turn back and forth.",
        "A round burr is pressed on a face at 30 degrees with its shank 15 degrees off the face's "
        "normal, on a device that renders torques and a hand that holds its direction by a spring.",
@@ -161,8 +161,8 @@ std::span<const CaseText> other_texts() {
        "cutting. A row has the worst of its settings.",
        "None through and none slid off; the handle shakes by less than a resolution over the last "
        "0.6 s (while cutting: about its own straight line); and from 1 N on at least 90 % of the "
-       "coupling's stiffness is felt, from first contact on (only told where a burr slides first, "
-       "of which that tells how far) and from 1 to 2 N."},
+       "coupling's stiffness is felt, from first contact on (only reported where a burr slides "
+       "first: it shows how far) and from 1 to 2 N."},
       {"coupled_tick", "What the coupling costs",
        "It evaluates the contact several times in a tick.",
        "Burrs with about 30 and 2,000 voxels in contact slide over a face at 1 to 20 mm/s; beside "
