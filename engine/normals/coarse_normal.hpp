@@ -12,7 +12,7 @@
 namespace sulcus {
 
 /// Minus the sum of unit vectors to the solid voxels within 2.5 of a voxel, index space, in whole
-/// parts of 1 / kCoarseUnit, so that it is exact in any order and equal shapes, mirrored ones too,
+/// parts of 1 / 120, so that it is exact in any order and equal shapes, mirrored ones too,
 /// have equal ones. Its largest component names the dominant axis. Zero where the solid around the
 /// voxel is symmetric (a lone voxel, a wall of one voxel). Pure, no allocation.
 Eigen::Vector3i coarse_normal(const Workpiece& workpiece, const Cell& voxel) noexcept;

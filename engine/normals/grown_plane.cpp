@@ -5,16 +5,13 @@
 #include <cassert>
 #include <cmath>
 
+#include "engine/normals/ldm_tuning.hpp"
 #include "engine/normals/map_kernels.hpp"
 #include "engine/normals/plane_solution.hpp"
 
 namespace sulcus {
 
 namespace {
-
-constexpr float kPlaneSlack = 0.1f;      // of a residual beyond half the cosine, voxels
-constexpr float kMostPlaneMean = 0.32f;  // of the residuals' root mean square, share of the cosine
-constexpr float kBeyond = 1.02f;         // the bound that residuals keep, of the largest of them
 
 /// Adds `share` of what a step's sums give. False where they give nothing, or too steep a
 /// plane.
@@ -71,14 +68,14 @@ void grow(std::span<PlaneGrowth> growths) {
   step(PlaneWeight::kTaper, 1.0f, [](const Growing& g) { return g.of->fit; });
   for (std::size_t k = 0; k < count; ++k) {
     Growing& g = growing[k];
-    if (g.of->fit) g.plane.slack = kPlaneSlack + 0.5f * g.plane.cosine;
+    if (g.of->fit) g.plane.slack = kGrownSlack + 0.5f * g.plane.cosine;
   }
   step(PlaneWeight::kQuartic, 1.0f / 3.0f, all);
   keep([&](Growing& g, const PlaneSums&) {
     PlaneLook look;
     kernels.look_at_plane(*g.of->map, g.plane, look);
-    const float mean = kMostPlaneMean * g.plane.cosine;
-    g.bound = std::max(kBeyond * look.residuals.largest, 0.5f * g.plane.cosine);
+    const float mean = kGrownRms * g.plane.cosine;
+    g.bound = std::max(kCentreBound * look.residuals.largest, 0.5f * g.plane.cosine);
     return look.count >= g.of->least &&
            look.residuals.sum_squares <= static_cast<float>(look.count) * mean * mean;
   });
@@ -100,7 +97,7 @@ HeightPlane plane_through(const Foot& foot, int stride, float excess) noexcept {
 }
 
 HeightPlane plane_to_grow(const HeightMap& map, const Foot& first) noexcept {
-  return plane_through(first, map.stride, kPlaneSlack);
+  return plane_through(first, map.stride, kGrownSlack);
 }
 
 void grow_planes(std::span<PlaneGrowth> growths) noexcept {

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "engine/normals/grown_plane.hpp"
+#include "engine/normals/ldm_tuning.hpp"
 #include "engine/normals/map_kernels.hpp"
 #include "engine/normals/plane_solution.hpp"
 
@@ -13,29 +14,13 @@ namespace sulcus {
 
 namespace {
 
-constexpr float kFewestPoints = 40;
-constexpr float kSlack = 0.4f;      // of a residual beyond half the cosine, voxels
-constexpr float kMostMean = 0.35f;  // of the residuals' root mean square, share of the cosine
-constexpr float kMostAway = 2.0f;  // of the first plane from the voxel: fitting again mends no more
-constexpr float kMostInside = -0.25f, kMostOutside = 1.0f;  // offset of the voxel's own face
-constexpr float kLeastCosine = 0.42f;                       // to the coarse normal
-constexpr float kPerPoint = 0.004f;                         // of the score, voxels
-constexpr int kFewestGrown = 12;
-// Of parts of balls: of how many halves, the best first, and of what is found in them that lies on
-// their first planes; how far behind the voxel the side begins, where the voxel is inside a face
-// and else, and radii, voxels; and what those are worth, of the score.
-constexpr std::size_t kMostCurved = 3;
-constexpr float kLeastShare = 0.8f;
-constexpr float kInside[] = {2.5f}, kBehind[] = {1.5f, 0.0f}, kCurvedRadii[] = {6.8f, 3.8f};
-constexpr float kPerBehind = 0.1f, kPerRadius = 0.05f;
-
 std::optional<HeightPlane> plane_of(const PlaneSums& s) {
-  if (s.n < kFewestPoints) return {};
+  if (s.n < kFewestInHalf) return {};
   const std::optional<PlaneSolution> twice = solve_plane(s);
   if (!twice) return {};
   HeightPlane plane{0.5f * twice->c0, 0.5f * twice->c1, 0.5f * twice->c2};
   plane.cosine = 1.0f / std::sqrt(1.0f + plane.c1 * plane.c1 + plane.c2 * plane.c2);
-  plane.slack = kSlack + 0.5f * plane.cosine;
+  plane.slack = kPlaneInHalf.beyond_half_cosine + 0.5f * plane.cosine;
   return plane;
 }
 
@@ -58,10 +43,10 @@ std::optional<Candidate> candidate_of(const HeightMap& map, int d, const PlaneSu
   if (!plane) return {};
   const Eigen::Vector3f normal(-plane->c1 * plane->cosine, -plane->c2 * plane->cosine,
                                plane->cosine);
-  if (normal.dot(coarse) < kLeastCosine) return {};
+  if (normal.dot(coarse) < kLeastCosineToCoarse) return {};
   const float offset = plane->cosine * plane->c0;
   if (offset < kMostInside || offset > kMostOutside) return {};
-  const float score = std::abs(offset) - kPerPoint * inliers.n;
+  const float score = std::abs(offset) - kScorePerColumn * inliers.n;
   return Candidate{
       d, *first, *plane, inliers.n, {{normal.x(), normal.y(), normal.z(), offset}, score}};
 }
@@ -70,16 +55,16 @@ std::optional<Candidate> candidate_of(const HeightMap& map, int d, const PlaneSu
 bool holds(const HeightMap& map, const Candidate& c) {
   Residuals residuals;
   map_kernels().plane_residuals(map, c.half, c.first, c.plane, residuals);
-  const float mean = kMostMean * c.plane.cosine;
+  const float mean = kPlaneInHalf.rms_by_cosine * c.plane.cosine;
   return residuals.largest <= c.plane.slack && residuals.sum_squares <= c.inliers * mean * mean;
 }
 
 /// The side that half `d` is on.
 MapSide side_of(int d, float behind) {
-  constexpr float kAslant = 0.70710678f;
+  constexpr float kDiagonal = 0.70710678f;
   constexpr float kRays[kHalves][2] = {
-      {1.0f, 0.0f},  {kAslant, kAslant},   {0.0f, 1.0f},  {-kAslant, kAslant},
-      {-1.0f, 0.0f}, {-kAslant, -kAslant}, {0.0f, -1.0f}, {kAslant, -kAslant}};
+      {1.0f, 0.0f},  {kDiagonal, kDiagonal},   {0.0f, 1.0f},  {-kDiagonal, kDiagonal},
+      {-1.0f, 0.0f}, {-kDiagonal, -kDiagonal}, {0.0f, -1.0f}, {kDiagonal, -kDiagonal}};
   return {kRays[d][0], kRays[d][1], behind};
 }
 
@@ -93,8 +78,8 @@ struct CurvedSide {
 /// Looks for one radius at the sides that nothing has explained, side by side.
 void look_at_sides(const HeightMap& map, const Eigen::Vector3f& coarse, float behind, float radius,
                    std::span<CurvedSide> sides, TiltedFitter& fitter) {
-  std::array<TiltedFit, kMostCurved> fits;
-  std::array<CurvedSide*, kMostCurved> of;
+  std::array<TiltedFit, kMostSides> fits;
+  std::array<CurvedSide*, kMostSides> of;
   std::size_t count = 0;
   for (CurvedSide& side : sides) {
     if (side.settled) continue;
@@ -112,11 +97,12 @@ void look_at_sides(const HeightMap& map, const Eigen::Vector3f& coarse, float be
     of[k]->settled = true;
     const Foot& foot = *fits[k].foot;
     const Eigen::Vector3f normal(foot.normal_x, foot.normal_y, foot.normal_z);
-    if (normal.dot(coarse) < kLeastCosine || foot.offset < kMostInside ||
+    if (normal.dot(coarse) < kLeastCosineToCoarse || foot.offset < kMostInside ||
         foot.offset > kMostOutside) {
       continue;
     }
-    of[k]->disc = {foot, std::abs(foot.offset) - kPerBehind * behind - kPerRadius * radius};
+    of[k]->disc = {foot,
+                   std::abs(foot.offset) - kScorePerBehind * behind - kScorePerRadius * radius};
   }
 }
 
@@ -127,7 +113,7 @@ void find_curved(const HeightMap& map, const Eigen::Vector3f& coarse,
                  TiltedFitter& fitter) {
   for (const float behind : behinds) {
     for (CurvedSide& side : sides) side.settled = side.disc.has_value();
-    for (const float radius : kCurvedRadii) {
+    for (const float radius : kSideRadii) {
       look_at_sides(map, coarse, behind, radius, sides, fitter);
     }
   }
@@ -157,10 +143,10 @@ std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vec
   // like, so that it changes no other answer.
   bool any = false;
   const auto curved_sides = [&](std::span<const float> behinds) {
-    std::array<CurvedSide, kMostCurved> sides;
+    std::array<CurvedSide, kMostSides> sides;
     std::size_t count = 0;
     for (auto c = candidates.begin(); c != end && count < sides.size(); ++c) {
-      if (c->inliers < kLeastShare * halves[static_cast<std::size_t>(c->half)].n) continue;
+      if (c->inliers < kLeastShareInHalf * halves[static_cast<std::size_t>(c->half)].n) continue;
       sides[count++].candidate = &*c;
     }
     find_curved(map, coarse, behinds, std::span(sides).first(count), fitter);
@@ -176,21 +162,21 @@ std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vec
     return nearest;
   };
   if (inside) {
-    const std::optional<HalfDisc> nearest = curved_sides(kInside);
+    const std::optional<HalfDisc> nearest = curved_sides(kBehindInside);
     if (any) return nearest;
   }
   for (auto c = candidates.begin(); c != end; ++c) {
     if (!holds(map, *c)) continue;
     any = true;
     HalfDisc disc = c->disc;
-    if (const std::optional<Foot> face = grow_plane(map, disc.foot, kFewestGrown, true)) {
+    if (const std::optional<Foot> face = grow_plane(map, disc.foot, kFewestOnGrown, true)) {
       disc.foot = *face;
     }
     const Eigen::Vector3f normal(disc.foot.normal_x, disc.foot.normal_y, disc.foot.normal_z);
     if (!(normal.dot(outward) < 0.0f)) return disc;
   }
   if (any) return {};
-  return curved_sides(kBehind);
+  return curved_sides(kBehindElse);
 }
 
 }  // namespace sulcus

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "engine/normals/ldm_tuning.hpp"
 #include "engine/volume/column_bits.hpp"
 
 namespace sulcus {
@@ -13,13 +14,7 @@ inline constexpr int kMaxNeighbourhood = 12;
 /// Largest trace: heights that a 32-bit window around the voxel holds, with the steps around them.
 inline constexpr int kMaxTrace = 13;
 
-/// Columns farther out than this from the column before are not followed, voxels.
-inline constexpr int kMaxStep = 2;
-/// |z(p) + z(-p) - 2 z(0)| within an even window of a map, voxels: a test blind to tilt. Of many
-/// rings less: an edge that only the outer ones reach is still little out of line, and tilts the
-/// fit (of ldm_fast by 1.17 degrees in the mean on the molar with 3 throughout, 1.13 with 2; with 2
-/// throughout the torus loses what the molar gains).
-inline constexpr int kMostUneven = 3, kMostUnevenOfMany = 2, kManyRings = 5;
+/// |z(p) + z(-p) - 2 z(0)| within an even window of so many rings, at most, voxels.
 constexpr int most_uneven(int rings) {
   return rings < kManyRings ? kMostUneven : kMostUnevenOfMany;
 }
@@ -50,6 +45,12 @@ struct HeightMap {
   [[gnu::always_inline]] int at(int i, int j) const {
     return height[static_cast<std::size_t>(place(i, j))];
   }
+};
+
+/// Which columns of a map its quadric is fitted to.
+enum class FitWindow : std::uint8_t {
+  kEvenRings,  // those in which opposite heights are in line (even_rings)
+  kWholeMap,   // all, where all were found
 };
 
 /// Lanes of a map's rows: as few as hold its columns and the one before them.

@@ -30,12 +30,6 @@ struct HeightTile {
   struct Column {
     signed char height, highest, lowest;
     std::uint8_t even_rings;
-
-    bool has_map(int w, int trace) const {
-      const int above = height - w, reach = trace < kReach ? trace : kReach;
-      return above >= -kMaxStep && above <= kMaxStep && highest - w <= reach &&
-             lowest - w >= -reach;
-    }
   };
   static constexpr Column kUnsound{0, 127, 0, 0};
 
@@ -53,7 +47,6 @@ struct HeightTile {
   /// Of the map about a column: as HeightMap's, of 16 lanes, kLanes to the next.
   const signed char* middle_row(int u, int v) const { return height[ns + v] + u; }
   int at(int u, int v) const { return height[ns + v][kMargin + u]; }
-  const Column& column(int u, int v) const { return columns[v * kEdge + u]; }
   /// Sums of the whole map about a column.
   QuadricSums sums_of(unsigned column) const {
     const auto& row = sums[column / kEdge];
@@ -62,9 +55,6 @@ struct HeightTile {
     return of;
   }
   bool is_sound(int u, int v) const { return (sound[v] >> u & 1) != 0; }
-  /// Whether the map of the voxel at (u, v, w) in the leaf can be cut out: whole, and its heights
-  /// within `trace`.
-  bool has_map(int u, int v, int w, int trace) const { return column(u, v).has_map(w, trace); }
 };
 
 }  // namespace sulcus

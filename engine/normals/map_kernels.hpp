@@ -11,8 +11,7 @@ namespace sulcus {
 /// Where a voxel stands in the windows of its columns: bit kLevel of column (0, 0) is its own.
 inline constexpr int kLevel = 16;
 
-/// 1 / distance by its square, times kCoarseUnit, in whole numbers that a byte holds twice over.
-inline constexpr int kCoarseUnit = 120;
+/// 120 / distance by its square, in integers below 128.
 inline constexpr std::array<int, 7> kCoarseWeight{0, 120, 85, 69, 60, 54, 49};
 
 /// Eight fits of maps, and the surfaces that they tell, side by side.
@@ -37,8 +36,8 @@ struct alignas(32) SurfaceGroup {
   // Filled in:
   float c[kQuadric][kSize], t_x[kSize], t_y[kSize], quartic[kSize];
   float normal_x[kSize], normal_y[kSize], normal_z[kSize], offset[kSize];
-  // By `feet` and `sharpen_group`: the normal in index space; by the latter whether (-1) it points
-  // away from neither the coarse one nor what the tool has to say.
+  // The normal in index space; by `sharpen_group` whether (-1) it is consistent: points away from
+  // neither the coarse one nor the tool hint.
   float index_normal[3][kSize];
   std::int32_t stands[kSize];
   float bend[kSize];  // of the surface across itself, a column out
@@ -178,8 +177,6 @@ struct HeightPlane {
   float cosine = 1;
   float slack = 0;
 };
-/// Columns that were not found are off every plane that is no steeper over the columns.
-inline constexpr float kLeastPlaneCosine = 0.2f;
 
 /// What a column on a plane counts when the plane is fitted again, by its residual r across it.
 enum class PlaneWeight : std::uint8_t {
@@ -207,95 +204,97 @@ struct TileMaps {
 /// of heights are whole numbers, sums in single precision run in 8 lanes that are added up in one
 /// order. Pure, no allocation.
 struct MapKernels {
-  const char* name;
+  const char* name = "";
 
   /// Sums of offset over distance of the solid voxels within 2.5 of each of so many voxels, times
-  /// kCoarseUnit, by axis; `rows` are the windows along x about it, bit 0 two voxels below.
+  /// 120, by axis; `rows` are the windows along x about it, bit 0 two voxels below.
   void (*coarse)(const ColumnBits::Windows* rows, std::size_t count,
-                 std::array<std::int32_t, 3>* sums) noexcept;
+                 std::array<std::int32_t, 3>* sums) noexcept = nullptr;
 
-  /// Traces a map from the columns around a voxel (ColumnBits::around, the voxel at kLevel). The
-  /// middle row is traced outward from the voxel's own column, the others outward from it row by
-  /// row: a column starts at its inner neighbour's height and takes the surface nearest to it, the
-  /// outer one of two, at most kMaxStep away, so that the map follows the surface down slopes and
-  /// does not jump to the far side of a thin wall.
-  void (*trace)(const ColumnBits::Windows& columns, int trace, HeightMap& map) noexcept;
-  /// The same of several maps of one neighbourhood and stride 1; at least one.
-  void (*trace_all)(const ColumnBits::Windows* columns, std::size_t count, int trace,
-                    HeightMap* maps) noexcept;
+  /// Traces so many maps, at least one, of one neighbourhood and stride, each from the columns
+  /// around its voxel (ColumnBits::around, the voxel at kLevel). The middle row is traced outward
+  /// from the voxel's own column, the others outward from it row by row: a column starts at its
+  /// inner neighbour's height and takes the surface nearest to it, the outer one of two, at most
+  /// kMaxStep away, so that the map follows the surface down slopes and does not jump to the far
+  /// side of a thin wall.
+  void (*trace)(const ColumnBits::Windows* columns, std::size_t count, int trace,
+                HeightMap* maps) noexcept = nullptr;
 
   /// Reads a tile from the columns about a leaf (its lowest layer at kBelow), `tile.ns` and `.sign`
   /// set.
-  void (*tile)(const ColumnBits::Windows& columns, HeightTile& tile) noexcept;
+  void (*tile)(const ColumnBits::Windows& columns, HeightTile& tile) noexcept = nullptr;
   /// Cuts the map of the voxel at (u, v, w) in the leaf out of a tile: what `trace` would give,
   /// down to the last bit. False where the tile cannot tell; then the map is not filled in.
-  bool (*cut)(const HeightTile& tile, int u, int v, int w, int trace, HeightMap& map) noexcept;
+  bool (*cut)(const HeightTile& tile, int u, int v, int w, int trace,
+              HeightMap& map) noexcept = nullptr;
 
   /// The filter's sums over the rows of a map, `pitch` from one to the next; `middle` begins the
   /// one through the voxel, `filter.lanes` / 2 lanes before it. What the filter does not weigh may
   /// be anything.
   void (*fit)(const signed char* middle, std::ptrdiff_t pitch, const QuadricFilter& filter,
-              QuadricSums& sums) noexcept;
+              QuadricSums& sums) noexcept = nullptr;
 
   /// Coarse normals of so many voxels, 1 to 64, in their groups, of the tool where the solid has
   /// none; the axis and sign of their maps, and where they are in their tiles. A bit for each that
   /// has a side, and for none beyond them.
-  std::uint64_t (*aim)(SurfaceGroup* groups, std::size_t voxels) noexcept;
+  std::uint64_t (*aim)(SurfaceGroup* groups, std::size_t voxels) noexcept = nullptr;
   /// Heights at the centres, from the columns of so many groups' voxels in their tiles, and which
   /// of the voxels are of the leaf that begins at `origin` and have maps of at least so many even
   /// rings.
   TileMaps (*look_up)(const HeightTile::Column* columns, const std::int32_t* origin, int ns,
-                      int trace, int least_rings, SurfaceGroup* groups, std::size_t count) noexcept;
+                      int trace, int least_rings, SurfaceGroup* groups,
+                      std::size_t count) noexcept = nullptr;
 
-  /// Surfaces and feet of eight fits, `stride` voxels between their columns.
-  void (*surfaces)(SurfaceGroup& group, int stride) noexcept;
-  /// Feet, the normals in index space, and bends of so many groups of stride 1, up to eight. A bit
-  /// for each that stands.
-  std::uint64_t (*feet)(SurfaceGroup* groups, std::size_t count) noexcept;
+  /// Surfaces of stride 1 of so many groups, up to eight: their feet, normals in index space and
+  /// bends. A bit for each whose normal is consistent.
+  std::uint64_t (*surfaces)(SurfaceGroup* groups, std::size_t count) noexcept = nullptr;
 
   /// Residuals of surfaces of stride 1 over their whole maps, as `map_residuals`; `which` has a bit
   /// for each that is asked for.
-  void (*group_residuals)(const MapRows* maps, unsigned which, SurfaceGroup& group) noexcept;
+  void (*group_residuals)(const MapRows* maps, unsigned which,
+                          SurfaceGroup& group) noexcept = nullptr;
   /// Surfaces of stride 1 sharpened by their residuals, their feet and bends, and which stand.
-  void (*sharpen_group)(SurfaceGroup& group) noexcept;
+  void (*sharpen_group)(SurfaceGroup& group) noexcept = nullptr;
 
   /// Largest (height - surface)^2 over a whole map, voxels^2, the surface without its quartic part,
   /// and sums of the cubes of such residuals.
   float (*map_residuals)(const MapRows& map, const ColumnQuadric& surface,
-                         ResidualCubes& cubes) noexcept;
+                         ResidualCubes& cubes) noexcept = nullptr;
 
   /// Sums over the columns within 3.6 voxels of the voxel, in space.
-  void (*close_sums)(const HeightMap& map, PlaneSums& sums) noexcept;
+  void (*close_sums)(const HeightMap& map, PlaneSums& sums) noexcept = nullptr;
 
   /// Sums over all columns of a map that lie on a plane (no steeper than kLeastPlaneCosine): of
   /// their weights, and in place of z of the right side, so that their solution is to be added to
   /// the plane, across it. `bound`, for kInterior: above all their residuals.
   void (*plane_step)(const HeightMap& map, const HeightPlane& plane, PlaneWeight weight,
-                     float bound, PlaneSums& sums) noexcept;
-  void (*look_at_plane)(const HeightMap& map, const HeightPlane& plane, PlaneLook& look) noexcept;
+                     float bound, PlaneSums& sums) noexcept = nullptr;
+  void (*look_at_plane)(const HeightMap& map, const HeightPlane& plane,
+                        PlaneLook& look) noexcept = nullptr;
 
   /// Sums over the halves of the disc.
-  void (*halves)(const HeightMap& map, std::array<PlaneSums, kHalves>& sums) noexcept;
+  void (*halves)(const HeightMap& map, std::array<PlaneSums, kHalves>& sums) noexcept = nullptr;
   /// Of a half, what lies on a plane.
   void (*on_plane)(const HeightMap& map, int half, const HeightPlane& plane,
-                   PlaneSums& sums) noexcept;
+                   PlaneSums& sums) noexcept = nullptr;
   /// Residuals across `plane`, voxels, of what lies on `first`.
   void (*plane_residuals)(const HeightMap& map, int half, const HeightPlane& first,
-                          const HeightPlane& plane, Residuals& residuals) noexcept;
+                          const HeightPlane& plane, Residuals& residuals) noexcept = nullptr;
 
-  void (*gather)(const HeightMap& map, const TiltedFrame& frame, TiltedPoints& points) noexcept;
-  void (*moments)(const TiltedPoints& points, TiltedMoments& moments) noexcept;
+  void (*gather)(const HeightMap& map, const TiltedFrame& frame,
+                 TiltedPoints& points) noexcept = nullptr;
+  void (*moments)(const TiltedPoints& points, TiltedMoments& moments) noexcept = nullptr;
   /// In units of the radius.
   void (*residuals)(const TiltedPoints& points, const Quadric& quadric,
-                    Residuals& residuals) noexcept;
+                    Residuals& residuals) noexcept = nullptr;
   /// Takes a quadric off the points, and weighs each by the square of what is left besides.
-  void (*sharpen_points)(const Quadric& quadric, TiltedPoints& points) noexcept;
+  void (*sharpen_points)(const Quadric& quadric, TiltedPoints& points) noexcept = nullptr;
   /// Quadrics and planes from the moments, less what quantisation adds to these; quadrics of
   /// sharpened points.
-  void (*solve_quantised)(TiltedGroup& group) noexcept;
-  void (*solve_sharpened)(TiltedGroup& group) noexcept;
+  void (*solve_quantised)(TiltedGroup& group) noexcept = nullptr;
+  void (*solve_sharpened)(TiltedGroup& group) noexcept = nullptr;
   /// Of the voxels' centres on the quadrics of a group.
-  void (*tilted_feet)(TiltedGroup& group) noexcept;
+  void (*tilted_feet)(TiltedGroup& group) noexcept = nullptr;
 };
 
 /// Compiled for a set; null where the processor or the build has none.

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 
 #include <Eigen/Core>
@@ -20,13 +19,6 @@ struct MapAxes {
   int first() const { return axis == 2 ? 0 : axis + 1; }
   int second() const { return axis == 0 ? 2 : axis - 1; }
 };
-
-/// The axis of the largest component of a direction out of the solid, the first of two.
-inline MapAxes dominant_axes(const Eigen::Vector3f& outward) noexcept {
-  const float x = std::abs(outward.x()), y = std::abs(outward.y()), z = std::abs(outward.z());
-  const int axis = z > x && z > y ? 2 : y > x ? 1 : 0;
-  return {axis, outward[axis] > 0.0f ? 1 : -1};
-}
 
 /// A direction of index space, told in map space, and back.
 inline Eigen::Vector3f to_map_space(const Eigen::Vector3f& v, const MapAxes& axes) noexcept {

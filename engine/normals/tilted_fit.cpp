@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "engine/normals/grown_plane.hpp"
+#include "engine/normals/ldm_tuning.hpp"
 #include "engine/normals/map_kernels.hpp"
 #include "engine/normals/plane_solution.hpp"
 
@@ -15,17 +16,6 @@ namespace sulcus {
 namespace {
 
 using Eigen::Vector3f;
-
-constexpr int kFewestPoints = 12;
-constexpr float kFewestClose = 5.0f;
-constexpr float kLeastGrown = 0.8f;  // of the points in the ball
-// Of residuals across the surface. Quantisation alone gives half the cosine of the tilt at most,
-// and 0.289 of it on average.
-struct Tolerance {
-  float beyond_half_cosine;  // of the largest, voxels
-  float mean;                // of the root mean square, share of the cosine
-};
-constexpr Tolerance kPlane{0.15f, 0.32f}, kCurved{0.27f, 0.35f};
 
 TiltedFrame frame_of(const Vector3f& normal, float radius, const MapSide& side) {
   // The first axis across the rows, so that one component is zero.
@@ -39,11 +29,12 @@ TiltedFrame frame_of(const Vector3f& normal, float radius, const MapSide& side) 
 }
 
 bool explains(const Quadric& c, const TiltedPoints& points, const TiltedFrame& frame,
-              const Tolerance& tolerance) {
+              const ResidualTolerance& tolerance) {
   Residuals residuals;
   map_kernels().residuals(points, c, residuals);
   const float cosine = frame.n[2];
-  const float mean_square = tolerance.mean * std::max(cosine, 0.2f) / frame.radius;
+  const float mean_square =
+      tolerance.rms_by_cosine * std::max(cosine, kLeastPlaneCosine) / frame.radius;
   return residuals.largest * frame.radius <= tolerance.beyond_half_cosine + 0.5f * cosine &&
          residuals.sum_squares <= static_cast<float>(points.count) * mean_square * mean_square;
 }
@@ -75,12 +66,12 @@ void TiltedFitter::gather(std::span<const TiltedFit> fits) noexcept {
 
 TiltedFitter::Found TiltedFitter::judge(std::size_t k) noexcept {
   const auto lane = static_cast<int>(k);
-  if (points_[k].count < kFewestPoints || group_.has_quadric[k] == 0 ||
-      !explains(group_.quadric_at(lane), points_[k], frames_[k], kCurved)) {
+  if (points_[k].count < kFewestPointsInBall || group_.has_quadric[k] == 0 ||
+      !explains(group_.quadric_at(lane), points_[k], frames_[k], kQuadricInBall)) {
     return Found::kNothing;
   }
   const Quadric plane{group_.plane[0][k], group_.plane[1][k], group_.plane[2][k]};
-  if (group_.has_plane[k] == 0 || !explains(plane, points_[k], frames_[k], kPlane)) {
+  if (group_.has_plane[k] == 0 || !explains(plane, points_[k], frames_[k], kPlaneInBall)) {
     return Found::kCurved;
   }
   group_.put_quadric(lane, plane);
@@ -127,7 +118,7 @@ void TiltedFitter::fit_eight(std::span<TiltedFit> fits) noexcept {
     if (found[k] == Found::kNothing) continue;
     fit.foot = group_.foot(static_cast<int>(k));
     if (found[k] != Found::kFlat) continue;
-    const auto least = static_cast<int>(kLeastGrown * static_cast<float>(points_[k].count));
+    const auto least = static_cast<int>(kLeastShareGrown * static_cast<float>(points_[k].count));
     if (const auto face = grow_plane(*fit.map, *fit.foot, least, true)) fit.foot = face;
   }
 }

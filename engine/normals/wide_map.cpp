@@ -3,15 +3,9 @@
 #include <span>
 
 #include "engine/normals/grown_plane.hpp"
+#include "engine/normals/ldm_tuning.hpp"
 
 namespace sulcus {
-
-namespace {
-
-constexpr float kLeastOfFace = 0.6f;  // of all columns
-constexpr float kMostOff = 0.8f;  // of columns from the first plane, beyond quantisation, voxels
-
-}  // namespace
 
 void trace_wide(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes,
                 int neighbourhood, int trace, HeightMap& map) noexcept {
@@ -35,10 +29,10 @@ std::optional<Foot> face_over(const HeightMap& wide, const Foot& first) noexcept
        std::span(wide.height).first(rows * static_cast<std::size_t>(wide.lanes))) {
     found += height != HeightMap::kNone ? 1 : 0;
   }
-  if (static_cast<float>(found) < kLeastOfFace * static_cast<float>(rows * rows)) return {};
+  if (static_cast<float>(found) < kLeastShareFound * static_cast<float>(rows * rows)) return {};
   if (first.normal_z < kLeastPlaneCosine) return {};
   // Most that is no face can be told from where it begins.
-  const HeightPlane near = plane_through(first, wide.stride, kMostOff);
+  const HeightPlane near = plane_through(first, wide.stride, kMostOffFirstPlane);
   PlaneLook look;
   map_kernels().look_at_plane(wide, near, look);
   if (look.count < found) return {};

@@ -3,7 +3,8 @@
 #include <cmath>
 #include <optional>
 
-#include "engine/normals/map_group.hpp"
+#include "engine/normals/ldm_tuning.hpp"
+#include "engine/normals/map_batch.hpp"
 #include "engine/normals/quadric_filter.hpp"
 
 namespace sulcus {
@@ -16,16 +17,16 @@ void trace_wide(const Workpiece& workpiece, const Cell& voxel, const MapAxes& ax
 /// The surface of a whole map, by its filter.
 ColumnQuadric fit_whole(const HeightMap& map, const QuadricFilter& filter) noexcept;
 
-inline constexpr float kMostWideBend = 0.1f;  // of a face across itself, half a map out, voxels
-/// Whether a wide map's surface bends by no more than so many voxels across itself, half a map out.
-inline bool bends_by_no_more(float most, const ColumnQuadric& surface, const Foot& foot,
-                             int neighbourhood) {
+/// Whether a wide map's surface departs from a plane by at most so much across itself, half a map
+/// out.
+inline bool is_curved_at_most(float most, const ColumnQuadric& surface, const Foot& foot,
+                              int neighbourhood) {
   const float bends =
       std::abs(surface.c[3]) + std::abs(surface.c[4]) + std::abs(surface.c[5]);  // a column out
   return bends * foot.normal_z <= most / static_cast<float>(neighbourhood * neighbourhood);
 }
 inline bool is_face(const ColumnQuadric& surface, const Foot& foot, int neighbourhood) {
-  return bends_by_no_more(kMostWideBend, surface, foot, neighbourhood);
+  return is_curved_at_most(kWideCurvature, surface, foot, neighbourhood);
 }
 
 /// The face that all columns of a wide map lie on that were found, from a plane near to it: those

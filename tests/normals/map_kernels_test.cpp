@@ -23,8 +23,8 @@ TEST_P(MapKernelsTest, TracesAreTheSameBitForBit) {
         if (stride == 2 && ns > 7) continue;
         for (const int trace : {5, 12, kMaxTrace}) {
           HeightMap a = ask(ns, stride, sign), b = a;
-          plain_->trace(columns, trace, a);
-          fast_->trace(columns, trace, b);
+          trace_one(*plain_, columns, trace, a);
+          trace_one(*fast_, columns, trace, b);
           ASSERT_EQ(a.lanes, b.lanes);
           ASSERT_EQ(a.whole_rings, b.whole_rings);
           ASSERT_EQ(a.even_rings, b.even_rings);
@@ -53,10 +53,10 @@ TEST_P(MapKernelsTest, MapsTracedTogetherAreThoseTracedOneByOne) {
       for (const std::size_t count : {std::size_t{1}, std::size_t{9}, columns.size()}) {
         std::vector<HeightMap> maps;
         for (std::size_t k = 0; k < count; ++k) maps.push_back(ask(ns, 1, signs[k]));
-        fast_->trace_all(columns.data(), count, 12, maps.data());
+        fast_->trace(columns.data(), count, 12, maps.data());
         for (std::size_t k = 0; k < count; ++k) {
           HeightMap one = ask(ns, 1, signs[k]);
-          plain_->trace(columns[k], 12, one);
+          trace_one(*plain_, columns[k], 12, one);
           ASSERT_EQ(maps[k].whole_rings, one.whole_rings);
           ASSERT_EQ(maps[k].even_rings, one.even_rings);
           const auto size = static_cast<std::size_t>((2 * ns + 1) * one.lanes);
@@ -75,7 +75,7 @@ TEST_P(MapKernelsTest, AMapIsWhatAWalkOverTheVoxelsFinds) {
   const Workpiece workpiece{VoxelModel(model)};
   for (const MapKernels* kernels : {plain_, fast_}) {
     HeightMap map = ask(6, 1, 1);
-    kernels->trace(windows(workpiece, {24, 24, 20}, 2), 12, map);
+    trace_one(*kernels, windows(workpiece, {24, 24, 20}, 2), 12, map);
     for (int i = -6; i <= 6; ++i) {
       for (int j = -6; j <= 2; ++j) EXPECT_EQ(map.at(i, j), (24 + i) / 2 - 12) << i << " " << j;
       for (int j = 3; j <= 6; ++j) EXPECT_EQ(map.at(i, j), HeightMap::kNone) << i << " " << j;
@@ -88,7 +88,7 @@ TEST_P(MapKernelsTest, FitsAndResidualsAreTheSameBitForBit) {
   for_maps([&](const ColumnBits::Windows& columns, int sign) {
     for (const int ns : {3, 6, 12}) {
       HeightMap map = ask(ns, 1, sign);
-      plain_->trace(columns, 12, map);
+      trace_one(*plain_, columns, 12, map);
       if (map.whole_rings < 1) continue;
       QuadricSums a, b;
       const QuadricFilter& filter = quadric_filter(map.whole_rings, map.lanes);
@@ -158,7 +158,8 @@ TEST_P(MapKernelsTest, MapsCutOutOfATileAreTheTracedOnesBitForBit) {
       const Cell origin = c.array() / kLeafEdge * kLeafEdge;
       for (int n = 0; n < 6; ++n) {
         const MapAxes axes{n / 2, n % 2 == 0 ? 1 : -1};
-        const Eigen::Vector3i at = in_tile(c, axes);
+        const int u = c[axes.first()] % kLeafEdge, v = c[axes.second()] % kLeafEdge,
+                  w = c[axes.axis] % kLeafEdge;
         // Each ns at a third of the voxels.
         const int ns = 6 - static_cast<int>(c.sum() % 4), trace = n % 3 == 0 ? 5 : kMaxTrace;
         const ColumnBits::Windows about_leaf =
@@ -169,24 +170,28 @@ TEST_P(MapKernelsTest, MapsCutOutOfATileAreTheTracedOnesBitForBit) {
         plain.sign = fast.sign = axes.sign;
         plain_->tile(about_leaf, plain);
         fast_->tile(about_leaf, fast);
-        for (int v = 0; v < HeightTile::kEdge; ++v) {
-          ASSERT_EQ(plain.sound[v], fast.sound[v]);
-          for (int u = 0; u < HeightTile::kEdge; ++u) {
-            for (std::size_t f = 0; plain.is_sound(u, v) && f < kQuadric; ++f) {
-              ASSERT_EQ(plain.sums[v][f][u], fast.sums[v][f][u]) << ns << " " << f;
+        for (int j = 0; j < HeightTile::kEdge; ++j) {
+          ASSERT_EQ(plain.sound[j], fast.sound[j]);
+          for (int i = 0; i < HeightTile::kEdge; ++i) {
+            for (std::size_t f = 0; plain.is_sound(i, j) && f < kQuadric; ++f) {
+              ASSERT_EQ(plain.sums[j][f][i], fast.sums[j][f][i]) << ns << " " << f;
             }
           }
         }
         HeightMap traced = ask(ns, 1, axes.sign);
-        plain_->trace(windows(workpiece, c, axes.axis), trace, traced);
+        trace_one(*plain_, windows(workpiece, c, axes.axis), trace, traced);
         for (const MapKernels* kernels : {plain_, fast_}) {
           ++all;
           HeightMap map = ask(ns, 1, axes.sign);
-          const bool is_cut = kernels->cut(plain, at.x(), at.y(), at.z(), trace, map);
+          const bool is_cut = kernels->cut(plain, u, v, w, trace, map);
           for (const HeightTile* tile : {&plain, &fast}) {
-            ASSERT_EQ(tile->has_map(at.x(), at.y(), at.z(), trace), is_cut) << kernels->name;
+            const HeightTile::Column& column = tile->columns[v * HeightTile::kEdge + u];
+            const int reach = std::min(trace, HeightTile::kReach);
+            const bool has_map = std::abs(column.height - w) <= kMaxStep &&
+                                 column.highest - w <= reach && column.lowest - w >= -reach;
+            ASSERT_EQ(has_map, is_cut) << kernels->name;
             if (!is_cut) continue;
-            ASSERT_EQ(tile->column(at.x(), at.y()).even_rings, map.even_rings);
+            ASSERT_EQ(column.even_rings, map.even_rings);
           }
           if (!is_cut) continue;
           ++cut;
@@ -200,8 +205,8 @@ TEST_P(MapKernelsTest, MapsCutOutOfATileAreTheTracedOnesBitForBit) {
           const QuadricFilter& filter = quadric_filter(ns, map.lanes);
           QuadricSums sums, tile_sums;
           plain_->fit(traced.middle_row(), traced.lanes, filter, sums);
-          for (std::size_t f = 0; f < kQuadric; ++f) tile_sums[f] = plain.sums[at.y()][f][at.x()];
-          const int level = traced.at(0, 0), height = plain.at(at.x(), at.y());
+          for (std::size_t f = 0; f < kQuadric; ++f) tile_sums[f] = plain.sums[v][f][u];
+          const int level = traced.at(0, 0), height = plain.at(u, v);
           ASSERT_EQ(quadric_of(sums, level, level, axes.sign, filter.solution),
                     quadric_of(tile_sums, height, level, axes.sign, filter.solution));
         }
@@ -216,7 +221,7 @@ TEST_P(MapKernelsTest, HalfDiscsAreThePixelsOnOneSideAndTheSameBitForBit) {
   for_maps([&](const ColumnBits::Windows& columns, int sign) {
     for (const int ns : {4, 6, 12}) {
       HeightMap map = ask(ns, 1, sign);
-      plain_->trace(columns, 12, map);
+      trace_one(*plain_, columns, 12, map);
       std::array<PlaneSums, kHalves> a, b;
       plain_->halves(map, a);
       fast_->halves(map, b);
@@ -264,7 +269,7 @@ TEST_P(MapKernelsTest, StepsOfAPlaneAreTheColumnsOnItAndTheSameBitForBit) {
   for_maps([&](const ColumnBits::Windows& columns, int sign) {
     for (const int ns : {4, 6, 12}) {
       HeightMap map = ask(ns, 1, sign);
-      plain_->trace(columns, 12, map);
+      trace_one(*plain_, columns, 12, map);
       const HeightPlane plane{0.4f, 0.3f, -0.2f, 0.94f, 0.57f};
       constexpr float kBound = 0.6f;
       PlaneLook look, same_look;
@@ -311,7 +316,7 @@ TEST_P(MapKernelsTest, ClosePointsAreThoseOfTheBallAndTheSameBitForBit) {
   for_maps([&](const ColumnBits::Windows& columns, int sign) {
     for (const int ns : {2, 6, 12}) {
       HeightMap map = ask(ns, 1, sign);
-      plain_->trace(columns, 12, map);
+      trace_one(*plain_, columns, 12, map);
       PlaneSums a, b;
       plain_->close_sums(map, a);
       fast_->close_sums(map, b);

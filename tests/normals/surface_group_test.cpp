@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "engine/normals/coarse_normal.hpp"
-#include "engine/normals/map_group.hpp"
+#include "engine/normals/map_batch.hpp"
 #include "tests/support/map_kernels_fixture.hpp"
 
 namespace sulcus {
@@ -29,97 +29,98 @@ TEST_P(SurfaceGroupTest, SurfacesOfAGroupAreThoseOfEachOfIts) {
     }
     a.put(k, sums[k], k - 3, 2 * k - 5, k % 2 == 0 ? 1 : -1, filter_of(k));
   }
-  for (const int stride : {1, 2}) {
-    SurfaceGroup b = a;
-    plain_->surfaces(a, stride);
-    fast_->surfaces(b, stride);
-    for (int k = 0; k < SurfaceGroup::kSize; ++k) {
-      const QuadricFilter& filter = filter_of(k);
-      const ColumnQuadric one = column_quadric(
-          quadric_of(sums[k], k - 3, 2 * k - 5, k % 2 == 0 ? 1 : -1, filter.solution),
-          filter.answers, static_cast<float>(stride));
-      const Foot foot = foot_of(one);
-      for (const SurfaceGroup* group : {&a, &b}) {
-        EXPECT_EQ(group->surface(k).c, one.c);
-        EXPECT_EQ(group->surface(k).t_x, one.t_x);
-        EXPECT_EQ(group->surface(k).t_y, one.t_y);
-        EXPECT_EQ(group->surface(k).quartic, one.quartic);
-        EXPECT_EQ(group->foot(k).normal_x, foot.normal_x);
-        EXPECT_EQ(group->foot(k).normal_y, foot.normal_y);
-        EXPECT_EQ(group->foot(k).normal_z, foot.normal_z);
-        EXPECT_EQ(group->foot(k).offset, foot.offset);
-      }
+  SurfaceGroup b = a;
+  plain_->surfaces(&a, 1);
+  fast_->surfaces(&b, 1);
+  std::vector<ResidualCubes> cubes(SurfaceGroup::kSize);
+  std::vector<ColumnQuadric> before;
+  for (int k = 0; k < SurfaceGroup::kSize; ++k) {
+    const QuadricFilter& filter = filter_of(k);
+    const ColumnQuadric one =
+        column_quadric(quadric_of(sums[k], k - 3, 2 * k - 5, k % 2 == 0 ? 1 : -1, filter.solution),
+                       filter.answers, 1.0f);
+    const Foot foot = foot_of(one);
+    for (const SurfaceGroup* group : {&a, &b}) {
+      EXPECT_EQ(group->surface(k).c, one.c);
+      EXPECT_EQ(group->surface(k).t_x, one.t_x);
+      EXPECT_EQ(group->surface(k).t_y, one.t_y);
+      EXPECT_EQ(group->surface(k).quartic, one.quartic);
+      EXPECT_EQ(group->foot(k).normal_x, foot.normal_x);
+      EXPECT_EQ(group->foot(k).normal_y, foot.normal_y);
+      EXPECT_EQ(group->foot(k).normal_z, foot.normal_z);
+      EXPECT_EQ(group->foot(k).offset, foot.offset);
     }
-    if (stride != 1) continue;
-    std::vector<ResidualCubes> cubes(SurfaceGroup::kSize);
-    std::vector<ColumnQuadric> before;
-    for (int k = 0; k < SurfaceGroup::kSize; ++k) {
-      for (std::size_t f = 0; f < kQuadric; ++f) {
-        cubes[k][f] = static_cast<float>(std::sin(static_cast<double>(7 * k + 5 * f)));
-      }
-      before.push_back(a.surface(k));
-      for (std::size_t f = 0; f < kQuadric; ++f) a.cubes[f][k] = b.cubes[f][k] = cubes[k][f];
+    before.push_back(one);
+    for (std::size_t f = 0; f < kQuadric; ++f) {
+      cubes[k][f] = static_cast<float>(std::sin(static_cast<double>(7 * k + 5 * f)));
+      a.cubes[f][k] = b.cubes[f][k] = cubes[k][f];
     }
-    plain_->sharpen_group(a);
-    fast_->sharpen_group(b);
-    for (int k = 0; k < SurfaceGroup::kSize; ++k) {
-      ColumnQuadric one = before[k];
-      sharpen(filter_of(k).solution, cubes[k], 1.0f, one);
-      for (const SurfaceGroup* group : {&a, &b}) {
-        EXPECT_EQ(group->surface(k).c, one.c);
-        EXPECT_EQ(group->foot(k).normal_x, foot_of(one).normal_x);
-        EXPECT_EQ(group->foot(k).offset, foot_of(one).offset);
-        EXPECT_EQ(group->bend[k], bend_of(one));
-      }
+  }
+  plain_->sharpen_group(a);
+  fast_->sharpen_group(b);
+  for (int k = 0; k < SurfaceGroup::kSize; ++k) {
+    ColumnQuadric one = before[k];
+    sharpen(filter_of(k).solution, cubes[k], 1.0f, one);
+    for (const SurfaceGroup* group : {&a, &b}) {
+      EXPECT_EQ(group->surface(k).c, one.c);
+      EXPECT_EQ(group->foot(k).normal_x, foot_of(one).normal_x);
+      EXPECT_EQ(group->foot(k).offset, foot_of(one).offset);
+      EXPECT_EQ(group->bend[k], bend_of(one));
     }
   }
 }
 
 TEST_P(SurfaceGroupTest, FeetOfGroupsAreThoseOfTheirSurfaces) {
   std::array<SurfaceGroup, 3> a;
+  std::array<ColumnQuadric, 24> quadrics;
   for (int n = 0; n < 24; ++n) {
     SurfaceGroup& group = a[static_cast<std::size_t>(n / 8)];
+    const int sign = n % 2 == 0 ? 1 : -1;
+    const QuadricFilter& filter = quadric_filter(2 + n % 5, 16);
     QuadricSums sums;
     for (std::size_t f = 0; f < kQuadric; ++f)
       sums[f] = 37 * (n + 3) % 91 * (f == 0 ? 40 : 9) - 300;
-    group.put(n % 8, sums, n % 5, n % 7 - 3, n % 2 == 0 ? 1 : -1, quadric_filter(2 + n % 5, 16));
+    group.put(n % 8, sums, n % 5, n % 7 - 3, sign, filter);
+    quadrics[static_cast<std::size_t>(n)] = column_quadric(
+        quadric_of(sums, n % 5, n % 7 - 3, sign, filter.solution), filter.answers, 1.0f);
     group.axis[n % 8] = n % 3;
     for (int axis = 0; axis < 3; ++axis) {
       group.coarse[axis][n % 8] = static_cast<float>(std::sin(2 * n + axis));
       group.tool[axis][n % 8] = static_cast<float>(std::cos(5 * n + 3 * axis));
     }
   }
-  std::array<SurfaceGroup, 3> b = a, surfaces = a;
-  const std::uint64_t stand = plain_->feet(a.data(), a.size());
-  ASSERT_EQ(fast_->feet(b.data(), b.size()), stand);
-  int standing = 0;
+  std::array<SurfaceGroup, 3> b = a;
+  const std::uint64_t consistent = plain_->surfaces(a.data(), a.size());
+  ASSERT_EQ(fast_->surfaces(b.data(), b.size()), consistent);
+  int count = 0;
   for (int n = 0; n < 24; ++n) {
     const auto e = static_cast<std::size_t>(n / 8);
     const int k = n % 8;
-    if (k == 0) plain_->surfaces(surfaces[e], 1);
-    const SurfaceGroup& group = surfaces[e];
-    const MapAxes axes{group.axis[k], n % 2 == 0 ? 1 : -1};
-    const Vector3f normal = to_index_space(group.foot(k), axes).normal;
-    const Vector3f coarse(group.coarse[0][k], group.coarse[1][k], group.coarse[2][k]);
-    const Vector3f tool(group.tool[0][k], group.tool[1][k], group.tool[2][k]);
-    const bool stands_alone = stands(normal, coarse, heard(tool, coarse));
-    EXPECT_EQ((stand >> n & 1) != 0, stands_alone) << n;
-    standing += stands_alone ? 1 : 0;
+    const ColumnQuadric& quadric = quadrics[static_cast<std::size_t>(n)];
+    const MapAxes axes{n % 3, n % 2 == 0 ? 1 : -1};
+    const Vector3f normal = to_index_space(foot_of(quadric), axes).normal;
+    const Vector3f coarse(a[e].coarse[0][k], a[e].coarse[1][k], a[e].coarse[2][k]);
+    const Vector3f tool(a[e].tool[0][k], a[e].tool[1][k], a[e].tool[2][k]);
+    // No hint beyond 120 degrees from the coarse normal; away from neither that nor the hint.
+    const bool has_hint = test::angle_deg(coarse.cast<double>(), tool.cast<double>()) <= 120.0;
+    const bool is_one = normal.dot(coarse) > 0.0f && !(has_hint && normal.dot(tool) < 0.0f);
+    EXPECT_EQ((consistent >> n & 1) != 0, is_one) << n;
+    count += is_one ? 1 : 0;
     for (const auto* groups : {&a, &b}) {
       EXPECT_EQ((*groups)[e].normal(k), normal) << n;
-      EXPECT_EQ((*groups)[e].offset[k], group.offset[k]) << n;
-      EXPECT_EQ((*groups)[e].bend[k], bend_of(group.surface(k))) << n;
+      EXPECT_EQ((*groups)[e].offset[k], foot_of(quadric).offset) << n;
+      EXPECT_EQ((*groups)[e].bend[k], bend_of(quadric)) << n;
     }
   }
-  EXPECT_GT(standing, 3);
-  EXPECT_LT(standing, 21);
+  EXPECT_GT(count, 3);
+  EXPECT_LT(count, 21);
 }
 
 TEST_P(SurfaceGroupTest, ResidualsOfAGroupAreThoseOfEachOfItsMaps) {
   int groups = 0;
   for_maps([&](const ColumnBits::Windows& columns, int sign) {
     HeightMap map = ask(6, 1, sign);
-    plain_->trace(columns, 12, map);
+    trace_one(*plain_, columns, 12, map);
     if (map.whole_rings < map.ns) return;
     SurfaceGroup a, b;
     std::array<MapRows, SurfaceGroup::kSize> rows;
@@ -131,7 +132,7 @@ TEST_P(SurfaceGroupTest, ResidualsOfAGroupAreThoseOfEachOfItsMaps) {
       a.put(k, sums, map.at(0, 0), map.at(0, 0), sign, filter);
       rows[static_cast<std::size_t>(k)] = rows_of(map);
     }
-    plain_->surfaces(a, 1);
+    plain_->surfaces(&a, 1);
     b = a;
     plain_->group_residuals(rows.data(), kWhich, a);
     fast_->group_residuals(rows.data(), kWhich, b);
@@ -207,8 +208,8 @@ TEST_P(SurfaceGroupTest, VoxelsAreAimedAwayFromTheSolidAroundThem) {
         for (const SurfaceGroup* groups : {plain, fast}) {
           const SurfaceGroup& g = groups[k / 8];
           const Vector3f coarse(g.coarse[0][k % 8], g.coarse[1][k % 8], g.coarse[2][k % 8]);
-          // In whole parts of kCoarseUnit: up to 2 x 0.5 / 120 of each of 40 voxels on one side.
-          const double scale = as_tool ? 1.0 : static_cast<double>(kCoarseUnit);
+          // In whole parts of 1 / 120: up to 2 x 0.5 / 120 of each of 40 voxels on one side.
+          const double scale = as_tool ? 1.0 : 120.0;
           ASSERT_LT((coarse.cast<double>() / scale - away).norm(), 0.3) << k;
           if (most - others.cwiseAbs().maxCoeff() < (as_tool ? 0.01 : 0.6)) {
             continue;  // either, by rounding

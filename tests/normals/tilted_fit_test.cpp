@@ -22,7 +22,7 @@ INSTANTIATE_TEST_SUITE_P(Sets, TiltedFitTest, test::fast_sets(), test::set_of);
 TEST_P(TiltedFitTest, PointsAndTheirSumsAreTheSameBitForBit) {
   for_maps([&](const ColumnBits::Windows& columns, int sign) {
     HeightMap map = ask(6, 1, sign);
-    plain_->trace(columns, 12, map);
+    trace_one(*plain_, columns, 12, map);
     const float radius = 8.0f;
     TiltedFrame frame{{0.8f, 0.0f, -0.6f}, {0.36f, 0.8f, 0.48f}, {0.48f, -0.6f, 0.64f}, radius, {}};
     TiltedPoints a, b;
@@ -198,7 +198,7 @@ TEST_P(TiltedFitTest, FitsAskedForTogetherAreThoseAskedForOneByOne) {
   int found = 0, nothing = 0;
   for_maps([&](const ColumnBits::Windows& columns, int sign) {
     HeightMap map = ask(6, 1, sign);
-    map_kernels().trace(columns, 12, map);
+    map_kernels().trace(&columns, 1, 12, &map);
     std::array<TiltedFit, TiltedGroup::kSize> fits;
     for (std::size_t k = 0; k < fits.size(); ++k) {
       const auto turn = static_cast<float>(k);

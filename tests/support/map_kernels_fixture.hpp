@@ -23,6 +23,11 @@ class MapKernelsFixture : public ::testing::TestWithParam<InstructionSet> {
     return workpiece.columns().around(axis, c[(axis + 1) % 3], c[(axis + 2) % 3], c[axis] - kLevel);
   }
 
+  static void trace_one(const MapKernels& kernels, const ColumnBits::Windows& columns, int trace,
+                        HeightMap& map) {
+    kernels.trace(&columns, 1, trace, &map);
+  }
+
   static HeightMap ask(int ns, int stride, int sign) {
     HeightMap map;
     map.ns = ns;

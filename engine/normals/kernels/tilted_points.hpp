@@ -1,10 +1,10 @@
 // The points of a map in a ball, in a frame aslant, and sums over them: loops of map_kernels.hpp,
-// as surface_group.inl.
+// as surface_group.hpp.
 
 #pragma once
 
+#include "engine/normals/kernels/simd.hpp"
 #include "engine/normals/map_kernels.hpp"
-#include "engine/normals/row_lanes.inl"
 
 namespace sulcus {
 
@@ -71,7 +71,7 @@ inline void gather(const HeightMap& map, const TiltedFrame& frame, TiltedPoints&
   Along along[HeightMap::kMaxLanes / kRowStep];
   int parts = 0;
   for (int at = first; at <= middle + reach; at += kRowStep, ++parts) {
-    const RowLanes x = kAlong + static_cast<float>(at - middle);
+    const RowLanes x = kLaneIndex + static_cast<float>(at - middle);
     along[parts] = {x * x, x * (u0 * unit), x * (w0 * unit), x * (n0 * unit),
                     -(x * side.x) - side.behind};
   }
@@ -88,7 +88,7 @@ inline void gather(const HeightMap& map, const TiltedFrame& frame, TiltedPoints&
       const RowLanes r2 = xx + yy + z * z;
       // kNone is far out of every ball.
       RowMask in = at_most(r2, limit);
-      if constexpr (kSided) in = both(in, at_most(behind, y * side.y));
+      if constexpr (kSided) in = and_(in, at_most(behind, y * side.y));
       writer.append(in, 1.0f - r2 * fall, x_u + y_u + z_unit * u2, x_w + y_w + z_unit * w2,
                     x_n + y_n + z_unit * n2);
     }

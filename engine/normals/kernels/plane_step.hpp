@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "engine/normals/disc_sums.inl"
+#include "engine/normals/kernels/disc_sums.hpp"
 
 namespace sulcus {
 
@@ -32,7 +32,7 @@ class ColumnsOverPlane {
   void walk(const Middle& middle, const Pair& pair, const End& end) const {
     const int mid = map_.lanes / 2;
     for (int at = (mid - map_.ns) & -kRowStep; at <= mid + map_.ns; at += kRowStep) {
-      const RowLanes x = kAlong + static_cast<float>(at - mid), level = c0_ + c1_ * x;
+      const RowLanes x = kLaneIndex + static_cast<float>(at - mid), level = c0_ + c1_ * x;
       const signed char* const row = map_.height.data() + map_.ns * map_.lanes + at;
       middle(seen(row, level), x);
       for (int j = 1; j <= map_.ns; ++j) {

@@ -3,12 +3,7 @@
 #include <cstdlib>
 #include <iterator>
 
-#include "engine/normals/disc_sums.inl"
-#include "engine/normals/map_kernels.hpp"
-#include "engine/normals/plane_step.inl"
-#include "engine/normals/surface_group.inl"
-#include "engine/normals/tilted_group.inl"
-#include "engine/normals/tilted_points.inl"
+#include "engine/normals/kernels/kernel_table.hpp"
 
 namespace sulcus {
 
@@ -76,7 +71,7 @@ int even_rings(const HeightMap& map) {
   });
 }
 
-void trace_map(const ColumnBits::Windows& columns, int trace, HeightMap& map) noexcept {
+void trace_map(const ColumnBits::Windows& columns, int trace, HeightMap& map) {
   const int ns = map.ns;
   map.lanes = lanes_of(ns);
   std::array<int, HeightMap::kMaxRows * HeightMap::kMaxLanes> traced;
@@ -216,13 +211,11 @@ bool cut_map(const HeightTile& tile, int u, int v, int w, int trace, HeightMap& 
   return true;
 }
 
-constexpr MapKernels kPlain{"plain",         coarse_sums,     trace_map,        trace_maps,
-                            read_tile,       cut_map,         fit_rows,         aim,
-                            look_up,         surfaces_of,     feet_of,          group_residuals,
-                            sharpen_group,   map_residuals,   close_sums,       plane_step,
-                            look_at_plane,   half_sums,       sums_on_plane,    residuals_on_plane,
-                            gather_points,   tilted_moments,  tilted_residuals, sharpen_points,
-                            solve_quantised, solve_sharpened, tilted_feet};
+constexpr MapKernels kPlain = kernel_table("plain", {.coarse = coarse_sums,
+                                                     .trace = trace_maps,
+                                                     .tile = read_tile,
+                                                     .cut = cut_map,
+                                                     .fit = fit_rows});
 
 }  // namespace
 

@@ -1,4 +1,9 @@
-// Sums of the coarse normal: a part of map_kernels_vector.inl, whose helpers it uses.
+// Sums of the coarse normal, for AVX2 and AVX-512: a loop of map_kernels.hpp.
+
+#pragma once
+
+#include "engine/normals/kernels/simd.hpp"
+#include "engine/normals/map_kernels.hpp"
 
 namespace sulcus {
 
@@ -55,11 +60,11 @@ inline void coarse_sums_of(const ColumnBits::Windows& rows, std::array<std::int3
   const __m512i shift = _mm512_set1_epi32(static_cast<int>(rows.shift));
   const auto patterns = [&](int k0, int k1) {  // of j = -2 to 5
     const std::uint32_t *w0 = rows.words + k0 * rows.row - 2, *w1 = rows.words + k1 * rows.row - 2;
-    const auto both = [](const std::uint32_t* a, const std::uint32_t* b) {
+    const auto two = [](const std::uint32_t* a, const std::uint32_t* b) {
       return _mm512_inserti64x4(_mm512_castsi256_si512(load_bits(a)), load_bits(b), 1);
     };
     const __m512i window =
-        _mm512_shrdv_epi32(both(w0, w1), both(w0 + rows.plane, w1 + rows.plane), shift);
+        _mm512_shrdv_epi32(two(w0, w1), two(w0 + rows.plane, w1 + rows.plane), shift);
     return _mm512_and_si512(window, _mm512_set1_epi32(31));
   };
   const __m512i last = patterns(2, 2);

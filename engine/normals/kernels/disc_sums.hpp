@@ -1,10 +1,10 @@
 // Sums over the disc of a map and its halves, rows of sixteen lanes, i = -8 to 7, whatever the
-// map's: loops of map_kernels.hpp, as surface_group.inl.
+// map's: loops of map_kernels.hpp, as surface_group.hpp.
 
 #pragma once
 
+#include "engine/normals/kernels/simd.hpp"
 #include "engine/normals/map_kernels.hpp"
-#include "engine/normals/row_lanes.inl"
 
 namespace sulcus {
 
@@ -23,7 +23,7 @@ constexpr DiscMasks make_disc_masks() {
     for (int row = 0; row < DiscMasks::kRows; ++row) {
       for (int lane = 0; lane < 16; ++lane) {
         const int i = lane - 8, j = row - kDiscReach;
-        const bool in_disc = 100 * (i * i + j * j) <= 68 * 68;
+        const bool in_disc = static_cast<float>(i * i + j * j) <= kDiscRadius * kDiscRadius;
         const bool in_half = i * kRays[d][0] + j * kRays[d][1] >= 0;
         if (!in_disc || !in_half) continue;
         masks.half[d][row][lane] = -1;
@@ -49,7 +49,7 @@ template <class Each>
 inline void for_disc(const HeightMap& map, int lane, const Each& each) {
   const int reach = map.ns < kDiscReach ? map.ns : kDiscReach;
   const auto twice_sign = static_cast<float>(2 * map.sign);
-  const RowLanes x = kAlong + static_cast<float>(lane - 8);
+  const RowLanes x = kLaneIndex + static_cast<float>(lane - 8);
   const signed char* row =
       map.height.data() + (map.ns - reach) * map.lanes + map.lanes / 2 - 8 + lane;
   for (int j = -reach; j <= reach; ++j, row += map.lanes) {
@@ -84,11 +84,11 @@ struct LaneSums9 {
 
 inline void close_sums(const HeightMap& map, PlaneSums& sums) noexcept {
   constexpr int kReach = 3;
-  constexpr float kReach4 = 51.0f;  // 4 * 3.6^2
+  constexpr float kReach4 = 4.0f * kCloseRadius * kCloseRadius;
   const int reach = map.ns < kReach ? map.ns : kReach;
   const auto twice_sign = static_cast<float>(2 * map.sign);
   LaneSums9 s;
-  const RowLanes x = kAlong - static_cast<float>(kReach);
+  const RowLanes x = kLaneIndex - static_cast<float>(kReach);
   // Beyond i = 4 there may be columns of the next row.
   const RowLanes four_xx = 4.0f * x * x;
   const signed char* row =
@@ -108,7 +108,7 @@ inline void half_sums(const HeightMap& map, std::array<PlaneSums, kHalves>& sums
     for (int lane = 0; lane < 16; lane += kRowStep) {
       for_disc(map, lane,
                [&](const RowMask& found, const RowLanes& x, float y, const RowLanes& z2, int row) {
-                 s.add(both(found, in_half(d, row, lane)), x, y, z2);
+                 s.add(and_(found, in_half(d, row, lane)), x, y, z2);
                });
     }
     sums[static_cast<std::size_t>(d)] = s.total();
@@ -127,7 +127,7 @@ inline void sums_on_plane(const HeightMap& map, int half, const HeightPlane& pla
     for_disc(map, lane,
              [&](const RowMask& found, const RowLanes& x, float y, const RowLanes& z2, int row) {
                const RowMask on = at_most(abs(residual_across(plane, x, y, z2)), plane.slack);
-               s.add(both(both(found, on), in_half(half, row, lane)), x, y, z2);
+               s.add(and_(and_(found, on), in_half(half, row, lane)), x, y, z2);
              });
   }
   sums = s.total();
@@ -142,7 +142,7 @@ inline void residuals_on_plane(const HeightMap& map, int half, const HeightPlane
     for_disc(map, lane,
              [&](const RowMask& found, const RowLanes& x, float y, const RowLanes& z2, int row) {
                const RowMask on = at_most(abs(residual_across(first, x, y, z2)), first.slack);
-               const RowLanes r = where(both(both(found, on), in_half(half, row, lane)),
+               const RowLanes r = where(and_(and_(found, on), in_half(half, row, lane)),
                                         residual_across(plane, x, y, z2));
                largest = larger(largest, abs(r));
                squares += r * r;

@@ -1,11 +1,11 @@
 // Surfaces of eight maps side by side, their feet, and what they leave of the heights: loops of
 // map_kernels.hpp in single precision, written once and compiled for each instruction set by the
-// files that include this; the bits do not depend on the set (row_lanes.inl).
+// files that include this; the bits do not depend on the set (simd.hpp).
 
 #pragma once
 
+#include "engine/normals/kernels/simd.hpp"
 #include "engine/normals/map_kernels.hpp"
-#include "engine/normals/row_lanes.inl"
 
 namespace sulcus {
 
@@ -17,7 +17,7 @@ inline FilterSolutionOf<IntLanes, Lanes> solutions_of(const SurfaceGroup& g) {
 }
 
 /// The surfaces of eight fits.
-inline ColumnQuadricOf<Lanes> quadrics_of(const SurfaceGroup& g, int stride) {
+inline ColumnQuadricOf<Lanes> quadrics_of(const SurfaceGroup& g) {
   std::array<IntLanes, kQuadric> sums;
   for (unsigned f = 0; f < kQuadric; ++f) sums[f] = load(g.sums[f]);
   const QuadricOf<Lanes> fitted =
@@ -25,49 +25,38 @@ inline ColumnQuadricOf<Lanes> quadrics_of(const SurfaceGroup& g, int stride) {
   const FilterAnswersOf<Lanes> answers{load(g.answers[0]), load(g.answers[1]), load(g.answers[2]),
                                        load(g.answers[3]), load(g.answers[4]), load(g.answers[5]),
                                        load(g.answers[6]), load(g.answers[7])};
-  return column_quadric(fitted, answers, static_cast<float>(stride));
+  return column_quadric(fitted, answers, 1.0f);
 }
 
-inline FootOf<Lanes> store_feet(const ColumnQuadricOf<Lanes>& q, SurfaceGroup& g) {
-  const FootOf<Lanes> foot = foot_of(q, square_root);
-  store(foot.normal_x, g.normal_x), store(foot.normal_y, g.normal_y);
-  store(foot.normal_z, g.normal_z), store(foot.offset, g.offset);
-  return foot;
-}
+using Vectors = std::array<Lanes, 3>;  // eight, by component
 
-inline Lanes bend_of(const ColumnQuadricOf<Lanes>& q, const FootOf<Lanes>& foot) {
-  return (abs(q.c[3]) + abs(q.c[4]) + abs(q.c[5])) * foot.normal_z;
-}
-
-using Lanes3 = std::array<Lanes, 3>;
-
-inline Lanes3 load3(const float (&v)[3][SurfaceGroup::kSize]) {
+inline Vectors load3(const float (&v)[3][SurfaceGroup::kSize]) {
   return {load(v[0]), load(v[1]), load(v[2])};
 }
-inline Lanes dot(const Lanes3& a, const Lanes3& b) {
+inline Lanes dot(const Vectors& a, const Vectors& b) {
   return a[0] * b[0] + (a[1] * b[1] + a[2] * b[2]);
 }
 
 /// The normals in index space (to_index_space), by lane.
-inline Lanes3 store_normals(const FootOf<Lanes>& foot, SurfaceGroup& g) {
+inline Vectors store_normals(const FootOf<Lanes>& foot, SurfaceGroup& g) {
   const Lanes u = foot.normal_x, v = foot.normal_y, w = load(g.sign) * foot.normal_z;
   const IntLanes axis = load(g.axis), along_x = axis == 0, along_y = axis == 1;
-  const Lanes3 normal{along_x   ? w
-                      : along_y ? v
-                                : u,
-                      along_x   ? u
-                      : along_y ? w
-                                : v,
-                      along_x   ? v
-                      : along_y ? u
-                                : w};
+  const Vectors normal{along_x   ? w
+                       : along_y ? v
+                                 : u,
+                       along_x   ? u
+                       : along_y ? w
+                                 : v,
+                       along_x   ? v
+                       : along_y ? u
+                                 : w};
   for (unsigned a = 0; a < 3; ++a) store(normal[a], g.index_normal[a]);
   return normal;
 }
 
 /// What the tool has to say of each (heard).
-inline Lanes3 tools_heard(const Lanes3& coarse, const SurfaceGroup& g) {
-  Lanes3 tool = load3(g.tool);
+inline Vectors tools_heard(const Vectors& coarse, const SurfaceGroup& g) {
+  Vectors tool = load3(g.tool);
   const Lanes along = dot(coarse, tool);
   const IntLanes far_side =
       (along < 0.0f) & (along * along > 0.25f * dot(coarse, coarse) * dot(tool, tool));
@@ -76,13 +65,10 @@ inline Lanes3 tools_heard(const Lanes3& coarse, const SurfaceGroup& g) {
 }
 
 /// Which normals stand.
-inline IntLanes standing(const Lanes3& normal, const SurfaceGroup& g) {
-  const Lanes3 coarse = load3(g.coarse);
+inline IntLanes standing(const Vectors& normal, const SurfaceGroup& g) {
+  const Vectors coarse = load3(g.coarse);
   const Lanes tool = dot(normal, tools_heard(coarse, g));
   return (dot(normal, coarse) > 0.0f) & ~(tool < 0.0f);
-}
-inline void store_standing(const Lanes3& normal, SurfaceGroup& g) {
-  store(standing(normal, g), g.stands);
 }
 
 /// A bit for each voxel of the groups, from what `each` makes of a group.
@@ -95,15 +81,6 @@ inline std::uint64_t bits_of_groups(SurfaceGroup* groups, std::size_t count, con
   return bits;
 }
 
-inline std::uint64_t feet_of(SurfaceGroup* groups, std::size_t count) noexcept {
-  return bits_of_groups(groups, count, [](SurfaceGroup& g) {
-    const ColumnQuadricOf<Lanes> q = quadrics_of(g, 1);
-    const FootOf<Lanes> foot = store_feet(q, g);
-    store(bend_of(q, foot), g.bend);
-    return standing(store_normals(foot, g), g);
-  });
-}
-
 inline std::uint64_t aim(SurfaceGroup* groups, std::size_t voxels) noexcept {
   const std::size_t count = (voxels + SurfaceGroup::kSize - 1) / SurfaceGroup::kSize;
   const std::uint64_t sided = bits_of_groups(groups, count, [](SurfaceGroup& g) {
@@ -112,9 +89,9 @@ inline std::uint64_t aim(SurfaceGroup* groups, std::size_t voxels) noexcept {
     const auto or_tool = [&](const IntLanes& sum, const float* tool) {
       return solid ? to_float(-sum) : load(tool);
     };
-    const Lanes3 out{or_tool(x, g.tool[0]), or_tool(y, g.tool[1]), or_tool(z, g.tool[2])};
+    const Vectors out{or_tool(x, g.tool[0]), or_tool(y, g.tool[1]), or_tool(z, g.tool[2])};
     for (unsigned a = 0; a < 3; ++a) store(out[a], g.coarse[a]);
-    // As dominant_axes.
+    // The axis of the largest component, the first of two.
     const Lanes along_x = abs(out[0]), along_y = abs(out[1]), along_z = abs(out[2]);
     const IntLanes is_z = (along_z > along_x) & (along_z > along_y);
     const IntLanes is_y = ~is_z & (along_y > along_x);
@@ -163,14 +140,20 @@ inline TileMaps look_up(const HeightTile::Column* columns, const std::int32_t* o
   return maps;
 }
 
-inline FootOf<Lanes> store_surfaces(const ColumnQuadricOf<Lanes>& q, SurfaceGroup& g) {
+/// Stores surfaces and their feet. Returns which normals are consistent.
+inline IntLanes store_surfaces(const ColumnQuadricOf<Lanes>& q, SurfaceGroup& g) {
   for (unsigned f = 0; f < kQuadric; ++f) store(q.c[f], g.c[f]);
   store(q.t_x, g.t_x), store(q.t_y, g.t_y), store(q.quartic, g.quartic);
-  return store_feet(q, g);
+  const FootOf<Lanes> foot = foot_of(q, square_root);
+  store(foot.normal_x, g.normal_x), store(foot.normal_y, g.normal_y);
+  store(foot.normal_z, g.normal_z), store(foot.offset, g.offset);
+  store((abs(q.c[3]) + abs(q.c[4]) + abs(q.c[5])) * foot.normal_z, g.bend);
+  return standing(store_normals(foot, g), g);
 }
 
-inline void surfaces_of(SurfaceGroup& g, int stride) noexcept {
-  store_surfaces(quadrics_of(g, stride), g);
+inline std::uint64_t surfaces_of(SurfaceGroup* groups, std::size_t count) noexcept {
+  return bits_of_groups(groups, count,
+                        [](SurfaceGroup& g) { return store_surfaces(quadrics_of(g), g); });
 }
 
 inline void sharpen_group(SurfaceGroup& g) noexcept {
@@ -178,9 +161,7 @@ inline void sharpen_group(SurfaceGroup& g) noexcept {
   ResidualCubesOf<Lanes> cubes;
   for (unsigned f = 0; f < kQuadric; ++f) q.c[f] = load(g.c[f]), cubes[f] = load(g.cubes[f]);
   sharpen(solutions_of(g), cubes, 1.0f, q);
-  const FootOf<Lanes> foot = store_surfaces(q, g);
-  store_standing(store_normals(foot, g), g);
-  store(bend_of(q, foot), g.bend);
+  store(store_surfaces(q, g), g.stands);
 }
 
 /// The filters' weights, centre - fall (i^2 + j^2), of all rings of a map: of row +j or -j, by
@@ -250,7 +231,7 @@ template <bool kNarrow>
   const int end = kNarrow ? 2 * middle : middle + ns + 1;
   ResidualSums sums{};
   for (int at = first; at < end; at += kRowStep) {
-    const RowLanes x = kAlong + static_cast<float>(at - middle);
+    const RowLanes x = kLaneIndex + static_cast<float>(at - middle);
     // By powers of y.
     const RowLanes z2 = s.c[3] * x * x, twist = s.c[4] * x, t = 1.0f + s.tx * x;
     const RowLanes a0 = s.c[0] + s.c[1] * x + z2 * t, a1 = s.c[2] + twist * t + z2 * s.ty,

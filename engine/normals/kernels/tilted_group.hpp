@@ -1,10 +1,10 @@
 // Eight fits of quadrics and planes to points in frames aslant, side by side, and their feet: loops
-// of map_kernels.hpp, as surface_group.inl. One alone waits for its own divisions most of the time.
+// of map_kernels.hpp, as surface_group.hpp. One alone waits for its own divisions most of the time.
 
 #pragma once
 
+#include "engine/normals/kernels/simd.hpp"
 #include "engine/normals/map_kernels.hpp"
-#include "engine/normals/row_lanes.inl"
 
 namespace sulcus {
 
