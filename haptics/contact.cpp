@@ -4,6 +4,19 @@
 
 namespace sulcus {
 
+ContactResult& ContactResult::operator+=(const ContactResult& other) noexcept {
+  wrench.force_N += other.wrench.force_N;
+  wrench.torque_Nm += other.wrench.torque_Nm;
+  tangential.force_N += other.tangential.force_N;
+  tangential.torque_Nm += other.tangential.torque_Nm;
+  stiffness += other.stiffness;
+  contacts += other.contacts;
+  tested += other.tested;
+  leaves += other.leaves;
+  faults |= other.faults;
+  return *this;
+}
+
 ContactScratch::ContactScratch(const HapticsSettings& settings, StageClock stage_clock)
     : clock(stage_clock),
       capacity(static_cast<std::size_t>(settings.max_contacts)),

@@ -41,6 +41,9 @@ struct ContactResult {
   std::uint32_t tested = 0;    // voxels whose distance was asked for
   std::uint32_t leaves = 0;    // leaves that the capsule reaches
   std::uint32_t faults = 0;    // bits of Fault
+
+  /// What two bodies do to the tool together.
+  ContactResult& operator+=(const ContactResult& other) noexcept;
 };
 
 /// What is wanted of a contact.

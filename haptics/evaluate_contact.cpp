@@ -15,14 +15,14 @@ namespace {
 /// The contacts, their normals and their depths, block by block, so that what only these stages
 /// read of a block stays in the caches however many contacts there are. False where there are more
 /// than the capacity: which are the deepest is known only once all have been found.
-bool find_in_blocks(const Workpiece& workpiece, const Burr& burr, const Pose& world_from_tool,
-                    double reach_m, const HapticsSettings& settings, const KeptNormals* kept,
-                    ContactScratch& scratch, ContactResult& result, ContactForce& force) {
+bool find_in_blocks(const Workpiece& solid, const ContactQuery& query, double reach_m,
+                    const KeptNormals* kept, ContactScratch& scratch, ContactResult& result,
+                    ContactForce& force) {
   Contacts& contacts = scratch.contacts;
   StageClock& clock = scratch.clock;
   NarrowPhase phase = [&] {
     const auto timed = clock.time(Stage::kNarrowPhase);
-    return NarrowPhase(workpiece, burr.field, world_from_tool, reach_m, scratch, result);
+    return NarrowPhase(solid, query.burr.field, query.world_from_tool, reach_m, scratch, result);
   }();
   for (bool more = true; more;) {
     const std::size_t first = contacts.size();
@@ -33,7 +33,7 @@ bool find_in_blocks(const Workpiece& workpiece, const Burr& burr, const Pose& wo
     if (contacts.size() > scratch.capacity) return false;
     {
       const auto timed = clock.time(Stage::kNormals);
-      normals(workpiece, settings, kept, scratch, first);
+      normals(solid, query.settings, kept, scratch, first);
     }
     const auto timed = clock.time(Stage::kContactForce);
     if (more) force.measure(contacts);
@@ -42,42 +42,76 @@ bool find_in_blocks(const Workpiece& workpiece, const Burr& burr, const Pose& wo
 }
 
 /// Stage by stage, of the deepest that the capacity holds.
-void find_deepest(const Workpiece& workpiece, const Burr& burr, const Pose& world_from_tool,
-                  double reach_m, const HapticsSettings& settings, const KeptNormals* kept,
-                  ContactScratch& scratch, ContactResult& result) {
+void find_deepest(const Workpiece& solid, const ContactQuery& query, double reach_m,
+                  const KeptNormals* kept, ContactScratch& scratch, ContactResult& result) {
   {
     const auto timed = scratch.clock.time(Stage::kNarrowPhase);
     result.tested = 0;
-    narrow_phase(workpiece, burr.field, world_from_tool, reach_m, scratch, result);
+    narrow_phase(solid, query.burr.field, query.world_from_tool, reach_m, scratch, result);
   }
   const auto timed = scratch.clock.time(Stage::kNormals);
-  normals(workpiece, settings, kept, scratch);
+  normals(solid, query.settings, kept, scratch);
+}
+
+/// A quantity of the grid's space in world axes.
+Wrench in_world(const Wrench& wrench, const Pose& world_from_grid) {
+  return {world_from_grid.direction(wrench.force_N), world_from_grid.direction(wrench.torque_Nm)};
+}
+
+Matrix6d in_world(const Matrix6d& stiffness, const Pose& world_from_grid) {
+  Matrix6d turn = Matrix6d::Zero();
+  turn.topLeftCorner<3, 3>() = world_from_grid.orientation.toRotationMatrix();
+  turn.bottomRightCorner<3, 3>() = turn.topLeftCorner<3, 3>();
+  return turn * stiffness * turn.transpose();
 }
 
 }  // namespace
 
-ContactResult evaluate_contact(const Workpiece& workpiece, std::span<const TissueSettings> tissues,
-                               const Burr& burr, const Pose& world_from_tool, const Twist* twist,
-                               const HapticsSettings& settings, const KeptNormals* kept,
-                               ContactScratch& scratch, Asked asked) noexcept {
+ContactResult evaluate_contact(const Workpiece& solid, const ContactQuery& query,
+                               ContactScratch& scratch, const KeptNormals* kept) noexcept {
   ContactResult result;
-  const double reach_m = contact_reach_m(workpiece, settings.scaling, asked);
+  const Scaling scaling = query.settings.scaling;
+  const double reach_m = contact_reach_m(solid, scaling, query.asked);
   {
     const auto timed = scratch.clock.time(Stage::kBroadPhase);
-    if (!broad_phase(workpiece, burr.capsule, world_from_tool, reach_m, scratch)) {
+    if (!broad_phase(solid, query.burr.capsule, query.world_from_tool, reach_m, scratch)) {
       result.faults |= kFaultContactsFull;
     }
     result.leaves = static_cast<std::uint32_t>(scratch.leaves.size());
   }
-  std::optional<ContactForce> force(std::in_place, workpiece, burr, world_from_tool,
-                                    settings.scaling, asked);
-  if (!find_in_blocks(workpiece, burr, world_from_tool, reach_m, settings, kept, scratch, result,
-                      *force)) {
-    find_deepest(workpiece, burr, world_from_tool, reach_m, settings, kept, scratch, result);
-    force.emplace(workpiece, burr, world_from_tool, settings.scaling, asked);
+  std::optional<ContactForce> force(std::in_place, solid, query.burr, query.world_from_tool,
+                                    scaling, query.asked);
+  if (!find_in_blocks(solid, query, reach_m, kept, scratch, result, *force)) {
+    find_deepest(solid, query, reach_m, kept, scratch, result);
+    force.emplace(solid, query.burr, query.world_from_tool, scaling, query.asked);
   }
   const auto timed = scratch.clock.time(Stage::kContactForce);
-  force->sum(tissues, twist, scratch.contacts, result);
+  force->sum(query.tissues, query.twist, scratch.contacts, result);
+  return result;
+}
+
+ContactResult evaluate_contact(const Body& body, const ContactQuery& query,
+                               ContactScratch& scratch) noexcept {
+  ContactQuery own{query.burr,
+                   body.grid_from(query.world_from_tool),
+                   query.tissues.subspan(body.first_tissue),
+                   query.settings,
+                   body.removal ? query.twist : nullptr,
+                   query.asked};
+  const KeptNormals* const kept = body.kept ? &*body.kept : nullptr;
+  if (body.is_in_world()) return evaluate_contact(body.solid, own, scratch, kept);
+  const Pose& place = body.world_from_grid;
+  Twist twist;
+  if (own.twist) {
+    twist = {place.inverse_direction(query.twist->linear_m_per_s),
+             place.inverse_direction(query.twist->angular_rad_per_s),
+             query.twist->spindle_rad_per_s};
+    own.twist = &twist;
+  }
+  ContactResult result = evaluate_contact(body.solid, own, scratch, kept);
+  result.wrench = in_world(result.wrench, place);
+  result.tangential = in_world(result.tangential, place);
+  if (query.asked != Asked::kForce) result.stiffness = in_world(result.stiffness, place);
   return result;
 }
 

@@ -4,21 +4,35 @@
 
 #include "engine/tool/burr.hpp"
 #include "engine/volume/workpiece.hpp"
+#include "haptics/body.hpp"
 #include "haptics/contact.hpp"
 #include "haptics/kept_normals.hpp"
 
 namespace sulcus {
 
-/// The contact of the burr at `world_from_tool` with the workpiece: contacts (in `scratch`),
-/// wrench and, where it is asked for, stiffness (a coupling does). Broad phase, narrow phase,
-/// normals, forces. Changes no state and no result by being called, so a coupling may call it any
-/// number of times in a tick; cutting happens once, after it. `twist` is the tool's own motion, for
-/// the tangential forces of cutting; null: no cutting, none. `kept` is read only, and may be null.
-/// `tissues` are the scene's, by label. Does not allocate. Of contacts beyond a block what passes
-/// is gone (Contacts): who wants it calls the stages one by one.
-ContactResult evaluate_contact(const Workpiece& workpiece, std::span<const TissueSettings> tissues,
-                               const Burr& burr, const Pose& world_from_tool, const Twist* twist,
-                               const HapticsSettings& settings, const KeptNormals* kept,
-                               ContactScratch& scratch, Asked asked = Asked::kForce) noexcept;
+/// What an evaluation of the contact is of. The referred objects outlive it.
+struct ContactQuery {
+  const Burr& burr;
+  Pose world_from_tool;
+  std::span<const TissueSettings> tissues;  // the scene's, by label
+  const HapticsSettings& settings;
+  const Twist* twist = nullptr;  // the tool's motion, for the tangential forces of cutting; or none
+  Asked asked = Asked::kForce;
+};
+
+/// The contact of the burr with a solid, both in the space of its grid: contacts (in `scratch`),
+/// wrench and, where it is asked for, stiffness. Broad phase, narrow phase, normals, forces.
+/// Changes no state and no result by being called, so a coupling may call it any number of times in
+/// a tick; cutting happens once, after it. `kept` is read only, and may be null. Does not allocate.
+/// Of contacts beyond a block what passes is gone (Contacts): who wants it calls the stages one by
+/// one.
+ContactResult evaluate_contact(const Workpiece& solid, const ContactQuery& query,
+                               ContactScratch& scratch, const KeptNormals* kept = nullptr) noexcept;
+
+/// With a body, in world axes. One that cannot be cut gets no tangential force. Forces are those of
+/// a body by itself: under `count` and `smooth` a contact's stiffness is its share of this body's
+/// contacts, so that two bodies hold as two.
+ContactResult evaluate_contact(const Body& body, const ContactQuery& query,
+                               ContactScratch& scratch) noexcept;
 
 }  // namespace sulcus

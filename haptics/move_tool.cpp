@@ -1,7 +1,6 @@
 #include "haptics/move_tool.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "engine/recording/tick_record.hpp"
 #include "haptics/broad_phase.hpp"
@@ -20,65 +19,56 @@ namespace {
 /// How fast a load pushes the tool on, at most: a hand does not let go of it.
 constexpr double kFastestAdvance_m_per_s = 20e-3;
 
-/// Numbers of the bodies whose boxes come within a margin of the burr.
-struct NearBodies {
-  std::array<std::uint16_t, 1 + kMaxBodies> numbers{};
-  std::size_t count = 0;
-
-  NearBodies(const TickContext& context, const Pose& tool, double margin_m) noexcept {
-    const Eigen::AlignedBox3d box = capsule_bounds(context.burr.capsule, tool, margin_m);
-    count = context.bodies.find(context.bodies.bodies, box, numbers);
+/// Calls `visit(i)` for every body whose box comes within a margin of the burr, in their order.
+template <class Visit>
+void for_each_near(const TickContext& context, const SimulationState& state, const Pose& tool,
+                   double margin_m, const Visit& visit) {
+  const Eigen::AlignedBox3d box = capsule_bounds(context.burr.capsule, tool, margin_m);
+  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+    if (state.bodies[i].bounds_world.intersects(box)) visit(i);
   }
-  auto begin() const { return numbers.begin(); }
-  auto end() const { return numbers.begin() + static_cast<std::ptrdiff_t>(count); }
-};
+}
 
-/// free_way to the workpiece and every other body.
-double free_way_to_bodies(const TickContext& context, const Workpiece& workpiece,
-                          const SimulationState& state, const Pose& tool, double wanted_m,
-                          TickScratch& scratch) noexcept {
+double voxel_m_of(const SimulationState& state) { return state.workpiece().solid.grid().voxel_m; }
+
+/// free_way to all bodies.
+double free_way_to_bodies(const TickContext& context, const SimulationState& state,
+                          const Pose& tool, double wanted_m, TickScratch& scratch) noexcept {
   double way_m = wanted_m;
-  for (const std::uint16_t body : NearBodies(context, tool, wanted_m + workpiece.grid().voxel_m)) {
-    if (body == 0) {
-      way_m = std::min(way_m, free_way(workpiece, context.burr, tool, way_m, scratch.contact));
-      continue;
-    }
-    const Neighbour& neighbour = state.neighbours[body - 1u];
-    const Pose in_grid = inverse(neighbour.world_from_grid) * tool;
-    way_m = std::min(way_m, free_way(neighbour.solid, context.burr, in_grid, way_m,
-                                     scratch.neighbours[body - 1u].contact));
-  }
+  for_each_near(context, state, tool, wanted_m + voxel_m_of(state), [&](std::size_t i) {
+    const Body& body = state.bodies[i];
+    way_m = std::min(way_m, free_way(body.solid, context.burr, body.grid_from(tool), way_m,
+                                     scratch.bodies[i].contact));
+  });
   return way_m;
 }
 
 /// Of all bodies.
 void keep_found(const HapticsSettings& settings, SimulationState& state,
                 TickScratch& scratch) noexcept {
-  const auto timed = scratch.contact.clock.time(Stage::kNormals);
-  if (state.kept) keep_found(settings, state.tick, scratch.contact, *state.kept);
-  for (std::size_t i = 0; i < state.neighbours.size(); ++i) {
-    if (!state.neighbours[i].kept) continue;
-    keep_found(settings, state.tick, scratch.neighbours[i].contact, *state.neighbours[i].kept);
+  const auto timed = scratch.clock().time(Stage::kNormals);
+  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+    if (!state.bodies[i].kept) continue;
+    keep_found(settings, state.tick, scratch.bodies[i].contact, *state.bodies[i].kept);
   }
 }
 
-MovedTool follow_coupling(const TickContext& context, const Workpiece& workpiece,
-                          const DeviceReading& device, SimulationState& state,
-                          TickScratch& scratch) noexcept {
+MovedTool follow_coupling(const TickContext& context, const DeviceReading& device,
+                          SimulationState& state, TickScratch& scratch) noexcept {
   const CouplingSettings& settings = *context.scene.coupling;
   const CouplingSprings springs(settings, context.burr);
   Pose tool = state.has_pose ? state.tool : device.pose;
   const CoupledResult coupled = couple(
-      springs, settings, context.burr.reference_m, 0.5 * workpiece.grid().voxel_m, device.before,
+      springs, settings, context.burr.reference_m, 0.5 * voxel_m_of(state), device.before,
       device.pose, tool,
       [&](const Pose& pose) noexcept {
-        const ContactResult contact = contact_with_bodies(context, workpiece, state, pose,
-                                                          device.slides, Asked::kCoupled, scratch);
+        const ContactResult contact =
+            contact_with_bodies(context, state, pose, device.slides, Asked::kCoupled, scratch);
         keep_found(context.scene.haptics, state, scratch);
         return contact;
       },
       [&](const Pose& pose, double wanted_m) noexcept {
-        return free_way_to_bodies(context, workpiece, state, pose, wanted_m, scratch);
+        return free_way_to_bodies(context, state, pose, wanted_m, scratch);
       });
   state.tool = tool;
   MovedTool moved{coupled.contact,
@@ -88,19 +78,18 @@ MovedTool follow_coupling(const TickContext& context, const Workpiece& workpiece
   return moved;
 }
 
-MovedTool follow_load(const TickContext& context, const Workpiece& workpiece,
-                      const DeviceReading& device, SimulationState& state,
-                      TickScratch& scratch) noexcept {
+MovedTool follow_load(const TickContext& context, const DeviceReading& device,
+                      SimulationState& state, TickScratch& scratch) noexcept {
   MovedTool moved;
   Pose tool = device.pose;
   const TrajectorySettings& settings = context.scene.trajectory;
   const Eigen::Vector3d& along = settings.load_direction;
-  const LoadSearch search{*settings.load_N, 0.5 * workpiece.grid().voxel_m,
+  const LoadSearch search{*settings.load_N, 0.5 * voxel_m_of(state),
                           kFastestAdvance_m_per_s / context.scene.haptics.rate_hz};
   const auto evaluate = [&](double offset_m, bool with_stiffness) {
     tool.position = device.pose.position + offset_m * along;
     const ContactResult& contact = moved.contact =
-        contact_with_bodies(context, workpiece, state, tool, device.slides,
+        contact_with_bodies(context, state, tool, device.slides,
                             with_stiffness ? Asked::kStiffness : Asked::kForce, scratch);
     ++moved.evaluations;
     return Resistance{-along.dot(contact.wrench.force_N),
@@ -113,11 +102,10 @@ MovedTool follow_load(const TickContext& context, const Workpiece& workpiece,
 }
 
 /// The contact where the tool is, which does not move and whose spindle stands.
-MovedTool stand_still(const TickContext& context, const Workpiece& workpiece, const Pose& device,
-                      const SimulationState& state, TickScratch& scratch) noexcept {
+MovedTool stand_still(const TickContext& context, const Pose& device, const SimulationState& state,
+                      TickScratch& scratch) noexcept {
   MovedTool moved;
-  moved.contact =
-      contact_with_bodies(context, workpiece, state, state.tool, false, Asked::kForce, scratch);
+  moved.contact = contact_with_bodies(context, state, state.tool, false, Asked::kForce, scratch);
   moved.evaluations = 1;
   moved.asked = moved.contact.wrench;
   if (context.scene.coupling) {
@@ -128,24 +116,21 @@ MovedTool stand_still(const TickContext& context, const Workpiece& workpiece, co
 }
 
 /// Faults of the tool's way from where it was.
-std::uint32_t faults_of_way(const TickContext& context, const Workpiece& workpiece,
-                            const SimulationState& state, const Pose& before,
-                            const ContactResult& contact) noexcept {
+std::uint32_t faults_of_way(const TickContext& context, const SimulationState& state,
+                            const Pose& before, const ContactResult& contact) noexcept {
   const Eigen::Vector3d from = middle_of_head(context.burr, before);
   const Eigen::Vector3d to = middle_of_head(context.burr, state.tool);
   // What jumped has been told of.
   const bool steps = step_of(context.burr, before, state.tool) <= kLongestStep_m;
   std::uint32_t faults = 0;
-  const auto add = [&](const VoxelModel& body, const Pose& world_from_grid) {
-    if (steps && goes_through(body, world_from_grid, from, to)) faults |= kFaultStepTooLong;
-    if (is_inside(body, world_from_grid, to)) faults |= kFaultToolInside;
-  };
-  add(workpiece.model(), {});
-  for (const Neighbour& n : state.neighbours) add(n.solid.model(), n.world_from_grid);
+  for (const Body& body : state.bodies) {
+    const VoxelModel& solid = body.solid.model();
+    if (steps && goes_through(solid, body.world_from_grid, from, to)) faults |= kFaultStepTooLong;
+    if (is_inside(solid, body.world_from_grid, to)) faults |= kFaultToolInside;
+  }
   const Eigen::Vector3d normal_force_N = contact.wrench.force_N - contact.tangential.force_N;
   const double deeper = -normal_force_N.dot(to - from);  // as a way, times the force
-  if (steps && !context.scene.coupling &&
-      deeper > workpiece.grid().voxel_m * normal_force_N.norm()) {
+  if (steps && !context.scene.coupling && deeper > voxel_m_of(state) * normal_force_N.norm()) {
     faults |= kFaultStepTooLong;
   }
   return faults;
@@ -161,55 +146,45 @@ double spindle_speed_now(const TickContext& context, const SimulationState& stat
   return state.spindle_rad_per_s.value_or(context.burr.speed_rad_per_s);
 }
 
-ContactResult contact_with_bodies(const TickContext& context, const Workpiece& workpiece,
-                                  const SimulationState& state, const Pose& tool, bool slides,
-                                  Asked asked, TickScratch& scratch) noexcept {
+ContactResult contact_with_bodies(const TickContext& context, const SimulationState& state,
+                                  const Pose& tool, bool slides, Asked asked,
+                                  TickScratch& scratch) noexcept {
   const double dt_s = 1.0 / context.scene.haptics.rate_hz;
   const Pose& before = state.has_pose ? state.tool : tool;
   const Twist twist = motion_between(before, tool, dt_s, spindle_speed_now(context, state));
   const bool drags = slides && step_of(context.burr, before, tool) <= kLongestStep_m;
-  const Twist* const cutting = state.removal && drags ? &twist : nullptr;
+  const ContactQuery query{
+      context.burr, tool, context.scene.tissues, context.scene.haptics, drags ? &twist : nullptr,
+      asked};
   scratch.forget();
-  const NearBodies near = [&] {
-    const auto timed = scratch.contact.clock.time(Stage::kBroadPhase);
-    return NearBodies(context, tool, workpiece.grid().voxel_m);
-  }();
   ContactResult sum;
-  for (const std::uint16_t body : near) {
-    if (body == 0) {
-      add(sum, evaluate_contact(workpiece, context.scene.tissues, context.burr, tool, cutting,
-                                context.scene.haptics, state.kept ? &*state.kept : nullptr,
-                                scratch.contact, asked));
-      continue;
-    }
-    auto& [contact, found] = scratch.neighbours[body - 1u];
-    found = evaluate_neighbour(state.neighbours[body - 1u], context.scene.tissues, context.burr,
-                               tool, cutting, context.scene.haptics, contact, asked);
-    add(sum, found);
-  }
+  for_each_near(context, state, tool, voxel_m_of(state), [&](std::size_t i) {
+    auto& [contact, found] = scratch.bodies[i];
+    found = evaluate_contact(state.bodies[i], query, contact);
+    sum += found;
+  });
   return sum;
 }
 
-MovedTool move_tool(const TickContext& context, const Workpiece& workpiece,
-                    const DeviceReading& device, SimulationState& state,
+MovedTool move_tool(const TickContext& context, const DeviceReading& device, SimulationState& state,
                     TickScratch& scratch) noexcept {
   MovedTool moved;
   const Pose before = state.has_pose ? state.tool : device.pose;
   if (device.silent && state.has_pose) {
-    moved = stand_still(context, workpiece, device.pose, state, scratch);
+    moved = stand_still(context, device.pose, state, scratch);
   } else if (state.load_offset_m) {
-    moved = follow_load(context, workpiece, device, state, scratch);
+    moved = follow_load(context, device, state, scratch);
   } else if (context.scene.coupling) {
-    moved = follow_coupling(context, workpiece, device, state, scratch);
+    moved = follow_coupling(context, device, state, scratch);
   } else {
-    moved.contact = contact_with_bodies(context, workpiece, state, device.pose, device.slides,
-                                        Asked::kForce, scratch);
+    moved.contact =
+        contact_with_bodies(context, state, device.pose, device.slides, Asked::kForce, scratch);
     moved.asked = moved.contact.wrench;
     moved.evaluations = 1;
     state.tool = device.pose;
   }
   state.has_pose = true;
-  moved.contact.faults |= faults_of_way(context, workpiece, state, before, moved.contact);
+  moved.contact.faults |= faults_of_way(context, state, before, moved.contact);
   return moved;
 }
 

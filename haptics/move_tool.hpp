@@ -1,6 +1,5 @@
 #pragma once
 
-#include "engine/volume/workpiece.hpp"
 #include "haptics/simulation_state.hpp"
 #include "haptics/tick_context.hpp"
 #include "haptics/tick_scratch.hpp"
@@ -16,9 +15,9 @@ Eigen::Vector3d middle_of_head(const Burr& burr, const Pose& tool) noexcept;
 /// Contact of the burr at a pose with the bodies that it is near, and, where it `slides`, what it
 /// drags along on the way from where the tool was: nothing on one of more than kLongestStep_m.
 /// Changes no state.
-ContactResult contact_with_bodies(const TickContext& context, const Workpiece& workpiece,
-                                  const SimulationState& state, const Pose& tool, bool slides,
-                                  Asked asked, TickScratch& scratch) noexcept;
+ContactResult contact_with_bodies(const TickContext& context, const SimulationState& state,
+                                  const Pose& tool, bool slides, Asked asked,
+                                  TickScratch& scratch) noexcept;
 
 /// What a tick did with the tool.
 struct MovedTool {
@@ -33,8 +32,7 @@ struct MovedTool {
 /// faults: kFaultStepTooLong where the tool was to go further along a surface than a coupling can
 /// in a tick, or without one went more than a voxel deeper, or its middle through solid;
 /// kFaultToolInside where that is in solid afterwards.
-MovedTool move_tool(const TickContext& context, const Workpiece& workpiece,
-                    const DeviceReading& device, SimulationState& state,
+MovedTool move_tool(const TickContext& context, const DeviceReading& device, SimulationState& state,
                     TickScratch& scratch) noexcept;
 
 }  // namespace sulcus

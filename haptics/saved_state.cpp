@@ -158,36 +158,42 @@ void kept_normals(Reader& read, const HapticsSettings& settings, const Workpiece
   }
 }
 
+/// What all bodies have.
+void body(Writer& write, const Body& body) {
+  removal(write, body.solid.grid(), body.removal);
+  kept_normals(write, body.kept);
+}
+void body(Reader& read, const HapticsSettings& settings, Body& body) {
+  removal(read, body.solid.grid(), body.removal);
+  kept_normals(read, settings, body.solid, body.kept);
+}
+
 }  // namespace
 
 void save_state(const SimulationState& state, std::vector<std::byte>& bytes) {
   Writer write(bytes);
   write(kLayout);
   fields::head(write, state);
-  removal(write, VoxelGrid{}, state.removal);
-  kept_normals(write, state.kept);
-  write(static_cast<std::uint32_t>(state.neighbours.size()));
-  for (const Neighbour& neighbour : state.neighbours) {
-    removal(write, VoxelGrid{}, neighbour.removal);
-    kept_normals(write, neighbour.kept);
-    fields::damage(write, neighbour);
+  body(write, state.workpiece());
+  write(static_cast<std::uint32_t>(state.others().size()));
+  for (const Body& other : state.others()) {
+    body(write, other);
+    fields::damage(write, other);
   }
 }
 
 bool load_state(std::span<const std::byte> bytes, const HapticsSettings& settings,
-                const Workpiece& workpiece, SimulationState& state) {
+                SimulationState& state) {
   Reader read(bytes);
   const auto layout = read.take<std::uint32_t>();
   if (layout < 1 || layout > kLayout) return false;
   read.set_layout(layout);
   fields::head(read, state);
-  removal(read, workpiece.grid(), state.removal);
-  kept_normals(read, settings, workpiece, state.kept);
-  if (read.take<std::uint32_t>() != state.neighbours.size()) return false;
-  for (Neighbour& neighbour : state.neighbours) {
-    removal(read, neighbour.solid.grid(), neighbour.removal);
-    kept_normals(read, settings, neighbour.solid, neighbour.kept);
-    fields::damage(read, neighbour);
+  body(read, settings, state.workpiece());
+  if (read.take<std::uint32_t>() != state.others().size()) return false;
+  for (Body& other : std::span(state.bodies).subspan(1)) {
+    body(read, settings, other);
+    fields::damage(read, other);
   }
   return read.whole();
 }

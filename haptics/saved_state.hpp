@@ -4,7 +4,6 @@
 #include <span>
 #include <vector>
 
-#include "engine/volume/workpiece.hpp"
 #include "haptics/simulation_state.hpp"
 
 namespace sulcus {
@@ -15,11 +14,11 @@ namespace sulcus {
 /// too little.
 void save_state(const SimulationState& state, std::vector<std::byte>& bytes);
 
-/// The reverse, into a state that its scene made (initial_state, with its neighbours), the bodies'
+/// The reverse, into a state that its scene made (initial_state), the bodies'
 /// voxels being as they were then: a tick after it gives the same bits. What the scene no longer
 /// names is passed over, and what it has that was not saved stays as it is. False where the bytes
 /// are not of a state of these bodies: then `state` is to be thrown away.
 bool load_state(std::span<const std::byte> bytes, const HapticsSettings& settings,
-                const Workpiece& workpiece, SimulationState& state);
+                SimulationState& state);
 
 }  // namespace sulcus

@@ -123,10 +123,10 @@ void removal(Archive& archive, Removal& r) {
   each(archive, r.removed_voxels);
 }
 
-/// What a neighbour has suffered.
-template <class Archive, class Neighbour>
-void damage(Archive& archive, Neighbour& n) {
-  all(archive, n.touched_ticks, n.peak_force_N);
+/// What a body beside the workpiece has suffered.
+template <class Archive, class Body>
+void damage(Archive& archive, Body& body) {
+  all(archive, body.touched_ticks, body.peak_force_N);
 }
 
 template <class Archive, class State>

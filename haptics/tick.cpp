@@ -36,91 +36,74 @@ void turn_spindle(const TickContext& context, const ContactResult& contact, doub
 /// It stands while the device is silent, and runs up again after it.
 void stop_spindle(const TickContext& context, SimulationState& state, TickScratch& scratch) {
   if (state.spindle_rad_per_s) state.spindle_rad_per_s = 0.0;
-  if (state.removal) scratch.cutting = make_cutting_record(context, state, {}, false);
+  if (context.scene.cutting) scratch.cutting = make_cutting_record(context, state, {}, false);
 }
 
-/// What is cut of the workpiece and of a neighbour alike.
-struct CutBody {
-  std::uint16_t number;
-  Workpiece& solid;
-  std::span<const TissueSettings> tissues;  // from that of label 0 on
-  RemovalState& removal;
-  std::optional<KeptNormals>& kept;
-  ContactScratch& contact;
-};
-
-/// Removes from a body what the tangential force on it has paid for. Returns fault bits.
-std::uint32_t cut_body(const CutBody& body, double dt_s, std::uint64_t tick,
-                       std::vector<Edit>& edits) {
-  const std::size_t before = edits.size();
-  const std::uint32_t faults =
-      removal(body.solid, body.tissues, dt_s, tick, body.contact, body.removal, edits);
-  body.solid.switch_off(body.contact.hollow);
-  const auto cut = std::span(edits).subspan(before);
-  for (Edit& edit : cut) edit.body = body.number;
+/// Removes from body `i` what the tangential force on it has paid for. Returns fault bits.
+std::uint32_t cut_body(const TickContext& context, std::size_t i, SimulationState& state,
+                       TickScratch& scratch) {
+  Body& body = state.bodies[i];
+  const ContactScratch& contact = scratch.bodies[i].contact;
+  const std::size_t before = scratch.edits.size();
+  const std::uint32_t faults = removal(
+      body.solid, std::span(context.scene.tissues).subspan(body.first_tissue),
+      1.0 / context.scene.haptics.rate_hz, state.tick, contact, *body.removal, scratch.edits);
+  body.solid.switch_off(contact.hollow);
+  const auto cut = std::span(scratch.edits).subspan(before);
+  for (Edit& edit : cut) edit.body = static_cast<std::uint16_t>(i);
   if (body.kept) body.kept->drop(cut);
   return faults;
 }
 
 /// Whether what each contact does can be reckoned with, of all bodies that are cut.
 bool has_finite_powers(const SimulationState& state, const TickScratch& scratch) {
-  bool finite = has_finite_powers(scratch.contact.contacts);
-  for (std::size_t i = 0; i < state.neighbours.size(); ++i) {
-    const Contacts& contacts = scratch.neighbours[i].contact.contacts;
-    finite = finite && (!state.neighbours[i].removal || has_finite_powers(contacts));
+  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+    const Contacts& contacts = scratch.bodies[i].contact.contacts;
+    if (state.bodies[i].removal && !has_finite_powers(contacts)) return false;
   }
-  return finite;
+  return true;
 }
 
 /// Cuts all bodies, and brakes the spindle by it. Where a power is not finite, nothing of either.
-void cut(const TickContext& context, Workpiece& workpiece, SimulationState& state,
-         TickScratch& scratch, ContactResult& contact) {
-  const auto timed = scratch.contact.clock.time(Stage::kRemoval);
+void cut(const TickContext& context, SimulationState& state, TickScratch& scratch,
+         ContactResult& contact) {
+  const auto timed = scratch.clock().time(Stage::kRemoval);
   if (!has_finite_powers(state, scratch)) contact.faults |= kFaultNotFinite;
   if (contact.faults & kFaultNotFinite) {
     contact.wrench = contact.tangential = {};
     scratch.cutting = make_cutting_record(context, state, {});
     return;
   }
-  const double dt_s = 1.0 / context.scene.haptics.rate_hz;
-  const std::span tissues = context.scene.tissues;
-  contact.faults |= cut_body({0, workpiece, tissues, *state.removal, state.kept, scratch.contact},
-                             dt_s, state.tick, scratch.edits);
-  for (std::uint16_t body = 1; body <= state.neighbours.size(); ++body) {
-    Neighbour& n = state.neighbours[body - 1u];
-    if (!n.removal) continue;
-    contact.faults |= cut_body({body, n.solid, tissues.subspan(n.first_tissue), *n.removal, n.kept,
-                                scratch.neighbours[body - 1u].contact},
-                               dt_s, state.tick, scratch.edits);
+  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+    if (state.bodies[i].removal) contact.faults |= cut_body(context, i, state, scratch);
   }
   scratch.cutting = make_cutting_record(context, state, contact.tangential);
-  if (state.spindle_rad_per_s) turn_spindle(context, contact, dt_s, state);
+  if (state.spindle_rad_per_s) {
+    turn_spindle(context, contact, 1.0 / context.scene.haptics.rate_hz, state);
+  }
 }
 
 /// Keeps the normals that were found, and counts who was touched.
-void keep(const TickContext& context, const Workpiece& workpiece, SimulationState& state,
-          TickScratch& scratch) {
-  const auto timed = scratch.contact.clock.time(Stage::kNormals);
-  const HapticsSettings& settings = context.scene.haptics;
-  if (state.kept) keep_normals(workpiece, settings, state.tick, scratch.contact, *state.kept);
-  for (std::size_t i = 0; i < state.neighbours.size(); ++i) {
-    Neighbour& neighbour = state.neighbours[i];
-    auto& [contact, found] = scratch.neighbours[i];
-    if (neighbour.kept) {
-      keep_normals(neighbour.solid, settings, state.tick, contact, *neighbour.kept);
+void keep(const TickContext& context, SimulationState& state, TickScratch& scratch) {
+  const auto timed = scratch.clock().time(Stage::kNormals);
+  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+    Body& body = state.bodies[i];
+    auto& [contact, found] = scratch.bodies[i];
+    if (body.kept) {
+      keep_normals(body.solid, context.scene.haptics, state.tick, contact, *body.kept);
     }
-    if (found.contacts > 0) ++neighbour.touched_ticks;
+    if (found.contacts > 0) ++body.touched_ticks;
     const double force_N = found.wrench.force_N.norm();
-    if (std::isfinite(force_N)) neighbour.peak_force_N = std::max(neighbour.peak_force_N, force_N);
+    if (std::isfinite(force_N)) body.peak_force_N = std::max(body.peak_force_N, force_N);
   }
 }
 
 /// Takes pieces that were cut loose out of the workpiece.
-void let_go(Workpiece& workpiece, std::span<const std::uint32_t> loose, SimulationState& state,
-            TickScratch& scratch) {
-  const auto timed = scratch.contact.clock.time(Stage::kRemoval);
-  remove_loose(workpiece, loose, state.tick, *state.removal, scratch.edits);
-  if (state.kept) state.kept->drop(scratch.edits);
+void let_go(std::span<const std::uint32_t> loose, SimulationState& state, TickScratch& scratch) {
+  const auto timed = scratch.clock().time(Stage::kRemoval);
+  Body& workpiece = state.workpiece();
+  remove_loose(workpiece.solid, loose, state.tick, *workpiece.removal, scratch.edits);
+  if (workpiece.kept) workpiece.kept->drop(scratch.edits);
 }
 
 /// A contact that is not finite counts as none, and ends the run.
@@ -169,29 +152,28 @@ TickRecord make_record(const SimulationState& state, const Pose& device_pose, do
 
 }  // namespace
 
-void rehearse(const TickContext& context, const Workpiece& workpiece, const SimulationState& state,
+void rehearse(const TickContext& context, const SimulationState& state,
               TickScratch& scratch) noexcept {
   if (!state.has_pose) return;
-  contact_with_bodies(context, workpiece, state, state.tool, true,
+  contact_with_bodies(context, state, state.tool, true,
                       context.scene.coupling ? Asked::kCoupled : Asked::kForce, scratch);
 }
 
-TickRecord tick(const TickContext& context, Device& device, Workpiece& workpiece,
-                SimulationState& state, TickScratch& scratch,
-                std::span<const std::uint32_t> loose) noexcept {
+TickRecord tick(const TickContext& context, Device& device, SimulationState& state,
+                TickScratch& scratch, std::span<const std::uint32_t> loose) noexcept {
   const double dt_s = 1.0 / context.scene.haptics.rate_hz;
   scratch.edits.clear();
-  if (!loose.empty()) let_go(workpiece, loose, state, scratch);
+  if (!loose.empty()) let_go(loose, state, scratch);
 
   const DeviceReading reading = read_pose(context, device, state.tick, state.port);
   MovedTool moved;
   ContactResult& contact = moved.contact;
   if (state.port.has_pose && (reading.faults & kFaultNotFinite) == 0) {
-    moved = move_tool(context, workpiece, reading, state, scratch);
+    moved = move_tool(context, reading, state, scratch);
     refuse_infinite(contact);
-    keep(context, workpiece, state, scratch);
-    if (state.removal && !reading.silent) cut(context, workpiece, state, scratch, contact);
-  } else if (state.removal) {  // the tool stays
+    keep(context, state, scratch);
+    if (context.scene.cutting && !reading.silent) cut(context, state, scratch, contact);
+  } else if (context.scene.cutting) {  // the tool stays
     scratch.cutting = make_cutting_record(context, state, {});
   }
   if (reading.silent) stop_spindle(context, state, scratch);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "engine/bodies/body_query.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/tool/burr.hpp"
 
@@ -10,7 +9,6 @@ namespace sulcus {
 struct TickContext {
   const Scene& scene;
   const Burr& burr;
-  BodyQuery bodies;  // body 0 is the workpiece, then SimulationState::neighbours
 };
 
 }  // namespace sulcus

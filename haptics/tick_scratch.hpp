@@ -11,8 +11,8 @@
 
 namespace sulcus {
 
-/// Of one neighbour: what its last evaluation used and found.
-struct NeighbourScratch {
+/// Of one body: what its last evaluation used and found.
+struct BodyScratch {
   ContactScratch contact;
   ContactResult found;
 };
@@ -24,16 +24,17 @@ struct TickScratch {
 
   /// What evaluations have found, as if they had found nothing.
   void forget() noexcept;
+  /// Of what is done for all bodies at once.
+  StageClock& clock() noexcept { return bodies.front().contact.clock; }
   void reset_clocks() noexcept;
-  /// Of the contacts with all bodies, since the clocks were reset.
+  /// Of all bodies, since the clocks were reset.
   std::uint64_t stage_ns(Stage stage) const noexcept;
   std::size_t contact_bytes() const;
 
-  ContactScratch contact;
-  std::vector<NeighbourScratch> neighbours;  // one for each [[body]]
-  std::vector<Edit> edits;                   // of this tick
-  CuttingRecord cutting;                     // of this tick, with [cutting]
-  PortRecord port;                           // of this tick
+  std::vector<BodyScratch> bodies;  // as SimulationState::bodies
+  std::vector<Edit> edits;          // of this tick
+  CuttingRecord cutting;            // of this tick, with [cutting]
+  PortRecord port;                  // of this tick
 };
 
 }  // namespace sulcus

@@ -83,16 +83,16 @@ ContinuedRun continue_run(RecordedRun& run, std::size_t row,
   state.seek_row(row);
   const Simulation& then = state.simulation();
   std::vector<VoxelModel> bodies;
-  for (const Neighbour& n : then.state().neighbours) bodies.push_back(as_recorded(n.solid));
+  for (const Body& body : then.state().others()) bodies.push_back(as_recorded(body.solid));
   if (std::ranges::any_of(overrides, is_other_burr)) {
     check_start(scene, then.workpiece().model(), bodies, burr,
                 pose_of(run.rows[row].tool_position_m, run.rows[row].tool_orientation));
   }
   std::vector<std::byte> bytes;
   save_state(then.state(), bytes);
-  continued.simulation = std::make_unique<Simulation>(scene, as_recorded(then.workpiece()),
-                                                      make_neighbours(scene, std::move(bodies)),
-                                                      std::move(burr), StageClock(steady_ns));
+  continued.simulation =
+      std::make_unique<Simulation>(scene, as_recorded(then.workpiece()), std::move(bodies),
+                                   std::move(burr), StageClock(steady_ns));
   if (!continued.simulation->load_state(bytes)) {
     throw std::logic_error("a state that was just saved");
   }

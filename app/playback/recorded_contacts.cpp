@@ -7,15 +7,7 @@ namespace sulcus {
 
 RecordedContacts::RecordedContacts(const std::string& path, bool counted)
     : run_(open_recorded_run(path)), state_(run_), counted_(counted) {
-  counts_.emplace_back(run_.simulation->workpiece().grid());
-  for (const Neighbour& neighbour : run_.simulation->state().neighbours) {
-    counts_.emplace_back(neighbour.solid.grid());
-  }
-}
-
-const Workpiece& RecordedContacts::solid(std::size_t body) const {
-  const Simulation& simulation = *run_.simulation;
-  return body == 0 ? simulation.workpiece() : simulation.state().neighbours[body - 1].solid;
+  for (const Body& body : run_.simulation->state().bodies) counts_.emplace_back(body.solid.grid());
 }
 
 void RecordedContacts::seek_row(std::size_t row) {
@@ -58,9 +50,7 @@ void RecordedContacts::look(const TickRecord& again) {
         count = std::isnan(count) ? 1.0f : count + 1.0f;
       }
       const Eigen::Vector3d p_grid = grid.centre_world(cell);
-      marks_.push_back({body == 0
-                            ? p_grid
-                            : simulation.state().neighbours[body - 1].world_from_grid.point(p_grid),
+      marks_.push_back({simulation.state().bodies[body].world_from_grid.point(p_grid),
                         contacts(Contacts::kForce)[i]});
     }
   }
@@ -70,7 +60,7 @@ VoxelValues RecordedContacts::counts(std::size_t body) const {
   VoxelValues standing = counts_.at(body);
   for (const auto& [leaf, block] : counts_[body].blocks()) {
     VoxelValues::Block left = block;
-    const LeafBits& bits = solid(body).model().leaves[leaf];
+    const LeafBits& bits = run_.simulation->state().bodies[body].solid.model().leaves[leaf];
     for (std::size_t place = 0; place < left.size(); ++place) {
       if ((bits.words[place / 64] >> place % 64 & 1u) == 0) left[place] = VoxelValues::kNone;
     }

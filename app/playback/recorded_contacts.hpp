@@ -32,7 +32,6 @@ class RecordedContacts {
  private:
   void skip_gap(std::size_t row);
   void look(const TickRecord& again);
-  const Workpiece& solid(std::size_t body) const;
 
   RecordedRun run_;
   RecordedState state_;

@@ -80,10 +80,9 @@ RecordedRun open_recorded_run(const std::string& path) {
   const Scene scene = recorded_scene(reader, path);
   std::vector<TickRecord> rows = reader.ticks();
   const Pose start = pose_of(rows.front().tool_position_m, rows.front().tool_orientation);
-  auto simulation =
-      std::make_unique<Simulation>(scene, recorded_workpiece(reader, scene),
-                                   make_neighbours(scene, recorded_bodies(reader, scene)),
-                                   recorded_burr(reader, scene), StageClock{}, start);
+  auto simulation = std::make_unique<Simulation>(scene, recorded_workpiece(reader, scene),
+                                                 recorded_bodies(reader, scene),
+                                                 recorded_burr(reader, scene), StageClock{}, start);
   if (const std::uint64_t first = rows.front().tick; first > 0) {
     const std::vector<KeyframeInfo>& keyframes = reader.keyframes();
     const bool is_there = !keyframes.empty() && keyframes.front().tick + 1 == first;

@@ -17,10 +17,7 @@ std::string key_of_run(const Simulation& simulation, const VoxelModel* goal, std
   const Scene& scene = simulation.scene();
   Hash128Stream hash;
   hash.add("run").add(scene.text).add(ticks).add(renders);
-  hash.add(simulation.workpiece().hash_with_tissues());
-  for (const Neighbour& neighbour : simulation.state().neighbours) {
-    hash.add(neighbour.solid.hash_with_tissues());
-  }
+  for (const Body& body : simulation.state().bodies) hash.add(body.solid.hash_with_tissues());
   if (goal) hash.add_bytes(goal->leaves.data(), goal->leaves.size() * sizeof(goal->leaves[0]));
   for (const std::string* file :
        {&scene.burr.file, &scene.trajectory.file, &scene.trajectory.recording}) {

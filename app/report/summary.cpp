@@ -102,7 +102,7 @@ Json bodies_json(const Simulation& simulation) {
   const Scene& scene = simulation.scene();
   Json bodies = Json::array();
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
-    const Neighbour& body = simulation.state().neighbours[i];
+    const Body& body = simulation.state().others()[i];
     const std::span tissues = std::span(scene.tissues).subspan(body.first_tissue);
     const std::size_t count = scene.bodies[i].tissue ? 1 : tissues.size();
     bodies.push_back(
@@ -119,13 +119,11 @@ Json bodies_json(const Simulation& simulation) {
 /// Of all bodies.
 void add_energies(const SimulationState& state, Json& j) {
   double removed_J = 0.0, stored_J = 0.0;
-  const auto add = [&](const std::optional<RemovalState>& removal) {
-    if (!removal) return;
-    removed_J += removal->removed_J;
-    stored_J += removal->stored_J();
-  };
-  add(state.removal);
-  for (const Neighbour& neighbour : state.neighbours) add(neighbour.removal);
+  for (const Body& body : state.bodies) {
+    if (!body.removal) continue;
+    removed_J += body.removal->removed_J;
+    stored_J += body.removal->stored_J();
+  }
   j["tangential_work_J"] = state.work_J();
   j["removed_energy_J"] = removed_J;
   j["stored_energy_J"] = stored_J;
@@ -322,8 +320,8 @@ nlohmann::ordered_json make_summary(const Simulation& simulation, const SessionR
   add_times(scene, result, j);
   add_contact(s, j);
   j["removed_voxels"] = s.removed;
-  j["removed_mm3"] =
-      removed_json(simulation.state().removal, simulation.workpiece().grid(), scene.tissues);
+  j["removed_mm3"] = removed_json(simulation.state().workpiece().removal,
+                                  simulation.workpiece().grid(), scene.tissues);
   add_energies(simulation.state(), j);
   if (!scene.bodies.empty()) j["bodies"] = bodies_json(simulation);
   add_port(scene, simulation.state().port, s, j);

@@ -49,16 +49,13 @@ LoadedRun load_run(const Scene& scene, const Pose& start, LoadCache& cache) {
     if (bodies[i].clipped) run.clipped.emplace_back(scene.bodies[i].name, &scene.bodies[i].solid);
   }
   begin = steady_ns();
-  std::vector<Neighbour> neighbours = make_neighbours(scene, std::move(bodies));
-  bodies_s += seconds_since(begin);
-  begin = steady_ns();
-  run.simulation = std::make_unique<Simulation>(scene, std::move(model), std::move(neighbours),
+  run.simulation = std::make_unique<Simulation>(scene, std::move(model), std::move(bodies),
                                                 std::move(burr), StageClock(steady_ns), start);
   workpiece_s += seconds_since(begin);
   run.loading.push_back(
       {"workpiece", workpiece_s, run.simulation->workpiece().memory_bytes(), workpiece_cached});
   if (!scene.bodies.empty()) {
-    run.loading.push_back({"bodies", bodies_s, run.simulation->neighbours_bytes(), bodies_cached});
+    run.loading.push_back({"bodies", bodies_s, run.simulation->others_bytes(), bodies_cached});
   }
   return run;
 }

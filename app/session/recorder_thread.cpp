@@ -35,8 +35,8 @@ RecordingWriter begin_recording(const Simulation& simulation, const SessionOptio
                         .goal = options.goal ? &*options.goal : nullptr,
                         .input = options.input ? &*options.input : nullptr,
                         .earlier = options.earlier.get()};
-  for (const Neighbour& neighbour : simulation.state().neighbours) {
-    others.bodies.push_back(&neighbour.solid.model());
+  for (const Body& body : simulation.state().others()) {
+    others.bodies.push_back(&body.solid.model());
   }
   const bool from_file = scene.burr.shape == BurrShape::kFile;
   RecordingWriter writer(file, header, simulation.workpiece().model(),

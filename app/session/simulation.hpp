@@ -3,7 +3,6 @@
 #include <span>
 #include <vector>
 
-#include "engine/bodies/body_tree.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/tool/burr.hpp"
 #include "engine/volume/workpiece.hpp"
@@ -12,41 +11,42 @@
 
 namespace sulcus {
 
-/// A scene ready to tick: workpiece, burr, state and the memory of a tick, wired together. Used by
+/// A scene ready to tick: burr, state and the memory of a tick, wired together. Used by
 /// one thread.
 class Simulation {
  public:
-  /// `start`: the workpiece; `neighbours`: as make_neighbours gives them; `first`: as initial_state
-  /// takes it.
-  Simulation(const Scene& scene, VoxelModel start, std::vector<Neighbour> neighbours, Burr burr,
+  /// `start`: the workpiece; `others`: the bodies beside it, in the scene's order; `first`: as
+  /// initial_state takes it.
+  Simulation(const Scene& scene, VoxelModel start, std::vector<VoxelModel> others, Burr burr,
              StageClock clock = StageClock{}, const Pose& first = {});
   Simulation(const Simulation&) = delete;  // the context refers into it
   Simulation& operator=(const Simulation&) = delete;
 
   /// One tick. The edits stay valid until the next.
   TickRecord step(Device& device, std::span<const std::uint32_t> loose = {}) noexcept {
-    return tick(context_, device, workpiece_, state_, scratch_, loose);
+    return tick(context_, device, state_, scratch_, loose);
   }
   // For going through a recording, on and back.
   /// An edit that another run made.
-  void apply(const Edit& edit) noexcept { body(edit.body).remove(cell(edit)); }
-  void take_back(const Edit& edit) noexcept { body(edit.body).put_back(cell(edit)); }
-  bool is_solid(const Edit& edit) const noexcept { return body(edit.body).solid(cell(edit)); }
+  void apply(const Edit& edit) noexcept { state_.bodies[edit.body].solid.remove(cell(edit)); }
+  void take_back(const Edit& edit) noexcept { state_.bodies[edit.body].solid.put_back(cell(edit)); }
+  bool is_solid(const Edit& edit) const noexcept {
+    return state_.bodies[edit.body].solid.solid(cell(edit));
+  }
   /// As sulcus::load_state.
   bool load_state(std::span<const std::byte> bytes) {
-    return sulcus::load_state(bytes, scene_.haptics, workpiece_, state_);
+    return sulcus::load_state(bytes, scene_.haptics, state_);
   }
 
   /// Whether the middle of the burr's head is outside of all bodies: within one it feels nothing.
   bool is_free(const Pose& tool) const noexcept;
   /// Touches what the next tick will. Changes no state.
-  void rehearse() noexcept { sulcus::rehearse(context_, workpiece_, state_, scratch_); }
+  void rehearse() noexcept { sulcus::rehearse(context_, state_, scratch_); }
   std::span<const Edit> edits() const { return scratch_.edits; }
   /// What the last evaluation of the last tick found on a body, 0 the workpiece; what an earlier
   /// tick left behind where the last record has no contacts.
   const Contacts& contacts(std::size_t number) const {
-    return number == 0 ? scratch_.contact.contacts
-                       : scratch_.neighbours.at(number - 1).contact.contacts;
+    return scratch_.bodies.at(number).contact.contacts;
   }
   const CuttingRecord& cutting() const { return scratch_.cutting; }
   const PortRecord& port() const { return scratch_.port; }
@@ -55,7 +55,7 @@ class Simulation {
 
   const Scene& scene() const { return scene_; }
   const Burr& burr() const { return burr_; }
-  const Workpiece& workpiece() const { return workpiece_; }
+  const Workpiece& workpiece() const { return state_.workpiece().solid; }
   const SimulationState& state() const { return state_; }
 
   /// Copies of the bodies besides the workpiece, as they are now.
@@ -64,26 +64,18 @@ class Simulation {
   /// With the normals that are kept, of all bodies.
   std::size_t contact_bytes() const;
   /// Of the bodies besides the workpiece.
-  std::size_t neighbours_bytes() const;
+  std::size_t others_bytes() const;
   /// 0 without [cutting].
   std::size_t cutting_bytes() const;
 
  private:
-  Workpiece& body(std::size_t number) noexcept {
-    return number == 0 ? workpiece_ : state_.neighbours[number - 1].solid;
-  }
-  const Workpiece& body(std::size_t number) const noexcept {
-    return number == 0 ? workpiece_ : state_.neighbours[number - 1].solid;
-  }
   Cell cell(const Edit& edit) const noexcept {
-    return body(edit.body).grid().cell_of_linear(edit.voxel);
+    return state_.bodies[edit.body].solid.grid().cell_of_linear(edit.voxel);
   }
 
   Scene scene_;
-  Workpiece workpiece_;
   Burr burr_;
   SimulationState state_;
-  BodyTree bodies_;
   TickScratch scratch_;
   TickContext context_;
 };

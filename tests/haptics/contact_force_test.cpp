@@ -60,8 +60,8 @@ struct Evaluation {
   Evaluation(const Workpiece& workpiece, const Burr& burr, const Pose& pose, Scaling scaling,
              const Twist* twist = nullptr, Asked asked = Asked::kStiffness)
       : scratch(with(scaling)) {
-    result = evaluate_contact(workpiece, test::one_tissue(), burr, pose, twist, with(scaling),
-                              nullptr, scratch, asked);
+    result = evaluate_contact(
+        workpiece, {burr, pose, test::one_tissue(), with(scaling), twist, asked}, scratch);
   }
   ContactScratch scratch;
   ContactResult result;
@@ -169,9 +169,9 @@ TEST(ContactForce, EachTissueHasItsStiffness) {
   two[1].stiffness_N_per_m = 0.1 * kStiffness;
   const Pose pose = test::upright({0, 0, -0.1e-3});
   ContactScratch scratch(with(Scaling::kCount));
-  const double force_N = evaluate_contact(soft, two, round_burr(), pose, nullptr,
-                                          with(Scaling::kCount), nullptr, scratch)
-                             .wrench.force_N.z();
+  const double force_N =
+      evaluate_contact(soft, {round_burr(), pose, two, with(Scaling::kCount)}, scratch)
+          .wrench.force_N.z();
   const Evaluation hard(flat_block(), round_burr(), pose, Scaling::kCount);
   EXPECT_NEAR(force_N, 0.1 * hard.result.wrench.force_N.z(), kFloat * force_N);
 }
@@ -242,9 +242,9 @@ Steps largest_steps(const Workpiece& workpiece, const Vector3d& touch_world, con
   for (int um = -60; um <= 120; ++um) {
     const Vector3d centre = touch_world + out * (radius_m - um * 1e-6);
     const Pose pose = test::pose_along(centre - radius_m * axis, axis);
-    const Vector3d force_N = evaluate_contact(workpiece, tissues, round_burr(), pose, nullptr,
-                                              with(scaling), nullptr, scratch)
-                                 .wrench.force_N;
+    const Vector3d force_N =
+        evaluate_contact(workpiece, {round_burr(), pose, tissues, with(scaling)}, scratch)
+            .wrench.force_N;
     if (um > -60) {
       largest.change_N = std::max(largest.change_N, (force_N - last_N).norm());
       largest.fall_N = std::max(largest.fall_N, (last_N - force_N).dot(out));

@@ -34,8 +34,8 @@ class EvaluateContact : public ::testing::Test {
         scratch_(settings_) {}
 
   ContactResult evaluate(const Pose& pose, const Twist* twist = nullptr) {
-    return evaluate_contact(workpiece_, tissues_, burr_, pose, twist, settings_, nullptr, scratch_,
-                            Asked::kStiffness);
+    return evaluate_contact(workpiece_,
+                            {burr_, pose, tissues_, settings_, twist, Asked::kStiffness}, scratch_);
   }
   /// Everything a caller sees of an evaluation.
   struct Seen {
@@ -168,8 +168,8 @@ class EvaluateManyContacts : public ::testing::Test {
   void expect_the_same(const Twist* twist, Asked asked, const KeptNormals* kept) const {
     ContactScratch staged(settings_), scratch(settings_);
     const ContactResult expected = stage_by_stage(twist, asked, kept, staged);
-    const ContactResult found = evaluate_contact(workpiece_, tissues_, burr_, pose_, twist,
-                                                 settings_, kept, scratch, asked);
+    const ContactResult found = evaluate_contact(
+        workpiece_, {burr_, pose_, tissues_, settings_, twist, asked}, scratch, kept);
     EXPECT_EQ(found.wrench.force_N, expected.wrench.force_N);
     EXPECT_EQ(found.wrench.torque_Nm, expected.wrench.torque_Nm);
     EXPECT_EQ(found.tangential.force_N, expected.tangential.force_N);
@@ -228,8 +228,8 @@ TEST_F(EvaluateManyContacts, MoreThanTheCapacityAreThoseOfTheStages) {
     expect_the_same(&twist_, Asked::kCoupled, nullptr);
     ContactScratch scratch(settings_);
     const std::uint64_t before = test::allocation_count();
-    const ContactResult full = evaluate_contact(workpiece_, tissues_, burr_, pose_, nullptr,
-                                                settings_, nullptr, scratch, Asked::kForce);
+    const ContactResult full =
+        evaluate_contact(workpiece_, {burr_, pose_, tissues_, settings_}, scratch);
     EXPECT_EQ(test::allocation_count(), before);
     EXPECT_EQ(full.faults, kFaultContactsFull);
     EXPECT_EQ(scratch.contacts.size(), capacity);

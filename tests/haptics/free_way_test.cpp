@@ -66,7 +66,7 @@ TEST(FreeWay, NoWayOfThatLengthEndsInContact) {
     ++moved;
     pose.position += 0.999 * way_m * Vector3d(part(), part(), part()).normalized();
     const ContactResult there =
-        evaluate_contact(blobs, test::one_tissue(), burr(), pose, nullptr, {}, nullptr, scratch);
+        evaluate_contact(blobs, {burr(), pose, test::one_tissue(), HapticsSettings{}}, scratch);
     EXPECT_EQ(there.contacts, 0u) << "way " << way_m << " in trial " << trial;
   }
   EXPECT_GT(moved, 50);

@@ -19,14 +19,6 @@ namespace {
 
 constexpr double kVoxel = 50e-6;
 
-const BodyQuery kBoth{nullptr,
-                      [](const void*, const Eigen::AlignedBox3d&,
-                         std::span<std::uint16_t> found) noexcept -> std::size_t {
-                        found[0] = 0;
-                        found[1] = 1;
-                        return 2;
-                      }};
-
 /// All that a state can hold, but for the load, which needs a scripted tool. Soft, so that voxels
 /// go within a few ticks; few normals are kept, so that old leaves give way.
 const std::string kAll = R"(
@@ -70,23 +62,21 @@ struct TickedRun {
   explicit TickedRun(const std::string& text = kAll)
       : scene(test::parse(text)),
         burr(make_burr(scene.burr, kVoxel)),
-        workpiece(test::block({64, 64, 64}, kVoxel, {0, 0, 0}, {64, 64, 32})),
-        state(initial_state(scene, workpiece.grid())),
+        state(initial_state(
+            scene, {Workpiece(test::block({64, 64, 64}, kVoxel, {0, 0, 0}, {64, 64, 32})),
+                    Workpiece(test::block({64, 64, 64}, kVoxel, {24, 0, 24}, {40, 64, 36}))})),
         scratch(scene),
-        context{scene, burr, kBoth} {
-    std::vector<VoxelModel> others;
-    others.push_back(test::block({64, 64, 64}, kVoxel, {24, 0, 24}, {40, 64, 36}));
-    state.neighbours = make_neighbours(scene, std::move(others));
-  }
+        context{scene, burr} {}
+  const Workpiece& workpiece() const { return state.workpiece().solid; }
   TickRecord step(Device& device) {
-    const TickRecord record = tick(context, device, workpiece, state, scratch);
+    const TickRecord record = tick(context, device, state, scratch);
     edits.insert(edits.end(), scratch.edits.begin(), scratch.edits.end());
     return record;
   }
   /// Brings the bodies' voxels to where another run's are.
   void cut_as(const TickedRun& other) {
     for (const Edit& edit : other.edits) {
-      Workpiece& body = edit.body == 0 ? workpiece : state.neighbours[edit.body - 1u].solid;
+      Workpiece& body = state.bodies[edit.body].solid;
       body.remove(body.grid().cell_of_linear(edit.voxel));
     }
   }
@@ -98,7 +88,6 @@ struct TickedRun {
 
   Scene scene;
   Burr burr;
-  Workpiece workpiece;
   SimulationState state;
   TickScratch scratch;
   TickContext context;
@@ -131,18 +120,18 @@ class SavedState : public ::testing::Test {
     }
   }
   bool all_is_in_play() const {
-    return run_.state.removal->part_cut.size() > 50 &&
-           run_.state.neighbours[0].removal->part_cut.size() > 20 && run_.edits.size() > 20 &&
+    return run_.state.workpiece().removal->part_cut.size() > 50 &&
+           run_.state.bodies[1].removal->part_cut.size() > 20 && run_.edits.size() > 20 &&
            *run_.state.spindle_rad_per_s < run_.scene.burr.speed_rad_per_s &&
            keeps_what_was_inside();
   }
   /// Whether a refined normal is kept of a voxel that was no surface before anything was cut.
   bool keeps_what_was_inside() const {
-    for (const Cell& c : test::surface_cells(run_.workpiece)) {
+    for (const Cell& c : test::surface_cells(run_.workpiece())) {
       const std::uint32_t key = voxel_key(c);
-      const KeptNormals::Page* const page = run_.state.kept->find(leaf_key(key));
+      const KeptNormals::Page* const page = run_.state.workpiece().kept->find(leaf_key(key));
       if (page && KeptNormals::is(page->refined, leaf_place(key)) &&
-          !uncut_.workpiece.is_surface(c)) {
+          !uncut_.workpiece().is_surface(c)) {
         return true;
       }
     }
@@ -158,7 +147,7 @@ class SavedState : public ::testing::Test {
   std::unique_ptr<TickedRun> loaded() const {
     auto again = std::make_unique<TickedRun>();
     again->cut_as(run_);
-    EXPECT_TRUE(load_state(run_.saved(), again->scene.haptics, again->workpiece, again->state));
+    EXPECT_TRUE(load_state(run_.saved(), again->scene.haptics, again->state));
     return again;
   }
 
@@ -186,15 +175,14 @@ TEST_F(SavedState, ARunGoesOnFromItToTheBit) {
     ASSERT_EQ(std::memcmp(&record, &expected, sizeof record), 0) << t;
     ASSERT_EQ(again->state.hash(), run_.state.hash()) << t;
   }
-  EXPECT_EQ(again->workpiece.hash(), run_.workpiece.hash());
+  EXPECT_EQ(again->workpiece().hash(), run_.workpiece().hash());
 }
 
 TEST_F(SavedState, WhateverOfItChangesTheHashChanges) {
   // Byte by byte: what is saved is what is hashed. (Of the kept normals only which are refined is
   // part of the hash, and a leaf's age is not.)
   const std::unique_ptr<TickedRun> again = loaded();
-  again->state.kept.reset();
-  for (Neighbour& n : again->state.neighbours) n.kept.reset();
+  for (Body& body : again->state.bodies) body.kept.reset();
   std::vector<std::byte> plain;
   save_state(again->state, plain);
   const std::uint64_t hash = again->state.hash();
@@ -205,7 +193,7 @@ TEST_F(SavedState, WhateverOfItChangesTheHashChanges) {
     std::vector<std::byte> other = plain;
     other[at] ^= std::byte{1};
     std::vector<std::byte> back;
-    if (!load_state(other, again->scene.haptics, again->workpiece, again->state)) continue;
+    if (!load_state(other, again->scene.haptics, again->state)) continue;
     save_state(again->state, back);
     if (back == plain) continue;  // any byte but 0 is true
     EXPECT_NE(again->state.hash(), hash) << "byte " << at << " of " << numbers;
@@ -223,7 +211,7 @@ TEST_F(SavedState, AStateOfTheFirstLayoutIsReadAsOneOfADeviceThatAnswers) {
             old.begin() + static_cast<std::ptrdiff_t>(end_of_port));
   TickedRun again;
   again.cut_as(run_);
-  ASSERT_TRUE(load_state(old, again.scene.haptics, again.workpiece, again.state));
+  ASSERT_TRUE(load_state(old, again.scene.haptics, again.state));
   EXPECT_EQ(again.state.hash(), run_.state.hash());
 }
 
@@ -234,9 +222,9 @@ TEST_F(SavedState, WhatItHeldBeforeIsGone) {
   SimulatedDevice device(*other.scene.device, trajectory_, 1000.0, other.scene.burr.reference_m);
   for (int t = 0; t < ticks_ + 50; ++t) other.step(device);
   TickedRun fresh;
-  ASSERT_TRUE(load_state(fresh.saved(), other.scene.haptics, other.workpiece, other.state));
-  EXPECT_EQ(other.state.removal->part_cut.size(), 0u);
-  EXPECT_TRUE(other.state.kept->pages().empty());
+  ASSERT_TRUE(load_state(fresh.saved(), other.scene.haptics, other.state));
+  EXPECT_EQ(other.state.workpiece().removal->part_cut.size(), 0u);
+  EXPECT_TRUE(other.state.workpiece().kept->pages().empty());
 }
 
 TEST_F(SavedState, WhatASceneDoesNotNameIsPassedOver) {
@@ -247,14 +235,14 @@ TEST_F(SavedState, WhatASceneDoesNotNameIsPassedOver) {
   }
   TickedRun less(text);
   less.cut_as(run_);
-  ASSERT_TRUE(load_state(run_.saved(), less.scene.haptics, less.workpiece, less.state));
+  ASSERT_TRUE(load_state(run_.saved(), less.scene.haptics, less.state));
   EXPECT_EQ(less.state.tick, run_.state.tick);
-  EXPECT_FALSE(less.state.removal);
-  EXPECT_EQ(less.state.kept->hash(), run_.state.kept->hash());
+  EXPECT_FALSE(less.state.workpiece().removal);
+  EXPECT_EQ(less.state.workpiece().kept->hash(), run_.state.workpiece().kept->hash());
   TickedRun more;
   more.cut_as(run_);
-  ASSERT_TRUE(load_state(less.saved(), more.scene.haptics, more.workpiece, more.state));
-  EXPECT_EQ(more.state.removal->part_cut.size(), 0u);
+  ASSERT_TRUE(load_state(less.saved(), more.scene.haptics, more.state));
+  EXPECT_EQ(more.state.workpiece().removal->part_cut.size(), 0u);
 }
 
 TEST_F(SavedState, WhatIsNoStateIsRefused) {
@@ -262,7 +250,7 @@ TEST_F(SavedState, WhatIsNoStateIsRefused) {
   const auto loads = [&](std::span<const std::byte> some) {
     TickedRun again;
     again.cut_as(run_);
-    return load_state(some, again.scene.haptics, again.workpiece, again.state);
+    return load_state(some, again.scene.haptics, again.state);
   };
   EXPECT_TRUE(loads(bytes));
   EXPECT_FALSE(loads({}));
@@ -274,26 +262,27 @@ TEST_F(SavedState, WhatIsNoStateIsRefused) {
   EXPECT_FALSE(loads(longer));
   // Another workpiece: the kept normals are not of its surface.
   TickedRun whole;
-  EXPECT_FALSE(load_state(bytes, whole.scene.haptics, whole.workpiece, whole.state));
+  EXPECT_FALSE(load_state(bytes, whole.scene.haptics, whole.state));
   // Flipped bits may be a state: nothing is reached through it that is not there.
   for (std::size_t at = 0; at < bytes.size(); at += bytes.size() / 40) {
     std::vector<std::byte> flipped = bytes;
     flipped[at] ^= std::byte{0x90};
     TickedRun again;
     again.cut_as(run_);
-    if (!load_state(flipped, again.scene.haptics, again.workpiece, again.state)) continue;
+    if (!load_state(flipped, again.scene.haptics, again.state)) continue;
     EXPECT_LT(again.step(device_).contacts, 100000u);
   }
 }
 
 TEST(SavedStateOfALoad, KeepsHowFarItHasCome) {
-  SimulationState state, again;
+  Scene scene;
+  scene.trajectory.load_N = 1.0;
+  const Workpiece block(test::block({8, 8, 8}, kVoxel, {0, 0, 0}, {8, 8, 8}));
+  SimulationState state = initial_state(scene, {block}), again = initial_state(scene, {block});
   state.load_offset_m = 1.25e-3;
-  again.load_offset_m = 0.0;
   std::vector<std::byte> bytes;
   save_state(state, bytes);
-  Workpiece none(test::block({8, 8, 8}, kVoxel, {0, 0, 0}, {8, 8, 8}));
-  ASSERT_TRUE(load_state(bytes, {}, none, again));
+  ASSERT_TRUE(load_state(bytes, scene.haptics, again));
   EXPECT_EQ(again.load_offset_m, 1.25e-3);
 }
 

@@ -14,24 +14,26 @@
 namespace sulcus {
 namespace {
 
+Workpiece full_block() {
+  return Workpiece(test::make_model({8, 8, 8}, 1e-4, [](const Cell&) { return true; }));
+}
+
 SimulationState make_state() {
-  SimulationState state;
+  Scene scene;
+  scene.haptics.keep_normals = false;
+  scene.cutting.emplace().max_cut_voxels = 100;
+  scene.bodies.emplace_back().cuttable = true;
+  SimulationState state = initial_state(scene, {full_block(), full_block()});
   state.tick = 12;
   state.has_pose = true;
   state.tool.position = Eigen::Vector3d(1e-3, 2e-3, 3e-3);
-  state.removal.emplace(CuttingSettings{100});
-  state.removal->part_cut.set_energy(7, 1e-4);
-  state.removal->pool_J = 2e-4;
-  state.removal->work_J = 3e-4;
-  state.removal->removed_J = 4e-4;
+  RemovalState& removal = *state.workpiece().removal;
+  removal.part_cut.set_energy(7, 1e-4);
+  removal.pool_J = 2e-4;
+  removal.work_J = 3e-4;
+  removal.removed_J = 4e-4;
   state.spindle_rad_per_s = 5.0;
   state.load_offset_m = 6e-4;
-  Scene scene;
-  scene.cutting.emplace().max_cut_voxels = 100;
-  scene.bodies.emplace_back().cuttable = true;
-  scene.bodies.back().solid.cells = {8, 8, 8};
-  state.neighbours =
-      make_neighbours(scene, {test::make_model({8, 8, 8}, 1e-4, [](const Cell&) { return true; })});
   return state;
 }
 
@@ -105,16 +107,16 @@ void walk(const F& f, RemovalState& removal) {
   walk_all(f, carried, pool, work, removed, removed_voxels);
 }
 template <class F>
-void walk(const F& f, Neighbour& neighbour) {
-  // Where it is and which tissues it has are the scene's, and do not change.
-  auto& [world_from_grid, first_tissue, solid, kept, removal, touched_ticks, peak_force] =
-      neighbour;
-  walk_all(f, *removal, touched_ticks, peak_force);
-}
-template <class F>
 void walk(const F& f, SimulationState& state) {
-  auto& [tick, has_pose, tool, port, removal, kept, spindle, load, neighbours] = state;
-  walk_all(f, tick, has_pose, tool, port, *removal, *spindle, *load, neighbours.front());
+  auto& [tick, has_pose, tool, port, spindle, load, bodies] = state;
+  walk_all(f, tick, has_pose, tool, port, *spindle, *load);
+  for (Body& body : bodies) {
+    // Where it is and which tissues it has are the scene's, and do not change.
+    auto& [world_from_grid, first_tissue, solid, kept, removal, bounds, touched_ticks, peak_force] =
+        body;
+    walk(f, *removal);
+    if (&body != &bodies.front()) walk_all(f, touched_ticks, peak_force);
+  }
 }
 
 std::vector<std::byte> saved(const SimulationState& state) {
@@ -140,17 +142,13 @@ SimulationState changed(std::size_t which) {
   return state;
 }
 
-TEST(SimulationState, EqualStatesHashEqual) {
-  EXPECT_EQ(make_state().hash(), make_state().hash());
-  EXPECT_EQ(SimulationState().hash(), SimulationState().hash());
-}
+TEST(SimulationState, EqualStatesHashEqual) { EXPECT_EQ(make_state().hash(), make_state().hash()); }
 
 TEST(SimulationState, EveryFieldIsHashedAndSavedAndComesBack) {
   std::size_t fields = 0;
   SimulationState counted = make_state();
   walk([&](auto&) { ++fields; }, counted);
   ASSERT_GT(fields, 600u);  // 512 of them are counts of tissues
-  const Workpiece workpiece(test::make_model({8, 8, 8}, 1e-4, [](const Cell&) { return true; }));
   const std::uint64_t plain = make_state().hash();
   const std::vector<std::byte> plain_bytes = saved(make_state());
   for (std::size_t which = 0; which < fields; ++which) {
@@ -159,17 +157,16 @@ TEST(SimulationState, EveryFieldIsHashedAndSavedAndComesBack) {
     EXPECT_NE(state.hash(), plain);
     EXPECT_NE(saved(state), plain_bytes);
     SimulationState back = make_state();
-    ASSERT_TRUE(load_state(saved(state), HapticsSettings(), workpiece, back));
+    ASSERT_TRUE(load_state(saved(state), HapticsSettings(), back));
     EXPECT_EQ(back.hash(), state.hash());
   }
 }
 
 TEST(SimulationState, PartCutVoxelsAreHashedAndSaved) {
   for (const std::uint32_t voxel : {7u, 8u}) {
-    for (const bool of_neighbour : {false, true}) {
+    for (const std::size_t body : {0u, 1u}) {
       SimulationState state = make_state();
-      RemovalState& removal = of_neighbour ? *state.neighbours.front().removal : *state.removal;
-      removal.part_cut.set_energy(voxel, 2e-4);
+      state.bodies[body].removal->part_cut.set_energy(voxel, 2e-4);
       EXPECT_NE(state.hash(), make_state().hash()) << voxel;
       EXPECT_NE(saved(state), saved(make_state())) << voxel;
     }
@@ -177,7 +174,7 @@ TEST(SimulationState, PartCutVoxelsAreHashedAndSaved) {
 }
 
 TEST(SimulationState, WithoutCuttingThereIsNoRemovalState) {
-  EXPECT_FALSE(SimulationState().removal);
+  EXPECT_FALSE(initial_state(Scene(), {full_block()}).workpiece().removal);
 }
 
 }  // namespace

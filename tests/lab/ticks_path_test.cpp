@@ -29,9 +29,8 @@ TEST(TickPath, HoldsTheContactsAndMovesAtItsPace) {
       const Pose& next = path.poses[(p + 1) % path.poses.size()];
       const double step = (next.position - path.poses[p].position).norm();
       EXPECT_NEAR(step, kTickStep, 0.05 * kTickStep) << p;
-      const auto found = evaluate_contact(block, tissues, path.burr, path.poses[p], nullptr,
-                                          settings, nullptr, scratch)
-                             .contacts;
+      const auto found =
+          evaluate_contact(block, {path.burr, path.poses[p], tissues, settings}, scratch).contacts;
       EXPECT_GE(static_cast<int>(found), path.least);
       EXPECT_LE(static_cast<int>(found), path.most);
       sum += found;

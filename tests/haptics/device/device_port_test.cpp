@@ -35,7 +35,7 @@ class DevicePort : public testing::Test {
 
   Scene scene_;
   Burr burr_;
-  TickContext context_{scene_, burr_, {}};
+  TickContext context_{scene_, burr_};
   HandedDevice device_;
   DevicePortState state_;
   std::uint64_t tick_ = 0;

@@ -1,7 +1,8 @@
 // A device of one's own on the haptic core: a round burr sinks 0.1 mm into a ball of 3 mm and cuts.
 #include <cstdio>
 #include <optional>
-#include <span>
+#include <utility>
+#include <vector>
 
 #include "engine/shapes/build_shape.hpp"
 #include "haptics/tick.hpp"
@@ -23,23 +24,18 @@ int main() {
   scene.tissues.resize(1);
   scene.cutting.emplace();
 
-  sulcus::Workpiece workpiece(sulcus::build_shape(scene));
+  std::vector<sulcus::Workpiece> bodies;  // the workpiece, and then those beside it
+  bodies.emplace_back(sulcus::build_shape(scene));
   const sulcus::Burr burr = sulcus::make_burr(scene.burr, scene.workpiece.voxel_m);
-  // Which bodies are near: the workpiece, number 0, is the only one.
-  const sulcus::BodyQuery alone{nullptr, [](const void*, const Eigen::AlignedBox3d&,
-                                            std::span<std::uint16_t> found) noexcept {
-                                  found[0] = 0;
-                                  return std::size_t{1};
-                                }};
-  const sulcus::TickContext context{scene, burr, alone};
-  sulcus::SimulationState state = sulcus::initial_state(scene, workpiece.grid());
+  const sulcus::TickContext context{scene, burr};
+  sulcus::SimulationState state = sulcus::initial_state(scene, std::move(bodies));
   sulcus::TickScratch scratch(scene);
   MyDevice device;
   for (int tick = 1; tick <= 1000; ++tick) {  // nothing in a tick allocates, waits or throws
-    const sulcus::TickRecord record = sulcus::tick(context, device, workpiece, state, scratch);
+    const sulcus::TickRecord record = sulcus::tick(context, device, state, scratch);
     if (tick % 100 != 0) continue;
     std::printf("%4d ms  %4u voxels in contact  %.3f N up, %llu voxels left\n", tick,
                 record.contacts, device.felt.force_N.z(),
-                static_cast<unsigned long long>(workpiece.solid_voxels()));
+                static_cast<unsigned long long>(state.workpiece().solid.solid_voxels()));
   }
 }

@@ -85,8 +85,7 @@ void draw(const Simulation& simulation, std::vector<RenderedBody> bodies,
 Frames measure(const Scene& scene, const FramesOptions& options, Drawing how) {
   LoadCache cache = LoadCache::of_user();
   const Trajectory trajectory = make_trajectory(scene.trajectory);
-  Simulation simulation(scene, build_workpiece(scene, &cache),
-                        make_neighbours(scene, build_bodies(scene, &cache)),
+  Simulation simulation(scene, build_workpiece(scene, &cache), build_bodies(scene, &cache),
                         load_burr(scene, &cache));
   ScriptedDevice device(trajectory, scene.haptics.rate_hz);
   Frames frames;

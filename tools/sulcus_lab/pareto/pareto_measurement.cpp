@@ -84,8 +84,7 @@ class Run {
 
  private:
   ContactResult evaluate(const Pose& pose) {
-    return evaluate_contact(surface_.workpiece(), tissues_, burr_, pose, nullptr, haptics_, nullptr,
-                            scratch_);
+    return evaluate_contact(surface_.workpiece(), {burr_, pose, tissues_, haptics_}, scratch_);
   }
 
   KnownSurface& surface_;

@@ -80,7 +80,7 @@ std::vector<Pose> path_along(const std::vector<Eigen::Vector3d>& corners_m, doub
 Rig::Rig(ContactMethod method, const Scene& scene, std::optional<VoxelModel> solid)
     : simulation_(std::make_unique<Simulation>(scene,
                                                solid ? std::move(*solid) : build_workpiece(scene),
-                                               std::vector<Neighbour>{}, load_burr(scene))),
+                                               std::vector<VoxelModel>{}, load_burr(scene))),
       force_limit_N_(scene.device ? scene.device->force_limit_N : HUGE_VAL) {
   if (method == ContactMethod::kSinglePoint) {
     point_.emplace(simulation_->workpiece(), scene.tissues.front().stiffness_N_per_m);

@@ -64,8 +64,7 @@ struct LoadedScene {
 /// One pass over a loaded scene, from a tooth that nothing has touched yet.
 struct Pass {
   explicit Pass(const LoadedScene& loaded)
-      : simulation(loaded.scene, loaded.start, make_neighbours(loaded.scene, loaded.bodies),
-                   loaded.burr),
+      : simulation(loaded.scene, loaded.start, loaded.bodies, loaded.burr),
         device(loaded.trajectory, loaded.scene.haptics.rate_hz) {}
 
   TickRecord step() {
@@ -173,14 +172,15 @@ class Comparison {
     ComparedTick compared;
     compared.tick = state.tick;
     ours_.clock.reset();
-    const ContactResult ours = evaluate_contact(workpiece, scene.tissues, loaded_.burr, pose,
-                                                cutting, scene.haptics, nullptr, ours_);
+    const ContactResult ours = evaluate_contact(
+        workpiece, {loaded_.burr, pose, scene.tissues, scene.haptics, cutting}, ours_);
     compared.ours = ours.wrench;
     compared.contacts = ours.contacts;
     exact_.clock.reset();
-    compared.exact = evaluate_contact(workpiece, scene.tissues, loaded_.burr, pose, cutting,
-                                      exact_settings_, nullptr, exact_)
-                         .wrench;
+    compared.exact =
+        evaluate_contact(workpiece, {loaded_.burr, pose, scene.tissues, exact_settings_, cutting},
+                         exact_)
+            .wrench;
     run_.ours_us += 1e-3 * static_cast<double>(ours_.clock.ns(Stage::kNormals));
     run_.exact_us += 1e-3 * static_cast<double>(exact_.clock.ns(Stage::kNormals));
     run_.normals += ours_.contacts.size();

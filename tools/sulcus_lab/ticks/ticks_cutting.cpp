@@ -1,10 +1,8 @@
 #include "tools/sulcus_lab/ticks/ticks_cutting.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 
-#include "engine/bodies/body_tree.hpp"
 #include "haptics/tick.hpp"
 #include "tools/sulcus_lab/ticks/ticks_run.hpp"
 
@@ -52,32 +50,27 @@ class CuttingRun {
  public:
   CuttingRun(const Workpiece& start, const TickPath& path, const HapticsSettings& haptics,
              double specific_energy)
-      : workpiece_(start),
-        device_(path.poses),
+      : device_(path.poses),
         scene_(scene_with(haptics, specific_energy)),
-        bodies_(std::array{
-            Eigen::AlignedBox3d(Eigen::Vector3d::Constant(-1.0), Eigen::Vector3d::Constant(1.0))}),
-        context_{scene_, path.burr, bodies_.query()},
-        scratch_(scene_) {
-    state_.removal.emplace(*scene_.cutting);
-  }
-  TickRecord step() { return tick(context_, device_, workpiece_, state_, scratch_); }
+        state_(initial_state(scene_, {start})),
+        context_{scene_, path.burr},
+        scratch_(scene_) {}
+  TickRecord step() { return tick(context_, device_, state_, scratch_); }
   SinkingDevice& device() { return device_; }
-  double work_J() const { return state_.removal->work_J; }
+  double work_J() const { return state_.workpiece().removal->work_J; }
 
  private:
   static Scene scene_with(const HapticsSettings& haptics, double specific_energy) {
     Scene scene;
     scene.haptics = haptics;
+    scene.haptics.keep_normals = false;
     scene.tissues = tick_tissues(specific_energy);
     scene.cutting.emplace();
     return scene;
   }
 
-  Workpiece workpiece_;
   SinkingDevice device_;
   Scene scene_;
-  BodyTree bodies_;
   SimulationState state_;
   TickContext context_;
   TickScratch scratch_;

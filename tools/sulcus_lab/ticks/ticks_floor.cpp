@@ -70,7 +70,7 @@ TickFloor tick_floor(const Workpiece& workpiece, const TickPath& path, int wante
   ContactScratch scratch(settings);
   const std::vector<TissueSettings> tissues = tick_tissues(1.0);
   const Pose& pose = path.poses.front();
-  evaluate_contact(workpiece, tissues, path.burr, pose, nullptr, settings, nullptr, scratch);
+  evaluate_contact(workpiece, {path.burr, pose, tissues, settings}, scratch);
 
   std::unordered_set<std::uint64_t> leaves, samples, words;
   std::size_t contacts = 0;

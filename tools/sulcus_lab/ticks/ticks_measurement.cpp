@@ -29,8 +29,7 @@ std::vector<Cell> contact_cells(const Workpiece& workpiece, const TickPath& path
   const std::vector<TissueSettings> tissues = tick_tissues(1.0);
   std::vector<Cell> cells;
   for (const std::size_t at : {std::size_t{0}, path.poses.size() / 2}) {
-    evaluate_contact(workpiece, tissues, path.burr, path.poses[at], nullptr, settings, nullptr,
-                     scratch);
+    evaluate_contact(workpiece, {path.burr, path.poses[at], tissues, settings}, scratch);
     std::vector<Cell> found;
     for (const Contact contact : scratch.contacts) {
       if (contact.weight > 0.0f) found.push_back(contact.cell);

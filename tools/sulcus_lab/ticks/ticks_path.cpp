@@ -59,8 +59,7 @@ class Counter {
 
   int operator()(const Pose& pose) {
     return static_cast<int>(
-        evaluate_contact(workpiece_, tissues_, burr_, pose, nullptr, settings_, nullptr, scratch_)
-            .contacts);
+        evaluate_contact(workpiece_, {burr_, pose, tissues_, settings_}, scratch_).contacts);
   }
 
  private:

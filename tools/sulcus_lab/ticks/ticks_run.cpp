@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
-#include "engine/bodies/body_tree.hpp"
 #include "engine/core/hash.hpp"
 #include "engine/core/realtime.hpp"
 #include "haptics/tick.hpp"
@@ -27,15 +27,20 @@ class LoopDevice final : public Device {
   std::span<const Pose> poses_;
 };
 
-/// The workpiece's grid, and grids of its size in a row along x, as teeth stand.
-BodyTree body_row(const VoxelGrid& grid, int bodies) {
-  const Eigen::Vector3d half = 0.5 * grid.voxel_m * grid.cells.cast<double>();
-  std::vector<Eigen::AlignedBox3d> boxes;
-  for (int b = 0; b < bodies; ++b) {
-    const Eigen::Vector3d centre(b * 2.1 * half.x(), 0.0, 0.0);
-    boxes.emplace_back(centre - half, centre + half);
+/// The workpiece, and bodies of its size in a row along x, as teeth stand, of which nothing but
+/// where they are counts here.
+std::vector<Workpiece> body_row(const Workpiece& workpiece, Scene& scene, int bodies) {
+  const VoxelGrid& grid = workpiece.grid();
+  VoxelModel empty;
+  empty.grid = {Cell::Constant(kLeafEdge), grid.voxel_m * grid.cells.x() / kLeafEdge};
+  empty.leaves.resize(1);
+  std::vector<Workpiece> row{workpiece};
+  for (int b = 1; b < bodies; ++b) {
+    BodySettings& other = scene.bodies.emplace_back();
+    other.world_from_grid.position.x() = b * 1.05 * grid.voxel_m * grid.cells.x();
+    row.emplace_back(empty);
   }
-  return BodyTree(boxes);
+  return row;
 }
 
 Scene scene_of(const TickTask& task, const TickSetting& setting) {
@@ -77,16 +82,13 @@ std::vector<TissueSettings> tick_tissues(double specific_energy_J_per_m3) {
 }
 
 TickSamples run_ticks(const TickTask& task, const TickSetting& setting, StageClock::Now now) {
-  const Scene scene = scene_of(task, setting);
-  std::optional<Workpiece> copy;
-  if (scene.cutting) copy.emplace(task.start);
-  Workpiece& workpiece = copy ? *copy : task.start;
-  const BodyTree bodies = body_row(workpiece.grid(), task.bodies);
-  const TickContext context{scene, task.burr, bodies.query()};
-  SimulationState state = initial_state(scene, workpiece.grid());
+  Scene scene = scene_of(task, setting);
+  std::vector<Workpiece> row = body_row(task.start, scene, task.bodies);
+  SimulationState state = initial_state(scene, std::move(row));
+  const TickContext context{scene, task.burr};
   TickScratch scratch(scene, StageClock(now));
   LoopDevice device(task.poses);
-  for (int t = 0; t < task.lead; ++t) tick(context, device, workpiece, state, scratch);
+  for (int t = 0; t < task.lead; ++t) tick(context, device, state, scratch);
 
   TickSamples samples;
   const auto count = static_cast<std::size_t>(task.ticks);
@@ -97,9 +99,9 @@ TickSamples run_ticks(const TickTask& task, const TickSetting& setting, StageClo
   const InstructionCounter counter;
   const std::uint64_t before = counter.read();
   for (int t = 0; t < task.ticks; ++t) {
-    scratch.contact.clock.reset();
+    scratch.reset_clocks();
     const std::uint64_t begin = thread_cpu_ns();
-    const TickRecord record = tick(context, device, workpiece, state, scratch);
+    const TickRecord record = tick(context, device, state, scratch);
     samples.us.push_back(1e-3f * static_cast<float>(thread_cpu_ns() - begin));
     samples.contacts.push_back(record.contacts);
     samples.removed.push_back(record.removed);
@@ -110,7 +112,7 @@ TickSamples run_ticks(const TickTask& task, const TickSetting& setting, StageClo
     samples.force_hash = hash_bytes(wrench.data(), sizeof(wrench), samples.force_hash);
     if (!now) continue;
     for (int s = 0; s < kStageCount; ++s) {
-      const std::uint64_t ns = scratch.contact.clock.ns(static_cast<Stage>(s));
+      const std::uint64_t ns = scratch.stage_ns(static_cast<Stage>(s));
       samples.stage_us[static_cast<std::size_t>(s)].push_back(1e-3f * static_cast<float>(ns));
     }
   }

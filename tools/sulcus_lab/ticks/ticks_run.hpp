@@ -38,13 +38,13 @@ HapticsSettings haptics_of(const TickSetting& setting, int wanted);
 /// What is run: a burr at poses over a workpiece, one tick after another, from the first pose again
 /// after the last. The referred objects outlive it.
 struct TickTask {
-  Workpiece& start;  // left as it is
+  const Workpiece& start;
   const Burr& burr;
   std::span<const Pose> poses;
-  int wanted = 0;  // voxels in contact
-  int lead = 0;    // ticks before those that count
-  int ticks = 0;   // that count
-  int bodies = 1;  // in the broad phase: the workpiece, and others in a row beside it
+  int wanted = 0;                         // voxels in contact
+  int lead = 0;                           // ticks before those that count
+  int ticks = 0;                          // that count
+  int bodies = 1;                         // the workpiece, and others in a row beside it
   double specific_energy_J_per_m3 = 0.0;  // kCutting only
 };
 
@@ -58,7 +58,7 @@ struct TickSamples {
   std::uint64_t faults = 0;        // bits of Fault
 };
 
-/// Runs a task; kCutting on a copy of the workpiece. With `now` the stages are timed as well, which
+/// Runs a task on a copy of the workpiece. With `now` the stages are timed as well, which
 /// the ticks' own times then pay for.
 TickSamples run_ticks(const TickTask& task, const TickSetting& setting,
                       StageClock::Now now = nullptr);

@@ -30,8 +30,8 @@ std::vector<std::uint32_t> voxels_in_contact(const Rig& rig, const Pose& tool) {
   const Simulation& simulation = rig.simulation();
   const Scene& scene = simulation.scene();
   ContactScratch scratch(scene.haptics);
-  evaluate_contact(simulation.workpiece(), scene.tissues, simulation.burr(), tool, nullptr,
-                   scene.haptics, nullptr, scratch);
+  evaluate_contact(simulation.workpiece(), {simulation.burr(), tool, scene.tissues, scene.haptics},
+                   scratch);
   std::vector<Contact> found;
   for (const Contact contact : scratch.contacts) {
     if (contact.weight > 0.0f) found.push_back(contact);

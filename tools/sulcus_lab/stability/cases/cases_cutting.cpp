@@ -398,7 +398,7 @@ field = 'auto'
       result.removed_at_mm3 = static_cast<double>(removed) * voxel_mm3;
     }
   }
-  const RemovalState& state = *rig.simulation().state().removal;
+  const RemovalState& state = *rig.simulation().state().workpiece().removal;
   const double removed_J = static_cast<double>(removed) *
                            rig.simulation().workpiece().grid().voxel_volume_m3() *
                            scene.tissues.front().specific_energy_J_per_m3;

@@ -1,4 +1,6 @@
-#include "haptics/neighbour.hpp"
+#include "haptics/body.hpp"
+
+#include <cstring>
 
 #include <gtest/gtest.h>
 
@@ -25,7 +27,7 @@ const Burr& burr() {
 /// Down onto the top of a ball about the origin, 0.1 mm deep.
 Pose on_top() { return test::upright({0.05e-3, 0.1e-3, 0.8e-3}); }
 
-/// A scene with one body at a pose.
+/// A scene with one body beside the workpiece, at a pose.
 Scene scene_with_body(const Pose& place, bool cuttable) {
   Scene scene;
   scene.tissues = test::one_tissue();
@@ -41,24 +43,24 @@ void expect_near(const Vector3d& a, const Vector3d& b, double tolerance) {
   EXPECT_LT((a - b).norm(), tolerance) << a.transpose() << " instead of " << b.transpose();
 }
 
-TEST(Neighbour, ItsContactIsThatOfTheSameSolidMovedAndTurned) {
+TEST(Body, ItsContactIsThatOfTheSameSolidMovedAndTurned) {
   const Pose place{{3e-3, -1e-3, 2e-3}, rotation_xyz({0.4, -1.1, 2.0})};
   Scene scene = scene_with_body(place, true);
   scene.haptics.keep_normals = false;  // else those found first are of the lesser tier
-  const Neighbour neighbour(scene, scene.bodies[0], ball());
+  const Body body(scene, scene.bodies[0], Workpiece(ball()));
   const Workpiece same(ball());
   ContactScratch scratch(scene.haptics);
   const Twist twist{{2e-3, -1e-3, 3e-3}, {0.1, 0.2, -0.3}, 700.0};
-  const ContactResult at_origin =
-      evaluate_contact(same, scene.tissues, burr(), on_top(), &twist, scene.haptics, nullptr,
-                       scratch, Asked::kStiffness);
+  const ContactResult at_origin = evaluate_contact(
+      same, {burr(), on_top(), scene.tissues, scene.haptics, &twist, Asked::kStiffness}, scratch);
   ASSERT_GT(at_origin.contacts, 20u);
 
   const Twist twist_world{place.direction(twist.linear_m_per_s),
                           place.direction(twist.angular_rad_per_s), twist.spindle_rad_per_s};
-  const ContactResult found =
-      evaluate_neighbour(neighbour, scene.tissues, burr(), place * on_top(), &twist_world,
-                         scene.haptics, scratch, Asked::kStiffness);
+  const ContactResult found = evaluate_contact(
+      body,
+      {burr(), place * on_top(), scene.tissues, scene.haptics, &twist_world, Asked::kStiffness},
+      scratch);
   EXPECT_EQ(found.contacts, at_origin.contacts);
   const double force_N = at_origin.wrench.force_N.norm();
   expect_near(found.wrench.force_N, place.direction(at_origin.wrench.force_N), 1e-5 * force_N);
@@ -74,29 +76,28 @@ TEST(Neighbour, ItsContactIsThatOfTheSameSolidMovedAndTurned) {
               1e-4 * at_origin.stiffness.topLeftCorner<3, 3>().norm());
 }
 
-TEST(Neighbour, WhatHoldsIsNotRubbedAt) {
+TEST(Body, WhatHoldsIsNotRubbedAt) {
   const Scene scene = scene_with_body({}, false);
-  const Neighbour neighbour(scene, scene.bodies[0], ball());
-  EXPECT_FALSE(neighbour.removal);
+  const Body body(scene, scene.bodies[0], Workpiece(ball()));
+  EXPECT_FALSE(body.removal);
   ContactScratch scratch(scene.haptics);
   const Twist twist{{}, {}, 700.0};
-  const ContactResult found = evaluate_neighbour(neighbour, scene.tissues, burr(), on_top(), &twist,
-                                                 scene.haptics, scratch, Asked::kForce);
+  const ContactResult found =
+      evaluate_contact(body, {burr(), on_top(), scene.tissues, scene.haptics, &twist}, scratch);
   EXPECT_GT(found.wrench.force_N.norm(), 0.01);
   EXPECT_TRUE(found.tangential.force_N.isZero(0.0));
 }
 
-TEST(Neighbour, OfOneTissueItHasThatTissuesStiffness) {
+TEST(Body, OfOneTissueItHasThatTissuesStiffness) {
   Scene scene = scene_with_body({}, false);
   scene.tissues.push_back(scene.tissues[0]);
   scene.tissues[1].stiffness_N_per_m *= 3.0;
-  const Neighbour first(scene, scene.bodies[0], ball());
+  const Body first(scene, scene.bodies[0], Workpiece(ball()));
   scene.bodies[0].tissue = 1;
-  const Neighbour second(scene, scene.bodies[0], ball());
+  const Body second(scene, scene.bodies[0], Workpiece(ball()));
   ContactScratch scratch(scene.haptics);
-  const auto force_N = [&](const Neighbour& neighbour) {
-    return evaluate_neighbour(neighbour, scene.tissues, burr(), on_top(), nullptr, scene.haptics,
-                              scratch, Asked::kForce)
+  const auto force_N = [&](const Body& body) {
+    return evaluate_contact(body, {burr(), on_top(), scene.tissues, scene.haptics}, scratch)
         .wrench.force_N.norm();
   };
   EXPECT_NEAR(force_N(second), 3.0 * force_N(first), 1e-5 * force_N(second));
@@ -106,19 +107,9 @@ TEST(Neighbour, OfOneTissueItHasThatTissuesStiffness) {
 struct TwoBalls {
   explicit TwoBalls(bool cuttable, const Vector3d& place = {0.0, 0.0, 3e-3})
       : scene(scene_with_body({place, Eigen::Quaterniond::Identity()}, cuttable)),
-        workpiece(ball()),
-        context{scene, burr(), kBoth},
-        scratch(scene) {
-    state.removal.emplace(*scene.cutting);
-    state.neighbours.emplace_back(scene, scene.bodies[0], ball());
-  }
-  static constexpr BodyQuery kBoth{nullptr,
-                                   [](const void*, const Eigen::AlignedBox3d&,
-                                      std::span<std::uint16_t> found) noexcept -> std::size_t {
-                                     found[0] = 0;
-                                     found[1] = 1;
-                                     return 2;
-                                   }};
+        context{scene, burr()},
+        state(initial_state(scene, {Workpiece(ball()), Workpiece(ball())})),
+        scratch(scene) {}
 
   TickRecord step(const Pose& pose) {
     struct Still final : Device {
@@ -127,18 +118,18 @@ struct TwoBalls {
       void apply(const Wrench&) noexcept override {}
     } device;
     device.at = pose;
-    return tick(context, device, workpiece, state, scratch);
+    return tick(context, device, state, scratch);
   }
-  Neighbour& neighbour() { return state.neighbours[0]; }
+  Workpiece& workpiece() { return state.workpiece().solid; }
+  Body& neighbour() { return state.bodies[1]; }
 
   Scene scene;
-  Workpiece workpiece;
   TickContext context;
   SimulationState state;
   TickScratch scratch;
 };
 
-TEST(NeighbourTick, BothBodiesPushAtOnce) {
+TEST(BodyTick, BothBodiesPushAtOnce) {
   // Beside one another, the burr's head between them: its radius reaches 0.1 mm into each.
   const double radius_m = 0.5 * test::small_burr().diameter_m;
   const double apart_m = 2.0 * (18.0 * kVoxel + radius_m - 0.1e-3);
@@ -146,10 +137,10 @@ TEST(NeighbourTick, BothBodiesPushAtOnce) {
   const Pose between = test::upright({0.5 * apart_m, 0.0, -radius_m});
   const TickRecord record = run.step(between);
   const std::uint32_t all = record.contacts;
-  const std::uint32_t with_neighbour = run.scratch.neighbours[0].found.contacts;
+  const std::uint32_t with_neighbour = run.scratch.bodies[1].found.contacts;
   EXPECT_GT(with_neighbour, 10u);
   EXPECT_GT(all - with_neighbour, 10u);
-  const Vector3d from_neighbour = run.scratch.neighbours[0].found.wrench.force_N;
+  const Vector3d from_neighbour = run.scratch.bodies[1].found.wrench.force_N;
   EXPECT_LT(from_neighbour.x(), -0.01) << "pushed away from it";
   EXPECT_LT(std::abs(record.force_N[0]), 0.1 * std::abs(from_neighbour.x())) << "they cancel";
   EXPECT_EQ(run.neighbour().touched_ticks, 1u);
@@ -159,10 +150,10 @@ TEST(NeighbourTick, BothBodiesPushAtOnce) {
   EXPECT_EQ(run.neighbour().touched_ticks, 1u) << "left again";
 }
 
-TEST(NeighbourTick, OnlyACuttableOneIsCutAndTheEnergyIsItsOwn) {
+TEST(BodyTick, OnlyACuttableOneIsCutAndTheEnergyIsItsOwn) {
   for (const bool cuttable : {false, true}) {
     TwoBalls run(cuttable);
-    const std::uint64_t before = run.workpiece.hash(),
+    const std::uint64_t before = run.workpiece().hash(),
                         neighbour_before = run.neighbour().solid.hash();
     Pose on_neighbour = on_top();
     on_neighbour.position.z() += 3e-3;
@@ -172,7 +163,7 @@ TEST(NeighbourTick, OnlyACuttableOneIsCutAndTheEnergyIsItsOwn) {
       edits += run.scratch.edits.size();
       for (const Edit& edit : run.scratch.edits) EXPECT_EQ(edit.body, 1);
     }
-    EXPECT_EQ(run.workpiece.hash(), before);
+    EXPECT_EQ(run.workpiece().hash(), before);
     EXPECT_EQ(edits > 0, cuttable);
     EXPECT_EQ(run.neighbour().solid.hash() != neighbour_before, cuttable);
     if (!cuttable) continue;
@@ -184,7 +175,7 @@ TEST(NeighbourTick, OnlyACuttableOneIsCutAndTheEnergyIsItsOwn) {
   }
 }
 
-TEST(NeighbourTick, TheStatesHashKnowsWhatWasCutOfIt) {
+TEST(BodyTick, TheStatesHashKnowsWhatWasCutOfIt) {
   TwoBalls cut(true), spared(true);
   Pose on_neighbour = on_top();
   on_neighbour.position.z() += 3e-3;
@@ -196,7 +187,7 @@ TEST(NeighbourTick, TheStatesHashKnowsWhatWasCutOfIt) {
   EXPECT_NE(cut.state.hash(), spared.state.hash());
 }
 
-TEST(NeighbourTick, AllocatesNothing) {
+TEST(BodyTick, AllocatesNothing) {
   TwoBalls run(true);
   Pose on_neighbour = on_top();
   on_neighbour.position.z() += 3e-3;
@@ -206,14 +197,36 @@ TEST(NeighbourTick, AllocatesNothing) {
   EXPECT_EQ(test::allocation_count(), before);
 }
 
-TEST(NeighbourTick, WithoutOneNothingIsKeptForAny) {
+TEST(BodyTick, WithoutOneNothingIsKeptForAny) {
   Scene scene = scene_with_body({}, true);
   const TickScratch with(scene);
   scene.bodies.clear();
   const TickScratch without(scene);
-  EXPECT_EQ(without.neighbours.capacity(), 0u);
+  EXPECT_EQ(without.bodies.capacity(), 1u);
   EXPECT_EQ(2 * without.contact_bytes(), with.contact_bytes());
   EXPECT_LT(without.edits.capacity(), with.edits.capacity());
+}
+
+TEST(BodyTick, TheBoxesOfBothHoldTheirVoxels) {
+  const Pose place{{3e-3, -1e-3, 2e-3}, rotation_xyz({0.4, -1.1, 2.0})};
+  const Scene scene = scene_with_body(place, false);
+  for (const Body& body : make_bodies(scene, {Workpiece(ball()), Workpiece(ball())})) {
+    for (const Cell& c : test::solid_cells(body.solid.model())) {
+      const Vector3d centre = body.world_from_grid.point(body.solid.grid().centre_world(c));
+      ASSERT_TRUE(body.bounds_world.contains(centre));
+    }
+  }
+}
+
+TEST(BodyTick, OneThatIsOutOfReachChangesNoBit) {
+  TwoBalls near(true, {0.0, 0.0, 4e-3}), far(true, {0.0, 0.0, 40e-3});
+  for (int i = 0; i < 60; ++i) {
+    Pose pose = on_top();
+    pose.position.z() += 0.2e-3 - i * 5e-6;
+    const TickRecord a = near.step(pose), b = far.step(pose);
+    ASSERT_EQ(std::memcmp(&a, &b, sizeof a), 0) << i;
+  }
+  EXPECT_GT(near.state.workpiece().touched_ticks, 0u);
 }
 
 }  // namespace

@@ -1,0 +1,64 @@
+#include "haptics/body.hpp"
+
+#include <array>
+#include <utility>
+
+#include "engine/core/hash.hpp"
+#include "haptics/state_fields.hpp"
+
+namespace sulcus {
+
+namespace {
+
+Eigen::AlignedBox3d bounds_of(const VoxelGrid& grid, double margin_m, const Pose& world_from_grid) {
+  const Eigen::Vector3d half = (0.5 * grid.voxel_m * grid.cells.cast<double>()).array() + margin_m;
+  const Eigen::Isometry3d place =
+      Eigen::Translation3d(world_from_grid.position) * world_from_grid.orientation;
+  return Eigen::AlignedBox3d(-half, half).transformed(place);
+}
+
+}  // namespace
+
+Body::Body(const Scene& scene, Workpiece start)
+    : solid(std::move(start)), bounds_world(bounds_of(solid.grid(), 0.0, {})) {
+  if (keeps_normals(scene.haptics)) kept.emplace(solid.grid(), scene.haptics);
+  if (scene.cutting) removal.emplace(*scene.cutting);
+}
+
+Body::Body(const Scene& scene, const BodySettings& settings, Workpiece start)
+    : world_from_grid(settings.world_from_grid),
+      first_tissue(settings.tissue.value_or(0)),
+      solid(std::move(start)),
+      bounds_world(bounds_of(solid.grid(), solid.grid().voxel_m, world_from_grid)) {
+  if (keeps_normals(scene.haptics)) kept.emplace(solid.grid(), scene.haptics);
+  if (scene.cutting && settings.cuttable) removal.emplace(*scene.cutting);
+}
+
+Pose Body::grid_from(const Pose& world_from_tool) const {
+  return is_in_world() ? world_from_tool : inverse(world_from_grid) * world_from_tool;
+}
+
+bool Body::is_in_world() const {
+  return world_from_grid.position.isZero(0.0) &&
+         world_from_grid.orientation.coeffs() == Eigen::Quaterniond::Identity().coeffs();
+}
+
+std::uint64_t Body::hash() const {
+  std::array<std::uint64_t, 4> parts{solid.hash()};
+  if (kept) parts[1] = kept->hash();
+  if (removal) parts[2] = removal->hash();
+  parts[3] = fields::hash_of([this](auto& archive) { fields::damage(archive, *this); });
+  return hash_bytes(parts.data(), sizeof(parts));
+}
+
+std::vector<Body> make_bodies(const Scene& scene, std::vector<Workpiece> starts) {
+  std::vector<Body> bodies;
+  bodies.reserve(starts.size());
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    i == 0 ? bodies.emplace_back(scene, std::move(starts[i]))
+           : bodies.emplace_back(scene, scene.bodies[i - 1], std::move(starts[i]));
+  }
+  return bodies;
+}
+
+}  // namespace sulcus
