@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "engine/recording/tick_record.hpp"
+#include "engine/core/fault.hpp"
 #include "haptics/broad_phase.hpp"
 #include "haptics/contact_force.hpp"
 #include "haptics/narrow_phase.hpp"

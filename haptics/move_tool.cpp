@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/recording/tick_record.hpp"
+#include "engine/core/fault.hpp"
 #include "haptics/broad_phase.hpp"
 #include "haptics/coupling.hpp"
 #include "haptics/evaluate_contact.hpp"
@@ -53,8 +53,8 @@ void keep_found(const HapticsSettings& settings, SimulationState& state,
   }
 }
 
-MovedTool follow_coupling(const TickContext& context, const DeviceReading& device,
-                          SimulationState& state, TickScratch& scratch) noexcept {
+void follow_coupling(const TickContext& context, const DeviceReading& device,
+                     SimulationState& state, TickScratch& scratch, TickResult& result) noexcept {
   const CouplingSettings& settings = *context.scene.coupling;
   const CouplingSprings springs(settings, context.burr);
   Pose tool = state.has_pose ? state.tool : device.pose;
@@ -71,16 +71,14 @@ MovedTool follow_coupling(const TickContext& context, const DeviceReading& devic
         return free_way_to_bodies(context, state, pose, wanted_m, scratch);
       });
   state.tool = tool;
-  MovedTool moved{coupled.contact,
-                  pull_on_device(springs, device.pose, tool, context.burr.reference_m),
-                  coupled.evaluations};
-  if (coupled.lags) moved.contact.faults |= kFaultStepTooLong;
-  return moved;
+  result.contact = coupled.contact;
+  result.commanded = pull_on_device(springs, device.pose, tool, context.burr.reference_m);
+  result.evaluations = static_cast<std::uint64_t>(coupled.evaluations);
+  if (coupled.lags) result.faults |= kFaultStepTooLong;
 }
 
-MovedTool follow_load(const TickContext& context, const DeviceReading& device,
-                      SimulationState& state, TickScratch& scratch) noexcept {
-  MovedTool moved;
+void follow_load(const TickContext& context, const DeviceReading& device, SimulationState& state,
+                 TickScratch& scratch, TickResult& result) noexcept {
   Pose tool = device.pose;
   const TrajectorySettings& settings = context.scene.trajectory;
   const Eigen::Vector3d& along = settings.load_direction;
@@ -88,31 +86,25 @@ MovedTool follow_load(const TickContext& context, const DeviceReading& device,
                           kFastestAdvance_m_per_s / context.scene.haptics.rate_hz};
   const auto evaluate = [&](double offset_m, bool with_stiffness) {
     tool.position = device.pose.position + offset_m * along;
-    const ContactResult& contact = moved.contact =
+    const ContactResult& contact = result.contact =
         contact_with_bodies(context, state, tool, device.slides,
                             with_stiffness ? Asked::kStiffness : Asked::kForce, scratch);
-    ++moved.evaluations;
+    ++result.evaluations;
     return Resistance{-along.dot(contact.wrench.force_N),
                       along.dot(contact.stiffness.topLeftCorner<3, 3>() * along)};
   };
   state.load_offset_m = balance_load(search, *state.load_offset_m, evaluate);
   state.tool = tool;
-  moved.asked = moved.contact.wrench;
-  return moved;
+  result.commanded = result.contact.wrench;
 }
 
-/// The contact where the tool is, which does not move and whose spindle stands.
-MovedTool stand_still(const TickContext& context, const Pose& device, const SimulationState& state,
-                      TickScratch& scratch) noexcept {
-  MovedTool moved;
-  moved.contact = contact_with_bodies(context, state, state.tool, false, Asked::kForce, scratch);
-  moved.evaluations = 1;
-  moved.asked = moved.contact.wrench;
-  if (context.scene.coupling) {
-    const CouplingSprings springs(*context.scene.coupling, context.burr);
-    moved.asked = pull_on_device(springs, device, state.tool, context.burr.reference_m);
-  }
-  return moved;
+/// Rigidly; `slides`: the tool has gone there in contact.
+void go_to(const TickContext& context, const Pose& pose, bool slides, SimulationState& state,
+           TickScratch& scratch, TickResult& result) noexcept {
+  result.contact = contact_with_bodies(context, state, pose, slides, Asked::kForce, scratch);
+  result.commanded = result.contact.wrench;
+  result.evaluations = 1;
+  state.tool = pose;
 }
 
 /// Faults of the tool's way from where it was.
@@ -166,26 +158,24 @@ ContactResult contact_with_bodies(const TickContext& context, const SimulationSt
   return sum;
 }
 
-MovedTool move_tool(const TickContext& context, const DeviceReading& device, SimulationState& state,
-                    TickScratch& scratch) noexcept {
-  MovedTool moved;
+void move_tool(const TickContext& context, const DeviceReading& device, SimulationState& state,
+               TickScratch& scratch, TickResult& result) noexcept {
   const Pose before = state.has_pose ? state.tool : device.pose;
   if (device.silent && state.has_pose) {
-    moved = stand_still(context, device.pose, state, scratch);
+    go_to(context, state.tool, false, state, scratch, result);
+    if (context.scene.coupling) {
+      const CouplingSprings springs(*context.scene.coupling, context.burr);
+      result.commanded = pull_on_device(springs, device.pose, state.tool, context.burr.reference_m);
+    }
   } else if (state.load_offset_m) {
-    moved = follow_load(context, device, state, scratch);
+    follow_load(context, device, state, scratch, result);
   } else if (context.scene.coupling) {
-    moved = follow_coupling(context, device, state, scratch);
+    follow_coupling(context, device, state, scratch, result);
   } else {
-    moved.contact =
-        contact_with_bodies(context, state, device.pose, device.slides, Asked::kForce, scratch);
-    moved.asked = moved.contact.wrench;
-    moved.evaluations = 1;
-    state.tool = device.pose;
+    go_to(context, device.pose, device.slides, state, scratch, result);
   }
   state.has_pose = true;
-  moved.contact.faults |= faults_of_way(context, state, before, moved.contact);
-  return moved;
+  result.faults |= result.contact.faults | faults_of_way(context, state, before, result.contact);
 }
 
 }  // namespace sulcus

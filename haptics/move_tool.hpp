@@ -2,6 +2,7 @@
 
 #include "haptics/simulation_state.hpp"
 #include "haptics/tick_context.hpp"
+#include "haptics/tick_result.hpp"
 #include "haptics/tick_scratch.hpp"
 
 namespace sulcus {
@@ -19,20 +20,13 @@ ContactResult contact_with_bodies(const TickContext& context, const SimulationSt
                                   const Pose& tool, bool slides, Asked asked,
                                   TickScratch& scratch) noexcept;
 
-/// What a tick did with the tool.
-struct MovedTool {
-  ContactResult contact;  // where it is now
-  Wrench asked;           // what the hand is to feel: the coupling's springs, else the contact
-  int evaluations = 0;    // of the contact
-};
-
 /// Takes the tool to the device's pose; with a coupling towards where its springs and the contact
 /// balance; with a load on along the load until the contact holds it. While the device is silent it
-/// stays where it is. What it meets on a step that is too long for it is told in the contact's
-/// faults: kFaultStepTooLong where the tool was to go further along a surface than a coupling can
-/// in a tick, or without one went more than a voxel deeper, or its middle through solid;
-/// kFaultToolInside where that is in solid afterwards.
-MovedTool move_tool(const TickContext& context, const DeviceReading& device, SimulationState& state,
-                    TickScratch& scratch) noexcept;
+/// stays where it is. Sets the result's contact, commanded wrench and evaluations, and adds faults
+/// of a step that was too long for what it met: kFaultStepTooLong where the tool was to go further
+/// along a surface than a coupling can in a tick, or without one went more than a voxel deeper, or
+/// its middle through solid; kFaultToolInside where that is in solid afterwards.
+void move_tool(const TickContext& context, const DeviceReading& device, SimulationState& state,
+               TickScratch& scratch, TickResult& result) noexcept;
 
 }  // namespace sulcus

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "engine/recording/tick_record.hpp"
+#include "engine/core/fault.hpp"
 #include "haptics/contact_kernels.hpp"
 
 namespace sulcus {

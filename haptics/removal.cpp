@@ -2,8 +2,8 @@
 
 #include <limits>
 
+#include "engine/core/fault.hpp"
 #include "engine/core/hash.hpp"
-#include "engine/recording/tick_record.hpp"
 #include "haptics/state_fields.hpp"
 
 namespace sulcus {

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/recording/tick_record.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/volume/edit.hpp"
 #include "haptics/contact.hpp"
@@ -33,8 +32,6 @@ struct TickScratch {
 
   std::vector<BodyScratch> bodies;  // as SimulationState::bodies
   std::vector<Edit> edits;          // of this tick
-  CuttingRecord cutting;            // of this tick, with [cutting]
-  PortRecord port;                  // of this tick
 };
 
 }  // namespace sulcus

@@ -222,12 +222,10 @@ void add_port(const Scene& scene, const DevicePortState& port, const RunStatisti
 }
 
 Json faults_json(const RunStatistics& statistics, std::uint64_t dropped_rows) {
-  constexpr std::array<const char*, 10> kNames{
-      "not_finite",    "contacts_full", "cut_state_full", "rows_dropped",  "device_silent",
-      "device_jumped", "buzz",          "pose_bridged",   "step_too_long", "tool_inside"};
   Json faults = Json::object();
-  for (std::size_t bit = 0; bit < kNames.size(); ++bit) {
-    if (statistics.faults[bit] > 0) faults[kNames[bit]] = statistics.faults[bit];
+  for (const FaultInfo& fault : kFaults) {
+    const std::uint64_t ticks = statistics.fault_ticks(fault.bit);
+    if (ticks > 0) faults[std::string(fault.name)] = ticks;
   }
   if (dropped_rows > 0) faults["rows_dropped"] = dropped_rows;
   return faults;

@@ -152,7 +152,7 @@ void HapticLoop::run_ticks() {
   // One at least: a recording of no tick is none.
   for (; done_ < options_.ticks && (done_ == 0 || !is_stopped()); ++done_) {
     wait_out_pause();
-    const float late_us = real ? pacer_.wait([&] { simulation_.rehearse(); }) : 0.0f;
+    const float late_us = real ? pacer_.wait([&] { simulation_.warm_caches(); }) : 0.0f;
     TickReport report = step(loose_voxels(), late_us);
     publish(report);
     if (report.record.faults & kFaultNotFinite) break;

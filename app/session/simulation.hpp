@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "app/session/tick_rows.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/tool/burr.hpp"
 #include "engine/volume/workpiece.hpp"
@@ -22,9 +23,10 @@ class Simulation {
   Simulation(const Simulation&) = delete;  // the context refers into it
   Simulation& operator=(const Simulation&) = delete;
 
-  /// One tick. The edits stay valid until the next.
+  /// One tick. Its rows and edits stay valid until the next.
   TickRecord step(Device& device, std::span<const std::uint32_t> loose = {}) noexcept {
-    return tick(context_, device, state_, scratch_, loose);
+    last_ = tick(context_, device, state_, scratch_, loose);
+    return tick_row(last_, scene_.haptics.rate_hz);
   }
   // For going through a recording, on and back.
   /// An edit that another run made.
@@ -40,16 +42,16 @@ class Simulation {
 
   /// Whether the middle of the burr's head is outside of all bodies: within one it feels nothing.
   bool is_free(const Pose& tool) const noexcept;
-  /// Touches what the next tick will. Changes no state.
-  void rehearse() noexcept { sulcus::rehearse(context_, state_, scratch_); }
+  /// As sulcus::warm_caches.
+  void warm_caches() noexcept { sulcus::warm_caches(context_, state_, scratch_); }
   std::span<const Edit> edits() const { return scratch_.edits; }
   /// What the last evaluation of the last tick found on a body, 0 the workpiece; what an earlier
   /// tick left behind where the last record has no contacts.
   const Contacts& contacts(std::size_t number) const {
     return scratch_.bodies.at(number).contact.contacts;
   }
-  const CuttingRecord& cutting() const { return scratch_.cutting; }
-  const PortRecord& port() const { return scratch_.port; }
+  CuttingRecord cutting() const { return cutting_row(last_, state_); }
+  PortRecord port() const { return port_row(last_, state_); }
   std::uint64_t stage_ns(Stage stage) const noexcept { return scratch_.stage_ns(stage); }
   void reset_clocks() noexcept { scratch_.reset_clocks(); }
 
@@ -77,6 +79,7 @@ class Simulation {
   Burr burr_;
   SimulationState state_;
   TickScratch scratch_;
+  TickResult last_;
   TickContext context_;
 };
 

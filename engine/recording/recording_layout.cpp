@@ -2,11 +2,38 @@
 
 #include <array>
 
+#include "engine/core/fault.hpp"
+
 namespace sulcus {
 
 namespace {
 
 using enum StoredType;
+
+/// "bits: 1 ..., 2 ..., ...", of every fault.
+struct FaultBits {
+  std::array<char, 1000> text{};
+  std::size_t size = 0;
+
+  constexpr void add(std::string_view part) {
+    for (const char c : part) text[size++] = c;
+  }
+  constexpr void add(std::uint32_t number) {
+    if (number >= 10) add(number / 10);
+    text[size++] = static_cast<char>('0' + number % 10);
+  }
+};
+constexpr FaultBits kFaultBits = [] {
+  FaultBits bits;
+  bits.add("bits: ");
+  for (const FaultInfo& fault : kFaults) {
+    if (fault.bit > 1) bits.add("; ");
+    bits.add(std::uint32_t{fault.bit});
+    bits.add(" ");
+    bits.add(fault.text);
+  }
+  return bits;
+}();
 
 constexpr StoredField kCheck{"check", kU64, 1, "", "XXH3-64 of the row's bytes before it"};
 
@@ -40,12 +67,7 @@ constexpr std::array<StoredField, 19> kTicks{{
     {"removed", kU32, 1, "", "voxels cut of the workpiece"},
     {"step_us", kF32, 1, "us", "compute time; no part of the result"},
     {"late_us", kF32, 1, "us", "how late it woke; no part of the result"},
-    {"faults", kU64, 1, "",
-     "bits: 1 not finite, 2 contacts full, 4 part-cut state full, 8 rows before this one are "
-     "missing, 16 no pose from the device for more than 20 ms: tool and spindle stand still, 32 "
-     "its "
-     "pose jumped, 64 the force buzzes, 128 no pose, the last one stands, 256 a step too long for "
-     "what it met, 512 the middle of the burr's head inside a solid"},
+    {"faults", kU64, 1, "", {kFaultBits.text.data(), kFaultBits.size}},
     {"edits_end", kU64, 1, "", "rows of /edits up to and with this tick"},
     kCheck,
 }};

@@ -2,28 +2,10 @@
 
 #include <cstdint>
 
+#include "engine/core/fault.hpp"
 #include "engine/recording/sealed_row.hpp"
 
 namespace sulcus {
-
-/// Bits of `TickRecord::faults`.
-enum Fault : std::uint32_t {
-  kFaultNotFinite = 1u << 0,     // a force or pose was not finite: zero force, and the run stops
-  kFaultContactsFull = 1u << 1,  // haptics.max_contacts exceeded: the deepest were kept
-  kFaultCutStateFull = 1u << 2,  // cutting.max_cut_voxels exceeded: energy kept in the pool
-  kFaultRowsDropped = 1u << 3,   // the recorder fell behind before this row
-  kFaultDeviceSilent = 1u << 4,  // no pose for longer than is bridged: tool and spindle stand still
-  kFaultDeviceJumped = 1u << 5,  // its pose went further in a tick than any hand: neither cut nor
-                                 // friction, and the force fades in
-  kFaultBuzz = 1u << 6,          // the force to the device reverses over and over
-  kFaultPoseBridged = 1u << 7,   // no pose, for a little while: the last one stands
-  kFaultStepTooLong = 1u << 8,   // the tool went, or was to go, further than what it met allows
-  kFaultToolInside =
-      1u << 9,  // the middle of the burr's head is in a solid, where it feels nothing
-};
-
-/// One of them is set in a row whose pose is not the device's, but its last one.
-inline constexpr std::uint32_t kFaultsWithoutPose = kFaultDeviceSilent | kFaultPoseBridged;
 
 /// One row of /ticks, in the order and types of the file. Plain, without padding: each field lies
 /// at a multiple of its size.
@@ -44,7 +26,7 @@ struct TickRecord {
   std::uint32_t removed = 0;  // voxels cut of the workpiece; those of loose pieces are not counted
   float step_us = 0.0f;       // compute time of the tick; no part of the result
   float late_us = 0.0f;       // how late it woke; no part of the result
-  std::uint64_t faults = 0;
+  std::uint64_t faults = 0;     // bits of Fault
   std::uint64_t edits_end = 0;  // rows of /edits up to and with this tick
   std::uint64_t check = 0;      // XXH3-64 of the bytes before it
 };

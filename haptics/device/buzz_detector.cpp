@@ -53,7 +53,6 @@ bool sustained(const BuzzState& state) {
 bool buzz(const Eigen::Vector3d& force_N, double threshold_N, double dt_s,
           BuzzState& state) noexcept {
   ++state.tick;
-  if (!force_N.allFinite()) return false;
   if (!state.started) {
     state.started = true;
     state.turn_N = state.furthest_N = force_N;

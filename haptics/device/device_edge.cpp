@@ -22,10 +22,6 @@ Eigen::Vector3d shortened(const Eigen::Vector3d& v, double limit) {
   return scaled * (limit / length);
 }
 
-bool is_finite(const Wrench& wrench) {
-  return wrench.force_N.allFinite() && wrench.torque_Nm.allFinite();
-}
-
 bool equal(const Wrench& a, const Wrench& b) {
   return a.force_N == b.force_N && a.torque_Nm == b.torque_Nm;
 }
@@ -45,7 +41,6 @@ Wrench cut_off(DeviceEdgeState& state) noexcept {
 
 Wrench device_edge(const Wrench& wanted, const DeviceEdgeLimits& limits, bool answered, bool jumped,
                    DeviceEdgeState& state) noexcept {
-  if (!is_finite(wanted)) return cut_off(state);
   Wrench rendered;  // what of the wanted the device has
   if (limits.force_N > 0.0) rendered.force_N = wanted.force_N;
   if (limits.torque_Nm > 0.0) rendered.torque_Nm = wanted.torque_Nm;

@@ -32,8 +32,7 @@ struct DeviceEdgeState {
   std::uint64_t hash() const;
 };
 
-/// What is sent to a device of what is wanted. In this order:
-/// - finite; else `cut_off`, both parts;
+/// What is sent to a device of what is wanted, which is finite. In this order:
 /// - clamped in magnitude, the direction kept;
 /// - ramped, from 0 in the first tick to 1 after 0.1 s. While the device is `silent` the ramp
 /// falls,

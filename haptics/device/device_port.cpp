@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "engine/recording/tick_record.hpp"
+#include "engine/core/fault.hpp"
 
 namespace sulcus {
 
@@ -77,16 +77,18 @@ double step_of(const Burr& burr, const Pose& from, const Pose& to) noexcept {
   return std::max((to.position - from.position).norm(), (to.point(end) - from.point(end)).norm());
 }
 
-Wrench render_wrench(const TickContext& context, const DeviceReading& reading, const Wrench& asked,
-                     DevicePortState& state, std::uint32_t& faults) noexcept {
+Wrench render_wrench(const TickContext& context, const DeviceReading& reading,
+                     const Wrench& commanded, DevicePortState& state,
+                     std::uint32_t& faults) noexcept {
   const Scene& scene = context.scene;
   const double dt_s = 1.0 / scene.haptics.rate_hz;
-  const bool finite = asked.force_N.allFinite() && asked.torque_Nm.allFinite();
+  const bool finite = commanded.force_N.allFinite() && commanded.torque_Nm.allFinite();
   if (!finite) faults |= kFaultNotFinite;
+  const Wrench wanted = finite ? commanded : Wrench{};
   const PassivitySettings settings = passivity_settings(context);
   observe_passivity(at_reference(reading.pose, context.burr.reference_m), state.passivity);
   const bool broken = (faults & kFaultNotFinite) != 0;
-  Wrench sent = broken ? Wrench{} : asked;
+  Wrench sent = broken ? Wrench{} : wanted;
   if (scene.device && broken) {
     sent = cut_off(state.edge);
   } else if (scene.device) {
@@ -103,7 +105,7 @@ Wrench render_wrench(const TickContext& context, const DeviceReading& reading, c
   if (scene.device || scene.coupling) {
     const double resolution_m = scene.device ? scene.device->resolution_m : 0.0;
     const double threshold_N = buzz_threshold_N(felt_stiffness(scene), resolution_m);
-    if (buzz(asked.force_N, threshold_N, dt_s, state.buzz)) faults |= kFaultBuzz;
+    if (buzz(wanted.force_N, threshold_N, dt_s, state.buzz)) faults |= kFaultBuzz;
   }
   return sent;
 }

@@ -49,10 +49,13 @@ double felt_stiffness(const Scene& scene) noexcept;
 DeviceReading read_pose(const TickContext& context, Device& device, std::uint64_t tick,
                         DevicePortState& state) noexcept;
 
-/// From the wrench that is asked for to the one that is sent: the passivity observer always; with
-/// [device] its controller, where the scene asks for it, and the device's limits (device_edge);
-/// with [device] or [coupling] the buzz detector. A trajectory has no limits. Adds to `faults`.
-Wrench render_wrench(const TickContext& context, const DeviceReading& reading, const Wrench& asked,
-                     DevicePortState& state, std::uint32_t& faults) noexcept;
+/// From the commanded wrench to the one that is sent: the passivity observer always; with [device]
+/// its controller, where the scene asks for it, and the device's limits (device_edge); with
+/// [device] or [coupling] the buzz detector. A trajectory has no limits. Nothing that is not finite
+/// passes: where a fault says so already, or the wrench is not, what is sent is zero at once. Adds
+/// to `faults`.
+Wrench render_wrench(const TickContext& context, const DeviceReading& reading,
+                     const Wrench& commanded, DevicePortState& state,
+                     std::uint32_t& faults) noexcept;
 
 }  // namespace sulcus

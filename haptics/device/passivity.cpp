@@ -78,7 +78,6 @@ void observe_passivity(const Pose& reference, PassivityState& state) noexcept {
 Wrench control_passivity(const Wrench& wanted, const PassivitySettings& settings,
                          PassivityState& state) noexcept {
   state.asked = {.wrench = wanted};
-  if (!wanted.force_N.allFinite() || !wanted.torque_Nm.allFinite()) return wanted;
   Wrench contact = wanted;
   if (!settings.renders_torque) contact.torque_Nm.setZero();
   const double given_J = given_ahead_J(contact, settings, state);

@@ -63,8 +63,7 @@ void observe_passivity(const Pose& reference, PassivityState& state) noexcept;
 /// the wanted wrenches [Ryu, Kim and Hannaford 2004: a reference energy], and ahead by what the
 /// coming tick will leak if it is as the last: waiting until the energy itself falls below zero, as
 /// the observer's authors do, leaves the last few ticks of a contact for all of it. None in air,
-/// none without motion, none that would reverse the wanted force: nothing sticks. Where it is not
-/// finite, `wanted` itself.
+/// none without motion, none that would reverse the wanted force: nothing sticks.
 Wrench control_passivity(const Wrench& wanted, const PassivitySettings& settings,
                          PassivityState& state) noexcept;
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/recording/tick_record.hpp"
+#include "engine/core/fault.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/tools.hpp"
 

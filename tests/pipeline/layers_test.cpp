@@ -104,6 +104,9 @@ TEST(Layers, HapticsKnowsNeitherGraphicsNorApp) {
   expect_none("haptics sees no picture and no program", [](const Include& i) {
     return is_in(i.file, "haptics/") && (is_drawing(i.header) || is_in(i.header, "app/"));
   });
+  expect_none("a tick's result is made into rows by app", [](const Include& i) {
+    return is_in(i.file, "haptics/") && is_in(i.header, "engine/recording/");
+  });
 }
 
 TEST(Layers, OnlyDrawingAndAppKnowDrawing) {

@@ -269,14 +269,6 @@ TEST(BuzzDetector, AForceThatTurnsRoundDoesNotReverse) {
   EXPECT_EQ(state.seen, 0u);
 }
 
-TEST(BuzzDetector, AForceThatIsNotFiniteIsPassedOver) {
-  std::vector<double> force_N = wave(80.0, 0.2, 500);
-  for (std::size_t i = 3; i < force_N.size(); i += 5) {
-    force_N[i] = std::numeric_limits<double>::quiet_NaN();
-  }
-  EXPECT_FALSE(spoken(force_N, 0.1).empty());
-}
-
 TEST(BuzzDetector, AfterTheBuzzItFallsSilentWithinTheWindow) {
   std::vector<double> force_N = wave(80.0, 0.2, 500);
   force_N.resize(1000, 1.0);

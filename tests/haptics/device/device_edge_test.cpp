@@ -13,9 +13,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 Wrench force(double x, double y = 0.0, double z = 0.0) { return {Vector3d(x, y, z), {0, 0, 0}}; }
 
 /// An edge and what it sent last.
@@ -62,26 +59,6 @@ TEST(DeviceEdge, FirstContactAt20MmPerSComesThroughWhole) {
     const double depth_m = 55e-6 * std::floor(20e-6 * i / 55e-6);
     edge.send(force(1200.0 * depth_m));
     EXPECT_EQ(edge.sent.force_N.x(), 1200.0 * depth_m);
-  }
-}
-
-TEST(DeviceEdge, IfAnythingIsNotFiniteNothingIsSent) {
-  const std::vector<Wrench> broken{force(kNaN),
-                                   force(0.0, kInfinity),
-                                   force(0.0, 0.0, -kInfinity),
-                                   {Vector3d(0.1, 0.0, 0.0), Vector3d(0.0, kNaN, 0.0)}};
-  for (const Wrench& wanted : broken) {
-    Edge edge;
-    edge.limits.torque_Nm = 0.1;
-    edge.send({Vector3d(3.0, 0, 0), Vector3d(0.09, 0, 0)}, 200);
-    ASSERT_EQ(edge.sent.force_N.x(), 3.0) << "many steps of the limit";
-    ASSERT_EQ(edge.sent.torque_Nm.x(), 0.09);
-    edge.send(wanted);
-    EXPECT_EQ(edge.sent.force_N, Vector3d::Zero().eval());
-    EXPECT_EQ(edge.sent.torque_Nm, Vector3d::Zero().eval());
-    EXPECT_EQ(edge.state.not_finite_ticks, 1u);
-    edge.send(force(0.2));
-    EXPECT_EQ(edge.sent.force_N.x(), 0.2) << "nothing of it stays";
   }
 }
 
@@ -193,7 +170,7 @@ TEST(DeviceEdge, AStepIsTakenInPartsInWhateverDirection) {
   EXPECT_LE(edge.state.step_limited_ticks - before, 4u) << "the last may be whole but for rounding";
 }
 
-TEST(DeviceEdge, WhateverIsWantedWhatIsSentIsFiniteAndWithinAllLimits) {
+TEST(DeviceEdge, WhateverIsWantedWhatIsSentIsWithinAllLimits) {
   // A linear congruence, so that the wrenches are the same on every machine.
   std::uint32_t seed = 1;
   const auto next = [&] {
@@ -204,21 +181,14 @@ TEST(DeviceEdge, WhateverIsWantedWhatIsSentIsFiniteAndWithinAllLimits) {
   edge.limits.torque_Nm = 0.1;
   for (int i = 0; i < 20000; ++i) {
     const double size = i % 7 == 0 ? 1e5 : 2.0;
-    Wrench wanted{size * Vector3d(next(), next(), next()), Vector3d(next(), next(), next())};
-    if (i % 97 == 0) wanted.force_N.y() = kNaN;
+    const Wrench wanted{size * Vector3d(next(), next(), next()), Vector3d(next(), next(), next())};
     const Wrench before = edge.sent;
     edge.send(wanted, 1, i % 500 > 20, i % 1700 == 0);
     ASSERT_LE(edge.sent.force_N.norm(), 3.3 * (1 + 1e-12));
     ASSERT_LE(edge.sent.torque_Nm.norm(), 0.1 * (1 + 1e-12));
-    if (i % 97 == 0) {
-      ASSERT_EQ(edge.sent.force_N, Vector3d::Zero().eval());
-      ASSERT_EQ(edge.sent.torque_Nm, Vector3d::Zero().eval());
-      continue;
-    }
     ASSERT_LE((edge.sent.force_N - before.force_N).norm(), 0.5 * (1 + 1e-12));
     ASSERT_LE((edge.sent.torque_Nm - before.torque_Nm).norm(), 0.02 * (1 + 1e-12));
   }
-  EXPECT_EQ(edge.state.not_finite_ticks, 20000u / 97 + 1);
 }
 
 TEST(DeviceEdge, EverythingThatMattersLaterIsHashed) {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/recording/tick_record.hpp"
+#include "engine/core/fault.hpp"
 #include "tests/support/tools.hpp"
 
 namespace sulcus {
@@ -166,22 +166,44 @@ TEST_F(DevicePort, TheObserverIsAlwaysThereAndTheControllerWhereItIsAskedFor) {
   }
 }
 
-TEST_F(DevicePort, BehindADeviceWhatIsNotFiniteIsZeroForceAtOnce) {
+TEST_F(DevicePort, BehindADeviceWhatIsNotFiniteIsZeroForceAtOnceAndLeavesNoTrace) {
   scene_.device.emplace();
+  scene_.device->torque_limit_Nm = 0.1;
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  for (int kind = 0; kind < 2; ++kind) {
-    state_ = {};
-    faults_ = 0;
-    device_.next = Pose{};
-    for (int i = 0; i < 200; ++i) render(read(), {3, 0, 0});
-    ASSERT_EQ(state_.edge.sent.force_N.x(), 3.0);
-    if (kind == 1) device_.next->position.x() = kNan;
-    const DeviceReading reading = read();
-    faults_ |= reading.faults;
-    const Wrench sent = render(reading, {kind == 0 ? kNan : 3.0, 0, 0});
-    EXPECT_TRUE(sent.force_N.isZero(0.0)) << kind;
-    EXPECT_TRUE(state_.edge.sent.force_N.isZero(0.0)) << kind;
-    EXPECT_EQ(faults_ & kFaultNotFinite, kFaultNotFinite);
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const Wrench whole{{3, 0, 0}, {0.09, 0, 0}};
+  std::vector<Wrench> broken(5, whole);  // the last with a pose that is not finite
+  broken[0].force_N.x() = kNan;
+  broken[1].force_N.y() = kInfinity;
+  broken[2].force_N.z() = -kInfinity;
+  broken[3].torque_Nm.y() = kNan;
+  for (const bool controller : {false, true}) {
+    scene_.device->passivity_controller = controller;
+    for (std::size_t kind = 0; kind < broken.size(); ++kind) {
+      state_ = {};
+      faults_ = 0;
+      device_.next = Pose{};
+      const auto render_whole = [&] {
+        return render_wrench(context_, read(), whole, state_, faults_);
+      };
+      for (int i = 0; i < 200; ++i) render_whole();
+      ASSERT_EQ(state_.edge.sent.force_N.x(), 3.0) << "many steps of the limit";
+      ASSERT_EQ(state_.edge.sent.torque_Nm.x(), 0.09);
+      if (kind == 4) device_.next->position.x() = kNan;
+      const DeviceReading reading = read();
+      faults_ |= reading.faults;
+      const Wrench sent = render_wrench(context_, reading, broken[kind], state_, faults_);
+      EXPECT_TRUE(sent.force_N.isZero(0.0) && sent.torque_Nm.isZero(0.0)) << kind;
+      EXPECT_TRUE(state_.edge.sent.force_N.isZero(0.0)) << kind;
+      EXPECT_EQ(faults_, kFaultNotFinite);
+      EXPECT_EQ(state_.edge.not_finite_ticks, 1u);
+      faults_ = 0;
+      device_.next = Pose{};
+      EXPECT_TRUE(render_whole().force_N.allFinite()) << "nothing of it stays";
+      EXPECT_TRUE(std::isfinite(state_.passivity.energy_J));
+      EXPECT_TRUE(state_.buzz.furthest_N.allFinite());
+      EXPECT_EQ(faults_, 0u);
+    }
   }
 }
 

@@ -245,17 +245,6 @@ TEST(Passivity, WhatTheEdgeHeldBackIsNotTheContactsDebt) {
   EXPECT_LE(damping_N, 3e-3);
 }
 
-TEST(Passivity, AWrenchThatIsNotFiniteLeavesNoTrace) {
-  PassivityState state;
-  under(0.0, force(-0.1), state);
-  observe_passivity(at(1e-4), state);
-  EXPECT_TRUE(std::isnan(control_passivity(force(std::nan("")), {}, state).force_N.x()));
-  hold_wrench({}, {}, state);
-  EXPECT_TRUE(std::isfinite(under(2e-4, force(-0.2), state).force_N.x()));
-  EXPECT_TRUE(std::isfinite(under(3e-4, force(-0.3), state).force_N.x()));
-  EXPECT_TRUE(std::isfinite(state.energy_J));
-}
-
 TEST(Passivity, ATorqueThatIsNotRenderedDoesNotCount) {
   // A constant force beside a torque that changes with the turn.
   PassivityState with, without;

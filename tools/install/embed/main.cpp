@@ -32,10 +32,10 @@ int main() {
   sulcus::TickScratch scratch(scene);
   MyDevice device;
   for (int tick = 1; tick <= 1000; ++tick) {  // nothing in a tick allocates, waits or throws
-    const sulcus::TickRecord record = sulcus::tick(context, device, state, scratch);
+    const sulcus::TickResult result = sulcus::tick(context, device, state, scratch);
     if (tick % 100 != 0) continue;
     std::printf("%4d ms  %4u voxels in contact  %.3f N up, %llu voxels left\n", tick,
-                record.contacts, device.felt.force_N.z(),
+                result.contact.contacts, device.felt.force_N.z(),
                 static_cast<unsigned long long>(state.workpiece().solid.solid_voxels()));
   }
 }

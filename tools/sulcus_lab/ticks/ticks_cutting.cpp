@@ -55,7 +55,7 @@ class CuttingRun {
         state_(initial_state(scene_, {start})),
         context_{scene_, path.burr},
         scratch_(scene_) {}
-  TickRecord step() { return tick(context_, device_, state_, scratch_); }
+  TickResult step() { return tick(context_, device_, state_, scratch_); }
   SinkingDevice& device() { return device_; }
   double work_J() const { return state_.workpiece().removal->work_J; }
 
@@ -89,14 +89,15 @@ Sunk sink(const Workpiece& workpiece, const TickPath& path, int wanted, double s
       std::max(kLargestSink, 2.0 * voxels_per_tick(wanted) / wanted * workpiece.grid().voxel_m);
   CuttingRun run(workpiece, path, haptics, specific_energy);
   for (int t = 0; t < ticks; ++t) {
-    const TickRecord record = run.step();
-    sunk.poses.push_back({Eigen::Map<const Eigen::Vector3d>(record.tool_position_m),
+    const TickResult result = run.step();
+    sunk.poses.push_back({result.tool.position,
                           path.poses[static_cast<std::size_t>(t) % path.poses.size()].orientation});
-    if (t >= ticks / 2) sunk.removed += record.removed / (0.5 * ticks);
+    if (t >= ticks / 2) sunk.removed += result.removed / (0.5 * ticks);
     // In a cap of height h the contacts grow by 1 / h per way. The whole path follows at once; a
     // place, which comes again after a period, is told through the seven visits around it.
-    const double excess_m = path.depth_m * (record.contacts / static_cast<double>(wanted) - 1.0);
-    run.device().lift(record.tick, std::clamp(0.1 * excess_m, -largest_m, largest_m),
+    const double excess_m =
+        path.depth_m * (result.contact.contacts / static_cast<double>(wanted) - 1.0);
+    run.device().lift(result.tick, std::clamp(0.1 * excess_m, -largest_m, largest_m),
                       std::clamp(0.1 * excess_m, -largest_m, largest_m));
   }
   return sunk;

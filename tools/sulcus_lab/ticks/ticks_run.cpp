@@ -101,14 +101,14 @@ TickSamples run_ticks(const TickTask& task, const TickSetting& setting, StageClo
   for (int t = 0; t < task.ticks; ++t) {
     scratch.reset_clocks();
     const std::uint64_t begin = thread_cpu_ns();
-    const TickRecord record = tick(context, device, state, scratch);
+    const TickResult result = tick(context, device, state, scratch);
     samples.us.push_back(1e-3f * static_cast<float>(thread_cpu_ns() - begin));
-    samples.contacts.push_back(record.contacts);
-    samples.removed.push_back(record.removed);
-    samples.faults |= record.faults;
+    samples.contacts.push_back(result.contact.contacts);
+    samples.removed.push_back(result.removed);
+    samples.faults |= result.faults;
     std::array<double, 6> wrench;
-    std::copy_n(record.contact_force_N, 3, wrench.begin());
-    std::copy_n(record.contact_torque_Nm, 3, wrench.begin() + 3);
+    std::copy_n(result.contact.wrench.force_N.data(), 3, wrench.begin());
+    std::copy_n(result.contact.wrench.torque_Nm.data(), 3, wrench.begin() + 3);
     samples.force_hash = hash_bytes(wrench.data(), sizeof(wrench), samples.force_hash);
     if (!now) continue;
     for (int s = 0; s < kStageCount; ++s) {
