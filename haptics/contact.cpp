@@ -20,12 +20,12 @@ ContactResult& ContactResult::operator+=(const ContactResult& other) noexcept {
 ContactScratch::ContactScratch(const HapticsSettings& settings, StageClock stage_clock)
     : clock(stage_clock),
       capacity(static_cast<std::size_t>(settings.max_contacts)),
-      contacts(capacity + kBlock) {
+      contacts(capacity + ContactBlock::kVoxels) {
   leaves.reserve(kMaxLeaves);
   hollow.reserve(kMaxLeaves);
   leaf_keys.reserve(kMaxLeaves);
   leaf_distances_m.reserve(kMaxLeaves);
-  block_keys.resize(kBlock + Contacts::kGroup);
+  block_keys.resize(ContactBlock::kVoxels + Contacts::kGroup);
   kept_leaves.reserve(kMaxLeaves);
   queries.reserve(capacity);
   queried.reserve(capacity);
@@ -34,13 +34,14 @@ ContactScratch::ContactScratch(const HapticsSettings& settings, StageClock stage
   tool_queries.reserve(capacity);
   tool_queried.reserve(capacity);
   tool_estimates.reserve(capacity);
-  by_depth.reserve(capacity + kBlock);
+  by_depth.reserve(capacity + ContactBlock::kVoxels);
   prepare_normals();
   contact_kernels();  // chosen here, not in a tick
 }
 
 void ContactScratch::forget() noexcept {
   contacts.clear();
+  block.clear();
   hollow.clear();
   queried.clear();
   kept_leaves.clear();
@@ -51,7 +52,8 @@ std::size_t ContactScratch::memory_bytes() const {
                             leaf_distances_m.capacity() + block_keys.capacity() +
                             queried.capacity() + tool_queried.capacity() + vetoed.capacity();
   return words * sizeof(std::uint32_t) + by_depth.capacity() * sizeof(std::uint64_t) +
-         contacts.memory_bytes() + kept_leaves.capacity() * sizeof(KeptNormals::Place) +
+         contacts.memory_bytes() + ContactBlock::memory_bytes() +
+         kept_leaves.capacity() * sizeof(KeptNormals::Place) +
          (queries.capacity() + tool_queries.capacity()) * sizeof(VoxelQuery) +
          (estimates.capacity() + tool_estimates.capacity()) * sizeof(SurfaceEstimate);
 }

@@ -61,7 +61,6 @@ struct ContactScratch {
   void forget() noexcept;
 
   static constexpr std::size_t kMaxLeaves = 1 << 16;
-  static constexpr std::size_t kBlock = 4096;  // voxels tested at a time
 
   StageClock clock;
   std::size_t capacity;               // contacts that are kept
@@ -73,6 +72,7 @@ struct ContactScratch {
   std::vector<std::uint32_t> block_keys;        // of voxels to be tested
   std::vector<std::uint64_t> by_depth;          // where there are too many
   Contacts contacts;                            // and on
+  ContactBlock block;                           // and on, up to the depths
   std::vector<KeptNormals::Place> kept_leaves;  // [normals] of which something was kept before
   // [normals] What had to be found, contacts by number.
   std::vector<VoxelQuery> queries;

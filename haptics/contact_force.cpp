@@ -59,22 +59,28 @@ ContactForce::ContactForce(const Workpiece& workpiece, const Burr& burr,
   }
 }
 
-void ContactForce::measure_until(Contacts& contacts, std::size_t end) noexcept {
-  ContactArrays arrays = arrays_of(contacts, measured_);
+void ContactForce::begin() noexcept {
+  measured_ = 0;
+  lanes_ = {};
+}
+
+void ContactForce::measure_until(ContactScratch& scratch, std::size_t end) noexcept {
+  ContactArrays arrays = arrays_of(scratch.contacts, measured_);
   arrays.size = end - measured_;
-  contact_kernels().measure(frame_, settings_, arrays, lanes_);
+  contact_kernels().measure(frame_, settings_, arrays, arrays_of(scratch.block, measured_), lanes_);
   measured_ = end;
 }
 
-void ContactForce::measure(Contacts& contacts) noexcept {
-  measure_until(contacts, contacts.size() / Contacts::kGroup * Contacts::kGroup);
-  contacts.let_pass(measured_);
+void ContactForce::measure(ContactScratch& scratch) noexcept {
+  measure_until(scratch, scratch.contacts.size() / Contacts::kGroup * Contacts::kGroup);
+  scratch.block.release(measured_);
 }
 
 void ContactForce::sum(std::span<const TissueSettings> tissues, const Twist* twist,
-                       Contacts& contacts, ContactResult& result) noexcept {
+                       ContactScratch& scratch, ContactResult& result) noexcept {
+  Contacts& contacts = scratch.contacts;
   if (contacts.empty()) return;
-  measure_until(contacts, contacts.size());
+  measure_until(scratch, contacts.size());
   const MeasureSums measured = sums_of(lanes_);
   const double weights = measured.weights;
   result.contacts = measured.counted;
@@ -119,14 +125,6 @@ void ContactForce::sum(std::span<const TissueSettings> tissues, const Twist* twi
   if (terms.with_stiffness && scaling_ == Scaling::kSmooth) {
     grade_stiffness(sums, weights > kFullWeights ? 1.0 / weights : 0.0, result.stiffness);
   }
-}
-
-void contact_force(const Workpiece& workpiece, std::span<const TissueSettings> tissues,
-                   const Burr& burr, const Pose& world_from_tool, const Twist* twist,
-                   Scaling scaling, ContactScratch& scratch, ContactResult& result,
-                   Asked asked) noexcept {
-  ContactForce(workpiece, burr, world_from_tool, scaling, asked)
-      .sum(tissues, twist, scratch.contacts, result);
 }
 
 }  // namespace sulcus

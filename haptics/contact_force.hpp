@@ -35,28 +35,26 @@ double contact_reach_m(const Workpiece& workpiece, Scaling scaling, Asked asked)
 /// which is not tangential, and divides by |v|, which vanishes on the axis. v0 = 10 mm/s. Its power
 /// beta |F_n| |v_t|^2 / max(|v_t|, v0) is left with the contact for the removal.
 /// Under `smooth` and Asked::kCoupled forces turn with the tool over edges: `edge_gain`.
-void contact_force(const Workpiece& workpiece, std::span<const TissueSettings> tissues,
-                   const Burr& burr, const Pose& world_from_tool, const Twist* twist,
-                   Scaling scaling, ContactScratch& scratch, ContactResult& result,
-                   Asked asked = Asked::kForce) noexcept;
-
-/// The same in two parts, the first of which takes contacts as they are found: depths and weights,
-/// whose sum divides the stiffness, and then forces.
+///
+/// In two parts, the first of which takes contacts as they are found: depths and weights, whose sum
+/// divides the stiffness, and then forces.
 class ContactForce {
  public:
   /// All that is named outlives this.
   ContactForce(const Workpiece& workpiece, const Burr& burr, const Pose& world_from_tool,
                Scaling scaling, Asked asked) noexcept;
 
-  /// Measures the contacts that have been added since, in whole groups: what is left over waits for
-  /// the next, or for `sum`. What passes of those that are measured does (Contacts::let_pass).
-  void measure(Contacts& contacts) noexcept;
+  /// Forgets what it has measured.
+  void begin() noexcept;
+  /// Measures the contacts that have been added since, in whole groups, and releases them from the
+  /// block. What is left over waits for the next call, or for `sum`.
+  void measure(ContactScratch& scratch) noexcept;
   /// Measures the rest, and sums.
-  void sum(std::span<const TissueSettings> tissues, const Twist* twist, Contacts& contacts,
+  void sum(std::span<const TissueSettings> tissues, const Twist* twist, ContactScratch& scratch,
            ContactResult& result) noexcept;
 
  private:
-  void measure_until(Contacts& contacts, std::size_t end) noexcept;
+  void measure_until(ContactScratch& scratch, std::size_t end) noexcept;
 
   const Burr& burr_;
   const Pose& world_from_tool_;

@@ -19,8 +19,14 @@ struct ContactArrays {
   float* of[Contacts::kQuantities]{};
 };
 
-/// From `first` on; null what has passed of it.
+/// Those of ContactBlock.
+struct BlockArrays {
+  float* of[ContactBlock::kQuantities]{};
+};
+
+/// From contact `first` on.
 ContactArrays arrays_of(Contacts& contacts, std::size_t first = 0) noexcept;
+BlockArrays arrays_of(ContactBlock& block, std::size_t first) noexcept;
 
 /// So many contacts are looked up at a time where their normals are kept.
 inline constexpr std::size_t kKeptBlock = 64;
@@ -101,13 +107,14 @@ struct ContactKernels {
   /// kept: four numbers, the offset in voxels, all zero for none. In whole groups. Returns a bit
   /// for each whose normal points away from the tool's outward direction.
   std::uint64_t (*take_kept)(const float* const (&kept)[kKeptBlock], std::size_t count,
-                             float voxel_m, const ContactArrays& contacts,
+                             float voxel_m, const ContactArrays& contacts, const BlockArrays& block,
                              std::size_t first) noexcept;
 
   /// Where depth is measured, depth and weight of every contact, and a normal for those without.
   /// Where the spread is wanted, what forces may turn to as well.
   void (*measure)(const ContactFrame& frame, const ForceSettings& settings,
-                  const ContactArrays& contacts, MeasureLanes& lanes) noexcept;
+                  const ContactArrays& contacts, const BlockArrays& block,
+                  MeasureLanes& lanes) noexcept;
 
   /// Normal force of every contact, its power where the tool cuts, its normal where that turns;
   /// and the sums. The frame is that of `measure`.

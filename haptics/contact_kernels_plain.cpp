@@ -13,9 +13,14 @@ ContactArrays arrays_of(Contacts& contacts, std::size_t first) noexcept {
   arrays.size = contacts.size() - first;
   arrays.keys = contacts.keys() + first;
   arrays.tissues = contacts.tissues() + first;
-  for (std::size_t q = 0; q < Contacts::kQuantities; ++q) {
-    const bool is_there = !Contacts::passes(q) || first >= contacts.passed();
-    arrays.of[q] = is_there ? contacts.from(q, first) : nullptr;
+  for (std::size_t q = 0; q < Contacts::kQuantities; ++q) arrays.of[q] = contacts(q) + first;
+  return arrays;
+}
+
+BlockArrays arrays_of(ContactBlock& block, std::size_t first) noexcept {
+  BlockArrays arrays;
+  for (std::size_t q = 0; q < ContactBlock::kQuantities; ++q) {
+    arrays.of[q] = block(q) + (first - block.first());
   }
   return arrays;
 }

@@ -254,8 +254,9 @@ inline void leaf_distances_of(const ContactFrame& frame, const std::uint32_t* ke
   }
 }
 
-inline Lanes3 load3(const ContactArrays& contacts, Contacts::Quantity q, std::size_t k) {
-  return {load(contacts.of[q] + k), load(contacts.of[q + 1] + k), load(contacts.of[q + 2] + k)};
+template <class Arrays>
+inline Lanes3 load3(const Arrays& arrays, std::size_t q, std::size_t k) {
+  return {load(arrays.of[q] + k), load(arrays.of[q + 1] + k), load(arrays.of[q + 2] + k)};
 }
 inline void store3(const Lanes3& v, const ContactArrays& contacts, Contacts::Quantity q,
                    std::size_t k) {
@@ -297,14 +298,14 @@ inline Fours fours(const float* const* from) {
 
 inline std::uint64_t take_kept(const float* const (&kept)[kKeptBlock], std::size_t count,
                                float voxel_m, const ContactArrays& contacts,
-                               std::size_t first) noexcept {
+                               const BlockArrays& block, std::size_t first) noexcept {
   std::uint64_t away = 0;
   for (std::size_t k = 0; k < count; k += kLaneCount) {
     const Fours v = fours(kept + k);
     const Lanes3 normal{v.of[0], v.of[1], v.of[2]};
     store3(normal, contacts, Contacts::kNormal, first + k);
-    store(v.of[3] * voxel_m, contacts.of[Contacts::kOffset] + first + k);
-    const Lanes3 outward = load3(contacts, Contacts::kOutward, first + k);
+    store(v.of[3] * voxel_m, block.of[ContactBlock::kOffset] + first + k);
+    const Lanes3 outward = load3(block, ContactBlock::kOutward, first + k);
     const Lanes agree = normal.x * outward.x + (normal.y * outward.y + normal.z * outward.z);
     const IntLanes vetoed = ~(agree > 0.0f) & (dot(normal, normal) > 0.0f);
     away |= std::uint64_t{bits_of(vetoed)} << k;
@@ -322,7 +323,8 @@ inline void store(const DoubleLanes& v, double (&sums)[kSumLanes]) {
 }
 
 inline void measure_all(const ContactFrame& frame, const ForceSettings& settings,
-                        const ContactArrays& contacts, MeasureLanes& lanes) noexcept {
+                        const ContactArrays& contacts, const BlockArrays& block,
+                        MeasureLanes& lanes) noexcept {
   const float half_voxel_m = 0.5f * frame.voxel_m, per_voxel = 1.0f / frame.voxel_m;
   const float full_cosine = 1.0f / settings.fade_below;
   const bool spreads = settings.at_surface && settings.spread_reach_m > 0.0f;
@@ -334,12 +336,12 @@ inline void measure_all(const ContactFrame& frame, const ForceSettings& settings
   for (std::size_t k = 0; k < contacts.size; k += kLaneCount) {
     const Lanes3 d = voxels(frame, contacts.keys + k);
     Lanes3 normal = load3(contacts, Contacts::kNormal, k);
-    const Lanes distance_m = load(contacts.of[Contacts::kDistance] + k);
+    const Lanes distance_m = load(block.of[ContactBlock::kDistance] + k);
     const IntLanes known = dot(normal, normal) > 0.0f;
     const IntLanes there = among(contacts.size - k);  // what fills up the last group weighs nothing
     // Voxels from the frame's to where depth is measured: from the centre along the normal.
     Lanes along = settings.at_surface
-                      ? where(known, load(contacts.of[Contacts::kOffset] + k) * per_voxel)
+                      ? where(known, load(block.of[ContactBlock::kOffset] + k) * per_voxel)
                       : Lanes{};
     Lanes depth = -distance_m;
     Lanes weight;
@@ -367,7 +369,7 @@ inline void measure_all(const ContactFrame& frame, const ForceSettings& settings
         const Lanes fade = smaller(Lanes{} + 1.0f, cosine * full_cosine);
         weight = where(there & (depth > 0.0f) & (cosine > 0.0f), depth * per_voxel * fade);
         if (spreads) {
-          store3(away * where(tells, -1.0f / length), contacts, Contacts::kTurnTo, k);
+          store3(away * where(tells, -1.0f / length), contacts, Contacts::kToolNormal, k);
           const Lanes reached =
               larger(Lanes{}, smaller(Lanes{} + 1.0f, 1.0f + depth / settings.spread_reach_m));
           const Lanes near = where(there & (known | tells) & (cosine > 0.0f), reached * fade);
@@ -444,7 +446,7 @@ inline void add_forces(const ContactFrame& frame, const ForceTerms& terms,
                                                 normal * load(contacts.of[Contacts::kAlong] + k)) *
                                                    (Lanes{} + frame.voxel_m);
     if (terms.turns) {
-      normal = turned_to(normal, load3(contacts, Contacts::kTurnTo, k), terms.gain);
+      normal = turned_to(normal, load3(contacts, Contacts::kToolNormal, k), terms.gain);
       store3(normal, contacts, Contacts::kNormal, k);
     }
     const Lanes stiffness = of_tissues(terms.stiffness_N_per_m, contacts.tissues + k) *

@@ -4,26 +4,17 @@
 
 namespace sulcus {
 
-Contacts::Contacts(std::size_t capacity) : capacity_(capacity) {
-  const std::size_t room = (capacity + kGroup - 1) / kGroup * kGroup + kGroup;
-  keys_ = std::make_unique_for_overwrite<std::uint32_t[]>(room);
-  tissues_ = std::make_unique_for_overwrite<std::uint8_t[]>(room);
-  for (auto& values : values_) values = std::make_unique_for_overwrite<float[]>(room);
+Contacts::Contacts(std::size_t capacity)
+    : QuantityArrays(capacity),
+      capacity_(capacity),
+      keys_(std::make_unique_for_overwrite<std::uint32_t[]>(room(capacity))),
+      tissues_(std::make_unique_for_overwrite<std::uint8_t[]>(room(capacity))) {
+  static_assert(std::tuple_size_v<decltype(values_)> == kQuantities);
 }
 
 void Contacts::resize(std::size_t size) noexcept {
   size_ = size;
-  if (size == 0) passed_ = 0;
   for (std::size_t i = size; i % kGroup != 0; ++i) set(i, Contact{});
-}
-
-void Contacts::let_pass(std::size_t end) noexcept {
-  if (end == passed_) return;
-  for (std::size_t q = 0; passes(q); ++q) {
-    // The group that is not full goes with the next ones.
-    std::copy(from(q, end), from(q, (size_ + kGroup - 1) / kGroup * kGroup), values_[q].get());
-  }
-  passed_ = end;
 }
 
 void Contacts::push_back(const Contact& contact) noexcept {
@@ -35,11 +26,6 @@ Contact Contacts::operator[](std::size_t i) const noexcept {
   Contact c;
   c.cell = cell_of_key(keys_[i]);
   c.tissue = tissues_[i];
-  if (i >= passed_) {
-    c.distance_m = *from(kDistance, i);
-    c.outward = vector(kOutward, i);
-    c.offset_m = *from(kOffset, i);
-  }
   c.normal = vector(kNormal, i);
   c.along = values_[kAlong][i];
   c.depth_m = values_[kDepth][i];
@@ -52,11 +38,6 @@ Contact Contacts::operator[](std::size_t i) const noexcept {
 void Contacts::set(std::size_t i, const Contact& c) noexcept {
   keys_[i] = voxel_key(c.cell);
   tissues_[i] = c.tissue;
-  if (i >= passed_) {
-    *from(kDistance, i) = c.distance_m;
-    set_vector(kOutward, i, c.outward);
-    *from(kOffset, i) = c.offset_m;
-  }
   set_vector(kNormal, i, c.normal);
   values_[kAlong][i] = c.along;
   values_[kDepth][i] = c.depth_m;
@@ -65,6 +46,11 @@ void Contacts::set(std::size_t i, const Contact& c) noexcept {
   values_[kPower][i] = c.power_W;
 }
 
-std::size_t Contacts::memory_bytes() const { return capacity_ * kBytesEach; }
+void ContactBlock::release(std::size_t end) noexcept {
+  static_assert(std::tuple_size_v<decltype(values_)> == kQuantities);
+  if (end == first_) return;
+  for (auto& values : values_) std::copy_n(values.get() + (end - first_), kGroup, values.get());
+  first_ = end;
+}
 
 }  // namespace sulcus

@@ -1,7 +1,5 @@
 #include "haptics/evaluate_contact.hpp"
 
-#include <optional>
-
 #include "engine/core/fault.hpp"
 #include "haptics/broad_phase.hpp"
 #include "haptics/contact_force.hpp"
@@ -11,47 +9,6 @@
 namespace sulcus {
 
 namespace {
-
-/// The contacts, their normals and their depths, block by block, so that what only these stages
-/// read of a block stays in the caches however many contacts there are. False where there are more
-/// than the capacity: which are the deepest is known only once all have been found.
-bool find_in_blocks(const Workpiece& solid, const ContactQuery& query, double reach_m,
-                    const KeptNormals* kept, ContactScratch& scratch, ContactResult& result,
-                    ContactForce& force) {
-  Contacts& contacts = scratch.contacts;
-  StageClock& clock = scratch.clock;
-  NarrowPhase phase = [&] {
-    const auto timed = clock.time(Stage::kNarrowPhase);
-    return NarrowPhase(solid, query.burr.field, query.world_from_tool, reach_m, scratch, result);
-  }();
-  for (bool more = true; more;) {
-    const std::size_t first = contacts.size();
-    {
-      const auto timed = clock.time(Stage::kNarrowPhase);
-      more = phase.next();
-    }
-    if (contacts.size() > scratch.capacity) return false;
-    {
-      const auto timed = clock.time(Stage::kNormals);
-      normals(solid, query.settings, kept, scratch, first);
-    }
-    const auto timed = clock.time(Stage::kContactForce);
-    if (more) force.measure(contacts);
-  }
-  return true;
-}
-
-/// Stage by stage, of the deepest that the capacity holds.
-void find_deepest(const Workpiece& solid, const ContactQuery& query, double reach_m,
-                  const KeptNormals* kept, ContactScratch& scratch, ContactResult& result) {
-  {
-    const auto timed = scratch.clock.time(Stage::kNarrowPhase);
-    result.tested = 0;
-    narrow_phase(solid, query.burr.field, query.world_from_tool, reach_m, scratch, result);
-  }
-  const auto timed = scratch.clock.time(Stage::kNormals);
-  normals(solid, query.settings, kept, scratch);
-}
 
 /// A quantity of the grid's space in world axes.
 Wrench in_world(const Wrench& wrench, const Pose& world_from_grid) {
@@ -70,23 +27,44 @@ Matrix6d in_world(const Matrix6d& stiffness, const Pose& world_from_grid) {
 ContactResult evaluate_contact(const Workpiece& solid, const ContactQuery& query,
                                ContactScratch& scratch, const KeptNormals* kept) noexcept {
   ContactResult result;
-  const Scaling scaling = query.settings.scaling;
-  const double reach_m = contact_reach_m(solid, scaling, query.asked);
+  StageClock& clock = scratch.clock;
+  const double reach_m = contact_reach_m(solid, query.settings.scaling, query.asked);
   {
-    const auto timed = scratch.clock.time(Stage::kBroadPhase);
+    const auto timed = clock.time(Stage::kBroadPhase);
     if (!broad_phase(solid, query.burr.capsule, query.world_from_tool, reach_m, scratch)) {
       result.faults |= kFaultContactsFull;
     }
     result.leaves = static_cast<std::uint32_t>(scratch.leaves.size());
   }
-  std::optional<ContactForce> force(std::in_place, solid, query.burr, query.world_from_tool,
-                                    scaling, query.asked);
-  if (!find_in_blocks(solid, query, reach_m, kept, scratch, result, *force)) {
-    find_deepest(solid, query, reach_m, kept, scratch, result);
-    force.emplace(solid, query.burr, query.world_from_tool, scaling, query.asked);
+  NarrowPhase phase = [&] {
+    const auto timed = clock.time(Stage::kNarrowPhase);
+    return NarrowPhase(solid, query.burr.field, query.world_from_tool, reach_m, scratch);
+  }();
+  ContactForce force(solid, query.burr, query.world_from_tool, query.settings.scaling, query.asked);
+  for (bool more = true; more;) {
+    const std::size_t first = scratch.contacts.size();
+    {
+      const auto timed = clock.time(Stage::kNarrowPhase);
+      more = phase.next();
+      if (scratch.contacts.size() > scratch.capacity) {
+        // Which are the deepest is known only once all have been found.
+        result.faults |= kFaultContactsFull;
+        phase.begin_with_deepest();
+        force.begin();
+        more = true;
+        continue;
+      }
+    }
+    {
+      const auto timed = clock.time(Stage::kNormals);
+      normals(solid, query.settings, kept, scratch, first);
+    }
+    const auto timed = clock.time(Stage::kContactForce);
+    if (more) force.measure(scratch);
   }
-  const auto timed = scratch.clock.time(Stage::kContactForce);
-  force->sum(query.tissues, query.twist, scratch.contacts, result);
+  const auto timed = clock.time(Stage::kContactForce);
+  result.tested = phase.tested();
+  force.sum(query.tissues, query.twist, scratch, result);
   return result;
 }
 

@@ -24,8 +24,8 @@ struct ContactQuery {
 /// wrench and, where it is asked for, stiffness. Broad phase, narrow phase, normals, forces.
 /// Changes no state and no result by being called, so a coupling may call it any number of times in
 /// a tick; cutting happens once, after it. `kept` is read only, and may be null. Does not allocate.
-/// Of contacts beyond a block what passes is gone (Contacts): who wants it calls the stages one by
-/// one.
+/// Contacts go through the stages block by block; beyond the capacity the deepest count, and
+/// kFaultContactsFull is set.
 ContactResult evaluate_contact(const Workpiece& solid, const ContactQuery& query,
                                ContactScratch& scratch, const KeptNormals* kept = nullptr) noexcept;
 

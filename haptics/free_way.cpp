@@ -16,15 +16,20 @@ double way_to(const Workpiece& workpiece, const Burr& burr, const Pose& world_fr
   // Depth is measured at surface points, up to 0.87 voxel beyond the voxels' centres.
   const double skin_m = workpiece.grid().voxel_m;
   const double near_m = std::min(wanted_m, kNear * workpiece.grid().voxel_m);
-  ContactResult counts;
   if (!broad_phase(workpiece, burr.capsule, world_from_tool, near_m + skin_m, scratch)) return 0.0;
-  narrow_phase(workpiece, burr.field, world_from_tool, near_m + skin_m, scratch, counts);
+  NarrowPhase phase(workpiece, burr.field, world_from_tool, near_m + skin_m, scratch);
   double way_m = near_m;
-  const float* const distance_m = scratch.contacts(Contacts::kDistance);
-  for (std::size_t i = 0; i < scratch.contacts.size(); ++i) {
-    way_m = std::min(way_m, static_cast<double>(distance_m[i]) - skin_m);
+  bool is_near = false;
+  const float* const distance_m = scratch.block(ContactBlock::kDistance);
+  for (bool more = true; more;) {
+    scratch.contacts.clear();
+    more = phase.next();
+    for (std::size_t i = 0; i < scratch.contacts.size(); ++i) {
+      way_m = std::min(way_m, static_cast<double>(distance_m[i]) - skin_m);
+      is_near = true;
+    }
   }
-  if (!scratch.contacts.empty()) return std::max(0.0, way_m);
+  if (is_near) return std::max(0.0, way_m);
   // Further away leaves are enough, as far as none is reached.
   while (way_m < wanted_m) {
     const double further_m = std::min(2.0 * way_m, wanted_m);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 
-#include "engine/core/fault.hpp"
 #include "haptics/contact_kernels.hpp"
 
 namespace sulcus {
@@ -16,42 +15,11 @@ constexpr std::size_t kLeafVoxels = kLeafEdge * kLeafEdge * kLeafEdge;
 
 std::size_t whole_groups(std::size_t count) { return (count + kGroup - 1) / kGroup * kGroup; }
 
-/// Orders by distance, and by voxel where that is equal: a float's bits order like the float once
-/// negative ones are turned over.
-std::uint64_t depth_order(float distance_m, std::uint32_t key) {
-  const auto bits = std::bit_cast<std::uint32_t>(distance_m);
-  const std::uint32_t ordered = (bits >> 31) != 0 ? ~bits : bits | 0x80000000u;
-  return std::uint64_t{ordered} << 32 | key;
-}
-
-/// Keeps the `count` deepest contacts, in the order that they have.
-void keep_deepest(ContactScratch& scratch, std::size_t count) {
-  Contacts& contacts = scratch.contacts;
-  const auto order = [&](std::size_t i) {
-    return depth_order(contacts(Contacts::kDistance)[i], contacts.keys()[i]);
-  };
-  scratch.by_depth.resize(contacts.size());
-  for (std::size_t i = 0; i < contacts.size(); ++i) scratch.by_depth[i] = order(i);
-  const auto last = scratch.by_depth.begin() + static_cast<std::ptrdiff_t>(count - 1);
-  std::nth_element(scratch.by_depth.begin(), last, scratch.by_depth.end());
-  const std::uint64_t bound = *last;
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    if (order(i) > bound) continue;
-    contacts.keys()[kept] = contacts.keys()[i];
-    contacts.tissues()[kept] = contacts.tissues()[i];
-    *contacts.from(Contacts::kDistance, kept) = *contacts.from(Contacts::kDistance, i);
-    contacts.set_vector(Contacts::kOutward, kept, contacts.vector(Contacts::kOutward, i));
-    ++kept;
-  }
-  contacts.resize(kept);
-}
-
 }  // namespace
 
 NarrowPhase::NarrowPhase(const Workpiece& workpiece, const DistanceField& field,
-                         const Pose& world_from_tool, double reach_m, ContactScratch& scratch,
-                         ContactResult& result) noexcept
+                         const Pose& world_from_tool, double reach_m,
+                         ContactScratch& scratch) noexcept
     : workpiece_(workpiece),
       frame_(workpiece.grid(), field, world_from_tool, 0.0),
       reach_m_(static_cast<float>(reach_m)),
@@ -60,9 +28,8 @@ NarrowPhase::NarrowPhase(const Workpiece& workpiece, const DistanceField& field,
       leaf_reach_m_(static_cast<float>(reach_m +
                                        3.5 * 1.7320508075688772 * workpiece.grid().voxel_m +
                                        0.25 * field.spacing_m())),
-      scratch_(scratch),
-      result_(result) {
-  scratch.contacts.resize(0);
+      scratch_(scratch) {
+  begin();
   const std::size_t count = scratch.leaves.size();
   if (count == 0) return;
   scratch.leaf_keys.resize(whole_groups(count));
@@ -75,6 +42,40 @@ NarrowPhase::NarrowPhase(const Workpiece& workpiece, const DistanceField& field,
                                    scratch.leaf_distances_m.data());
 }
 
+void NarrowPhase::begin() noexcept {
+  scratch_.contacts.clear();
+  scratch_.block.clear();
+  leaf_ = 0;
+  tested_ = 0;
+}
+
+/// By distance, and by voxel where that is equal: a float's bits order like the float once negative
+/// ones are turned over.
+std::uint64_t NarrowPhase::depth_order(std::size_t contact) const noexcept {
+  const float distance_m =
+      scratch_.block(ContactBlock::kDistance)[contact - scratch_.block.first()];
+  const auto bits = std::bit_cast<std::uint32_t>(distance_m);
+  const std::uint32_t ordered = (bits >> 31) != 0 ? ~bits : bits | 0x80000000u;
+  return std::uint64_t{ordered} << 32 | scratch_.contacts.keys()[contact];
+}
+
+void NarrowPhase::begin_with_deepest() noexcept {
+  auto& orders = scratch_.by_depth;
+  orders.clear();
+  begin();
+  for (bool more = true; more;) {
+    more = next();
+    for (std::size_t i = 0; i < scratch_.contacts.size(); ++i) orders.push_back(depth_order(i));
+    scratch_.contacts.clear();
+    if (orders.size() <= scratch_.capacity) continue;
+    const auto last = orders.begin() + static_cast<std::ptrdiff_t>(scratch_.capacity - 1);
+    std::nth_element(orders.begin(), last, orders.end());
+    orders.resize(scratch_.capacity);
+  }
+  deepest_ = orders.back();
+  begin();
+}
+
 bool NarrowPhase::next() noexcept {
   const std::size_t count = scratch_.leaves.size();
   const TissueMap* const tissues = workpiece_.model().tissues.get();
@@ -84,7 +85,7 @@ bool NarrowPhase::next() noexcept {
     __builtin_prefetch(&workpiece_.surface(ahead));
     if (tissues) tissues->prefetch(ahead);
     if (scratch_.leaf_distances_m[leaf_] > leaf_reach_m_) continue;
-    if (waiting + kLeafVoxels > ContactScratch::kBlock) break;
+    if (waiting + kLeafVoxels > ContactBlock::kVoxels) break;
     waiting += contact_kernels().leaf_keys(workpiece_.surface(scratch_.leaves[leaf_]),
                                            scratch_.leaf_keys[leaf_],
                                            scratch_.block_keys.data() + waiting);
@@ -95,18 +96,36 @@ bool NarrowPhase::next() noexcept {
 
 void NarrowPhase::test(std::size_t waiting) noexcept {
   Contacts& contacts = scratch_.contacts;
+  ContactBlock& block = scratch_.block;
   std::uint32_t* const keys = scratch_.block_keys.data();
   std::fill(keys + waiting, keys + whole_groups(waiting), keys[0]);
-  const std::size_t first = contacts.size();
-  float* const outward[3] = {contacts.from(Contacts::kOutward, first),
-                             contacts.from(Contacts::kOutward + 1, first),
-                             contacts.from(Contacts::kOutward + 2, first)};
+  const std::size_t first = contacts.size(), at = first - block.first();
+  float* const outward[3] = {block(ContactBlock::kOutward) + at,
+                             block(ContactBlock::kOutward + 1) + at,
+                             block(ContactBlock::kOutward + 2) + at};
   const std::size_t found =
       contact_kernels().find_near(frame_, keys, waiting, reach_m_, contacts.keys() + first,
-                                  contacts.from(Contacts::kDistance, first), outward);
-  contacts.resize(first + found);
+                                  block(ContactBlock::kDistance) + at, outward);
+  contacts.resize(deepest_ ? drop_shallow(first, first + found) : first + found);
+  block.set_end(contacts.size());
   label(first);
-  result_.tested += static_cast<std::uint32_t>(waiting);
+  tested_ += static_cast<std::uint32_t>(waiting);
+}
+
+/// Of new contacts those that are not among the deepest. Returns the end of the others.
+std::size_t NarrowPhase::drop_shallow(std::size_t first, std::size_t end) noexcept {
+  ContactBlock& block = scratch_.block;
+  std::uint32_t* const keys = scratch_.contacts.keys();
+  std::size_t kept = first;
+  for (std::size_t i = first; i < end; ++i) {
+    if (depth_order(i) > *deepest_) continue;
+    keys[kept] = keys[i];
+    for (std::size_t q = ContactBlock::kDistance; q < ContactBlock::kOffset; ++q) {
+      block(q)[kept - block.first()] = block(q)[i - block.first()];
+    }
+    ++kept;
+  }
+  return kept;
 }
 
 /// Tissues of contacts from `first` on, leaf by leaf.
@@ -131,18 +150,6 @@ void NarrowPhase::label(std::size_t first) noexcept {
     } else {
       std::fill(contacts.tissues() + begin, contacts.tissues() + i, tissues->uniform_label(leaf));
     }
-  }
-}
-
-void narrow_phase(const Workpiece& workpiece, const DistanceField& field,
-                  const Pose& world_from_tool, double reach_m, ContactScratch& scratch,
-                  ContactResult& result) noexcept {
-  NarrowPhase phase(workpiece, field, world_from_tool, reach_m, scratch, result);
-  for (bool more = true; more;) {
-    more = phase.next();
-    if (scratch.contacts.size() <= scratch.capacity) continue;
-    keep_deepest(scratch, scratch.capacity);
-    result.faults |= kFaultContactsFull;
   }
 }
 

@@ -39,9 +39,13 @@ class LeafWalk {
   const KeptNormals::Page* page_ = nullptr;
 };
 
-void put(Contacts& contacts, std::size_t i, const SurfaceEstimate& e, float voxel_m) {
-  contacts.set_vector(Contacts::kNormal, i, e.normal);
-  *contacts.from(Contacts::kOffset, i) = e.offset * voxel_m;
+void put(ContactScratch& scratch, std::size_t i, const SurfaceEstimate& e, float voxel_m) {
+  scratch.contacts.set_vector(Contacts::kNormal, i, e.normal);
+  scratch.block(ContactBlock::kOffset)[i - scratch.block.first()] = e.offset * voxel_m;
+}
+
+Eigen::Vector3f outward_of(const ContactScratch& scratch, std::size_t i) {
+  return scratch.block.vector(ContactBlock::kOutward, i - scratch.block.first());
 }
 
 void ask(ContactScratch& scratch, std::size_t i) {
@@ -59,6 +63,7 @@ void take_kept(const KeptNormals& kept, float voxel_m, bool told, ContactScratch
                std::size_t start) {
   static constexpr KeptNormals::Value kNothing{};
   const ContactArrays arrays = arrays_of(scratch.contacts, start);
+  const BlockArrays block_arrays = arrays_of(scratch.block, start);
   const std::uint32_t* const keys = arrays.keys;
   const std::size_t blocks = (arrays.size + kKeptBlock - 1) / kKeptBlock;
   const auto count_of = [&](std::size_t block) {
@@ -105,8 +110,8 @@ void take_kept(const KeptNormals& kept, float voxel_m, bool told, ContactScratch
   };
   const auto take = [&](std::size_t block) {
     const std::size_t first = block * kKeptBlock;
-    std::uint64_t away =
-        contact_kernels().take_kept(both[block % 2], count_of(block), voxel_m, arrays, first);
+    std::uint64_t away = contact_kernels().take_kept(both[block % 2], count_of(block), voxel_m,
+                                                     arrays, block_arrays, first);
     for (; told && away != 0; away &= away - 1) {
       scratch.vetoed.push_back(static_cast<std::uint32_t>(start + first) +
                                static_cast<std::uint32_t>(std::countr_zero(away)));
@@ -128,7 +133,7 @@ bool is_refined(const KeptNormals::Page* page, std::uint32_t key) {
 
 void normals(const Workpiece& workpiece, const HapticsSettings& settings, const KeptNormals* kept,
              ContactScratch& scratch, std::size_t first) noexcept {
-  Contacts& contacts = scratch.contacts;
+  const Contacts& contacts = scratch.contacts;
   const auto voxel_m = static_cast<float>(workpiece.grid().voxel_m);
   const NormalSettings at_first = first_tier(settings, kept);
   scratch.vetoed.clear();
@@ -146,8 +151,7 @@ void normals(const Workpiece& workpiece, const HapticsSettings& settings, const 
     scratch.queries.resize(contacts.size());
     scratch.queried.resize(contacts.size());
     for (std::size_t i = first; i < contacts.size(); ++i) {
-      scratch.queries[i] = {cell_of_key(contacts.keys()[i]),
-                            contacts.vector(Contacts::kOutward, i)};
+      scratch.queries[i] = {cell_of_key(contacts.keys()[i]), outward_of(scratch, i)};
       scratch.queried[i] = static_cast<std::uint32_t>(i);
     }
   }
@@ -156,9 +160,8 @@ void normals(const Workpiece& workpiece, const HapticsSettings& settings, const 
                     std::span(scratch.estimates).subspan(asked));
   for (std::size_t q = asked; q < scratch.queries.size(); ++q) {
     const std::uint32_t i = scratch.queried[q];
-    put(contacts, i, scratch.estimates[q], voxel_m);
-    if (kept && told &&
-        !(scratch.estimates[q].normal.dot(contacts.vector(Contacts::kOutward, i)) > 0.0f)) {
+    put(scratch, i, scratch.estimates[q], voxel_m);
+    if (kept && told && !(scratch.estimates[q].normal.dot(outward_of(scratch, i)) > 0.0f)) {
       scratch.vetoed.push_back(i);
     }
   }
@@ -174,15 +177,14 @@ void normals(const Workpiece& workpiece, const HapticsSettings& settings, const 
     for (const std::uint32_t i : scratch.vetoed) {
       const std::uint32_t key = contacts.keys()[i];
       if (is_refined(again.page(key), key) != refined) continue;
-      scratch.tool_queries.push_back(
-          VoxelQuery{cell_of_key(key), contacts.vector(Contacts::kOutward, i)});
+      scratch.tool_queries.push_back(VoxelQuery{cell_of_key(key), outward_of(scratch, i)});
       scratch.tool_queried.push_back(i);
     }
     scratch.tool_estimates.resize(scratch.tool_queries.size());
     estimate_surfaces(workpiece, scratch.tool_queries, refined ? settings : at_first,
                       scratch.tool_estimates);
     for (std::size_t q = 0; q < scratch.tool_queries.size(); ++q) {
-      put(contacts, scratch.tool_queried[q], scratch.tool_estimates[q], voxel_m);
+      put(scratch, scratch.tool_queried[q], scratch.tool_estimates[q], voxel_m);
     }
   }
 }

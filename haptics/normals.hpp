@@ -13,9 +13,9 @@ namespace sulcus {
 /// there. What was found is left in the scratch for `keep_normals`, which goes with `kept`: without
 /// it the tool has had its say in it.
 ///
-/// `first`: of contacts from there on alone, and adds to what was found for those before.
+/// Of contacts from `first` on alone; adds to what was found for those before.
 void normals(const Workpiece& workpiece, const HapticsSettings& settings, const KeptNormals* kept,
-             ContactScratch& scratch, std::size_t first = 0) noexcept;
+             ContactScratch& scratch, std::size_t first) noexcept;
 
 /// Keeps what an evaluation has found, so that the next in the same tick does not find it again.
 /// Changes no result: the workpiece stays as it is until the contact is done with.

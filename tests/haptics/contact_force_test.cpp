@@ -10,10 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "engine/core/units.hpp"
-#include "haptics/broad_phase.hpp"
 #include "haptics/evaluate_contact.hpp"
-#include "haptics/narrow_phase.hpp"
-#include "haptics/normals.hpp"
+#include "tests/haptics/contact_stages.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/tools.hpp"
 
@@ -194,16 +192,16 @@ TEST(ContactForce, AContactThatFacesAwayIsDroppedUnderSmoothOnly) {
   const Pose pose = test::upright({0, 0, -0.1e-3});
   Contact contact;
   contact.cell = Cell(32, 32, 31);
-  contact.distance_m = static_cast<float>(
+  const auto distance_m = static_cast<float>(
       probe(round_burr(), pose, flat_block().grid().centre_world(contact.cell)).distance_m);
-  ASSERT_LT(contact.distance_m, 0.0f);
+  ASSERT_LT(distance_m, 0.0f);
   contact.normal = Vector3f(0, 0, -1);
   for (const Scaling scaling : {Scaling::kNone, Scaling::kCount, Scaling::kSmooth}) {
     ContactScratch scratch(with(scaling));
-    scratch.contacts.push_back(contact);
+    test::add_contact(scratch, contact, distance_m);
     ContactResult result;
-    contact_force(flat_block(), test::one_tissue(), round_burr(), pose, nullptr, scaling, scratch,
-                  result);
+    ContactForce(flat_block(), round_burr(), pose, scaling, Asked::kForce)
+        .sum(test::one_tissue(), nullptr, scratch, result);
     if (scaling == Scaling::kSmooth) {
       EXPECT_EQ(result.contacts, 0u);
       EXPECT_EQ(result.wrench.force_N, Vector3d(0, 0, 0));
@@ -401,16 +399,9 @@ TEST(ContactForce, StiffnessIsTheDerivativeOfTheWrenchOnAFlatFace) {
   const Burr burr = make_burr(test::small_burr(BurrShape::kFissure, 4e-3), kVoxel);
   const auto evaluate = [&](const Pose& pose) {
     ContactScratch scratch(with(Scaling::kNone));
-    ContactResult result;
-    broad_phase(pillar, burr.capsule, pose, 0.0, scratch);
-    narrow_phase(pillar, burr.field, pose, 0.0, scratch, result);
     // The normals of an endless plane.
-    for (std::size_t i = 0; i < scratch.contacts.size(); ++i) {
-      scratch.contacts.set_vector(Contacts::kNormal, i, Vector3f(0, 0, 1));
-    }
-    contact_force(pillar, test::one_tissue(), burr, pose, nullptr, Scaling::kNone, scratch, result,
-                  Asked::kStiffness);
-    return result;
+    return test::force_of(pillar, burr, pose, 0.0, Scaling::kNone, Asked::kStiffness, scratch,
+                          [](const Cell&) { return std::pair(Vector3f(0, 0, 1), 0.0f); });
   };
   const Pose pose = test::upright({0.3e-3, 0.2e-3, -0.06e-3});
   const Vector3d reference = pose.position + Vector3d(0, 0, burr.reference_m);
@@ -452,19 +443,12 @@ TEST(ContactForce, UnderSmoothTheStiffnessHasTheDerivativesOfTheWeights) {
   const auto evaluate = [&](double depth_m) {
     const Pose pose = test::upright({0.3e-3, 0.2e-3, -depth_m});
     ContactScratch scratch(with(Scaling::kSmooth));
-    ContactResult result;
-    broad_phase(pillar, burr.capsule, pose, kVoxel, scratch);
-    narrow_phase(pillar, burr.field, pose, kVoxel, scratch, result);
-    for (std::size_t i = 0; i < scratch.contacts.size(); ++i) {
-      Contact contact = scratch.contacts[i];
-      const bool top = contact.cell.z() == 31;
-      contact.normal = top ? Vector3f(0, 0, 1) : Vector3f(0, 0, -1);  // dropped
-      contact.offset_m = 0.5f * static_cast<float>(kVoxel);
-      scratch.contacts.set(i, contact);
-    }
-    contact_force(pillar, test::one_tissue(), burr, pose, nullptr, Scaling::kSmooth, scratch,
-                  result, Asked::kStiffness);
-    return result;
+    return test::force_of(pillar, burr, pose, kVoxel, Scaling::kSmooth, Asked::kStiffness, scratch,
+                          [](const Cell& cell) {
+                            const float side =
+                                cell.z() == 31 ? 1.0f : -1.0f;  // those below are dropped
+                            return std::pair(Vector3f(0, 0, side), 0.5f);
+                          });
   };
   // The sum of weights, 256 d / voxel, divides from 2 um on.
   for (const double depth_m : {1.5e-6, 3e-6, 20e-6}) {

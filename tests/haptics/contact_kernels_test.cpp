@@ -37,30 +37,35 @@ class ContactKernelsTest : public ::testing::TestWithParam<InstructionSet> {
   }
 
   /// Contacts with and without normals, facing the burr and away from it.
-  Contacts contacts(std::size_t count) {
-    Contacts all(count);
+  struct Both {
+    explicit Both(std::size_t count) : contacts(count) {}
+    Contacts contacts;
+    ContactBlock block;
+  };
+  Both contacts(std::size_t count) {
+    Both all(count);
     std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
     for (const std::uint32_t key : keys(count)) {
       Contact contact;
       contact.cell = cell_of_key(key);
       contact.tissue = static_cast<std::uint8_t>(key % 3);
-      contact.distance_m = 60e-6f * unit(random_);
+      const std::size_t i = all.contacts.size();
+      all.block.set_end(i + 1);
+      all.block(ContactBlock::kDistance)[i] = 60e-6f * unit(random_);
+      all.block(ContactBlock::kOffset)[i] = 0.0f;
       if (key % 7 != 0) {
         contact.normal = Eigen::Vector3f(unit(random_), unit(random_), unit(random_)).normalized();
-        contact.offset_m = 30e-6f * unit(random_);
+        all.block(ContactBlock::kOffset)[i] = 30e-6f * unit(random_);
       }
-      all.push_back(contact);
+      all.contacts.push_back(contact);
     }
     return all;
   }
   /// `turn`: whether what forces turn to has been told.
   static void expect_equal(const Contacts& a, const Contacts& b, bool turn) {
     for (std::size_t q = 0; q < Contacts::kQuantities; ++q) {
-      if (!turn && q >= Contacts::kTurnTo && q < Contacts::kTurnTo + 3) continue;
-      ASSERT_EQ(
-          std::memcmp(a(Contacts::Quantity(q)), b(Contacts::Quantity(q)), a.size() * sizeof(float)),
-          0)
-          << "quantity " << q;
+      if (!turn && q >= Contacts::kToolNormal && q < Contacts::kToolNormal + 3) continue;
+      ASSERT_EQ(std::memcmp(a(q), b(q), a.size() * sizeof(float)), 0) << "quantity " << q;
     }
   }
 
@@ -141,13 +146,13 @@ TEST_P(ContactKernelsTest, ForcesAreTheSameBitForBit) {
     for (const bool at_surface : {false, true}) {
       for (const bool cutting : {false, true}) {
         random_.seed(seed);
-        Contacts a = contacts(count);
+        Both a = contacts(count);
         random_.seed(seed);
-        Contacts b = contacts(count);
+        Both b = contacts(count);
         const ForceSettings settings{at_surface, 0.2f, cutting ? 2e-4f : 0.0f};
         MeasureLanes lanes_a, lanes_b;
-        plain_->measure(frame, settings, arrays_of(a), lanes_a);
-        fast_->measure(frame, settings, arrays_of(b), lanes_b);
+        plain_->measure(frame, settings, arrays_of(a.contacts), arrays_of(a.block, 0), lanes_a);
+        fast_->measure(frame, settings, arrays_of(b.contacts), arrays_of(b.block, 0), lanes_b);
         const MeasureSums measured_a = sums_of(lanes_a), measured_b = sums_of(lanes_b);
         ASSERT_EQ(measured_a.weights, measured_b.weights);
         ASSERT_EQ(measured_a.counted, measured_b.counted);
@@ -156,7 +161,7 @@ TEST_P(ContactKernelsTest, ForcesAreTheSameBitForBit) {
         if (count == 1000) {
           ASSERT_EQ(spread_a.weight > 0.0, at_surface && cutting);
         }
-        expect_equal(a, b, at_surface && cutting);
+        expect_equal(a.contacts, b.contacts, at_surface && cutting);
         ForceTerms terms;
         terms.turns = at_surface && cutting;
         std::ranges::copy(std::array{0.9f, 0.1f, -0.05f, 0.3f, 0.0f, 0.6f}, terms.gain);
@@ -169,10 +174,10 @@ TEST_P(ContactKernelsTest, ForcesAreTheSameBitForBit) {
         terms.tangential_ratio = 0.3f;
         terms.slow_edge_m_per_s = 0.01f;
         ForceSums sums_a, sums_b;
-        plain_->forces(frame, terms, arrays_of(a), sums_a);
-        fast_->forces(frame, terms, arrays_of(b), sums_b);
+        plain_->forces(frame, terms, arrays_of(a.contacts), sums_a);
+        fast_->forces(frame, terms, arrays_of(b.contacts), sums_b);
         ASSERT_EQ(std::memcmp(&sums_a, &sums_b, sizeof sums_a), 0);
-        expect_equal(a, b, at_surface && cutting);
+        expect_equal(a.contacts, b.contacts, at_surface && cutting);
       }
     }
   }
@@ -184,13 +189,15 @@ TEST_P(ContactKernelsTest, WhatFillsUpTheLastGroupIsNoContact) {
   const ContactFrame frame(grid_, burr_.field, at_first, burr_.reference_m);
   for (const ContactKernels* kernels : {plain_, fast_}) {
     for (const bool at_surface : {false, true}) {
-      Contacts one(1);
+      Both one(1);
       Contact far;
       far.cell = Cell::Constant(60);
-      far.distance_m = 1e-3f;
-      one.push_back(far);
+      one.contacts.push_back(far);
+      one.block.set_end(1);
+      one.block(ContactBlock::kDistance)[0] = 1e-3f;
       MeasureLanes lanes;
-      kernels->measure(frame, ForceSettings{at_surface, 0.2f, 0.0f}, arrays_of(one), lanes);
+      kernels->measure(frame, ForceSettings{at_surface, 0.2f, 0.0f}, arrays_of(one.contacts),
+                       arrays_of(one.block, 0), lanes);
       const MeasureSums measured = sums_of(lanes);
       EXPECT_EQ(measured.counted, 0u) << kernels->name;
       EXPECT_EQ(measured.weights, 0.0) << kernels->name;

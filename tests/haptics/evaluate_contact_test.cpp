@@ -5,12 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/core/fault.hpp"
 #include "engine/normals/normal_method.hpp"
-#include "engine/recording/tick_record.hpp"
-#include "haptics/broad_phase.hpp"
-#include "haptics/contact_force.hpp"
-#include "haptics/narrow_phase.hpp"
-#include "haptics/normals.hpp"
+#include "tests/haptics/contact_stages.hpp"
 #include "tests/support/allocation_count.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/tools.hpp"
@@ -153,42 +150,48 @@ class EvaluateManyContacts : public ::testing::Test {
         burr_(make_burr(test::small_burr(BurrShape::kRound, 2.4e-3), kVoxel)) {
     settings_.normals = NormalMethod::kLdmFast;
   }
-  /// Stage by stage over all contacts, which is what blocks must give.
-  ContactResult stage_by_stage(const Twist* twist, Asked asked, const KeptNormals* kept,
-                               ContactScratch& scratch) const {
-    ContactResult result;
-    const double reach_m = contact_reach_m(workpiece_, settings_.scaling, asked);
-    broad_phase(workpiece_, burr_.capsule, pose_, reach_m, scratch);
-    narrow_phase(workpiece_, burr_.field, pose_, reach_m, scratch, result);
-    normals(workpiece_, settings_, kept, scratch);
-    contact_force(workpiece_, tissues_, burr_, pose_, twist, settings_.scaling, scratch, result,
-                  asked);
-    return result;
+  ContactResult evaluate(ContactScratch& scratch, const KeptNormals* kept = nullptr) const {
+    return evaluate_contact(workpiece_, {burr_, pose_, tissues_, settings_}, scratch, kept);
   }
-  void expect_the_same(const Twist* twist, Asked asked, const KeptNormals* kept) const {
-    ContactScratch staged(settings_), scratch(settings_);
-    const ContactResult expected = stage_by_stage(twist, asked, kept, staged);
-    const ContactResult found = evaluate_contact(
-        workpiece_, {burr_, pose_, tissues_, settings_, twist, asked}, scratch, kept);
-    EXPECT_EQ(found.wrench.force_N, expected.wrench.force_N);
-    EXPECT_EQ(found.wrench.torque_Nm, expected.wrench.torque_Nm);
-    EXPECT_EQ(found.tangential.force_N, expected.tangential.force_N);
-    EXPECT_EQ(found.stiffness, expected.stiffness);
-    EXPECT_EQ(found.contacts, expected.contacts);
-    EXPECT_EQ(found.tested, expected.tested);
-    EXPECT_GT(found.tested, 2 * ContactScratch::kBlock);
-    EXPECT_GT(found.wrench.force_N.norm(), 0.0);
-    EXPECT_EQ(scratch.queried, staged.queried);
-    ASSERT_EQ(scratch.contacts.size(), staged.contacts.size());
-    for (std::size_t i = 0; i < staged.contacts.size(); ++i) {
-      const Contact a = scratch.contacts[i], b = staged.contacts[i];
-      ASSERT_EQ(a.key(), b.key());
-      ASSERT_EQ(a.normal, b.normal);
-      ASSERT_EQ(a.depth_m, b.depth_m);
-      ASSERT_EQ(a.weight, b.weight);
-      ASSERT_EQ(a.normal_force_N, b.normal_force_N);
-      ASSERT_EQ(a.power_W, b.power_W);
+  double reach_m() const { return contact_reach_m(workpiece_, settings_.scaling, Asked::kForce); }
+  /// Voxels as the narrow phase has them, depths as the field at each contact's own surface point,
+  /// and the force as their sum.
+  void expect_true(const ContactResult& result, const ContactScratch& scratch,
+                   const test::Found& found) const {
+    EXPECT_EQ(result.tested, found.tested);
+    EXPECT_GT(result.tested, 2 * ContactBlock::kVoxels);
+    ASSERT_EQ(scratch.contacts.size(), found.contacts.size());
+    Vector3d force_N = Vector3d::Zero(), torque_Nm = Vector3d::Zero();
+    double size_N = 0.0;
+    std::uint32_t counted = 0, other_normals = 0;
+    const Vector3d reference = pose_.point({0.0, burr_.reference_m, 0.0});
+    for (std::size_t i = 0; i < found.contacts.size(); ++i) {
+      const Contact contact = scratch.contacts[i];
+      ASSERT_EQ(contact.key(), found.contacts[i].key());
+      const Vector3d centre = workpiece_.grid().centre_world(contact.cell);
+      const Vector3d normal = contact.normal.cast<double>();
+      const Vector3d at = centre + contact.along * kVoxel * normal;
+      const double expected_m = settings_.scaling == Scaling::kSmooth
+                                    ? -field_at(at)
+                                    : -static_cast<double>(found.contacts[i].distance_m);
+      ASSERT_NEAR(contact.depth_m, expected_m, 1e-8) << i;
+      const SurfaceEstimate own = estimate_surface(workpiece_, contact.cell, settings_);
+      other_normals += own.defined && contact.normal != own.normal ? 1 : 0;
+      counted += contact.weight > 0.0f ? 1 : 0;
+      const Vector3d one_N = contact.normal_force_N * normal;
+      force_N += one_N;
+      torque_Nm += (at - reference).cross(one_N);
+      size_N += one_N.norm();
     }
+    EXPECT_EQ(result.contacts, counted);
+    EXPECT_GT(counted, found.contacts.size() / 4);
+    EXPECT_LT(other_normals, found.contacts.size() / 4) << "but for what the tool vetoes";
+    EXPECT_LT((result.wrench.force_N - force_N).norm(), 1e-6 * size_N);
+    EXPECT_LT((result.wrench.torque_Nm - torque_Nm).norm(), 1e-6 * size_N * burr_.reference_m);
+  }
+  double field_at(const Vector3d& p_world) const {
+    return burr_.field.sample(
+        burr_.field.field_from_tool(pose_.inverse_point(p_world)).cast<float>());
   }
 
   Workpiece workpiece_;
@@ -197,42 +200,50 @@ class EvaluateManyContacts : public ::testing::Test {
   HapticsSettings settings_;
   const Pose pose_ =
       test::pose_along({0.1e-3, 0.2e-3, -0.9e-3}, Vector3d(0.3, 0.5, 1).normalized());
-  const Twist twist_{Vector3d(1e-3, 2e-3, 0), Vector3d(0, 0.1, 0), burr_.speed_rad_per_s};
 };
 
-TEST_F(EvaluateManyContacts, BlockByBlockIsStageByStageBitForBit) {
+TEST_F(EvaluateManyContacts, BlocksGiveTheVoxelsDepthsAndForcesOfAll) {
   for (const Scaling scaling : {Scaling::kNone, Scaling::kSmooth}) {
     settings_.scaling = scaling;
-    expect_the_same(nullptr, Asked::kForce, nullptr);
-    expect_the_same(&twist_, Asked::kCoupled, nullptr);
+    ContactScratch scratch(settings_), narrow(settings_);
+    expect_true(evaluate(scratch), scratch,
+                test::collide(workpiece_, burr_, pose_, reach_m(), narrow));
   }
 }
 
-TEST_F(EvaluateManyContacts, BlockByBlockIsStageByStageWithHalfOfTheNormalsKept) {
+TEST_F(EvaluateManyContacts, BlocksGiveTheSameBitsWithHalfOfTheNormalsKept) {
   KeptNormals kept(workpiece_.grid(), settings_);
-  ContactScratch scratch(settings_);
-  stage_by_stage(nullptr, Asked::kForce, nullptr, scratch);
+  ContactScratch scratch(settings_), half(settings_);
+  const ContactResult fresh = evaluate(scratch);
   for (std::size_t i = 0; i < scratch.contacts.size(); i += 2) {
     const Cell cell = scratch.contacts[i].cell;
     kept.keep(voxel_key(cell), estimate_surface(workpiece_, cell, settings_), false, 0);
   }
-  expect_the_same(nullptr, Asked::kStiffness, &kept);
+  const ContactResult found = evaluate(half, &kept);
+  EXPECT_EQ(found.wrench.force_N, fresh.wrench.force_N);
+  EXPECT_EQ(found.wrench.torque_Nm, fresh.wrench.torque_Nm);
+  EXPECT_EQ(found.contacts, fresh.contacts);
+  EXPECT_LT(half.queried.size(), scratch.contacts.size() * 2 / 3);
+  ASSERT_EQ(half.contacts.size(), scratch.contacts.size());
+  for (std::size_t i = 0; i < half.contacts.size(); ++i) {
+    ASSERT_EQ(half.contacts[i].normal, scratch.contacts[i].normal);
+    ASSERT_EQ(half.contacts[i].depth_m, scratch.contacts[i].depth_m);
+  }
 }
 
-TEST_F(EvaluateManyContacts, MoreThanTheCapacityAreThoseOfTheStages) {
-  ContactScratch all(settings_);
-  stage_by_stage(nullptr, Asked::kForce, nullptr, all);
+TEST_F(EvaluateManyContacts, OfMoreThanTheCapacityTheDeepestCount) {
+  ContactScratch narrow(settings_);
+  const test::Found all = test::collide(workpiece_, burr_, pose_, reach_m(), narrow);
   // Full in the first block, and after several.
   for (const std::size_t capacity : {std::size_t{500}, all.contacts.size() - 1}) {
     settings_.max_contacts = static_cast<int>(capacity);
-    expect_the_same(&twist_, Asked::kCoupled, nullptr);
-    ContactScratch scratch(settings_);
+    ContactScratch scratch(settings_), small(settings_);
     const std::uint64_t before = test::allocation_count();
-    const ContactResult full =
-        evaluate_contact(workpiece_, {burr_, pose_, tissues_, settings_}, scratch);
+    const ContactResult full = evaluate(scratch);
     EXPECT_EQ(test::allocation_count(), before);
     EXPECT_EQ(full.faults, kFaultContactsFull);
     EXPECT_EQ(scratch.contacts.size(), capacity);
+    expect_true(full, scratch, test::collide(workpiece_, burr_, pose_, reach_m(), small, true));
   }
 }
 

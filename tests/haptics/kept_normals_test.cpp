@@ -7,6 +7,7 @@
 
 #include "engine/normals/normal_method.hpp"
 #include "haptics/normals.hpp"
+#include "tests/haptics/contact_stages.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace sulcus {
@@ -238,18 +239,18 @@ class KeptContacts : public ::testing::Test {
       if (c.z() < 34) continue;
       Contact contact;
       contact.cell = c;
-      contact.outward = Eigen::Vector3f(0, 0, 1);
-      scratch.contacts.push_back(contact);
+      test::add_contact(scratch, contact, 0.0f, outward_);
     }
   }
   int of_method(const ContactScratch& scratch, NormalMethod method) const {
     int count = 0;
     for (const Contact contact : scratch.contacts) {
       count += contact.normal ==
-               estimate_surface(workpiece_, contact.cell, with(method), contact.outward).normal;
+               estimate_surface(workpiece_, contact.cell, with(method), outward_).normal;
     }
     return count;
   }
+  const Eigen::Vector3f outward_{0, 0, 1};
   Workpiece workpiece_;
 };
 
@@ -260,7 +261,7 @@ TEST_F(KeptContacts, AreRefinedSoManyATick) {
   std::uint64_t hash = 0;
   for (std::uint64_t tick = 0; tick < 5; ++tick) {
     touch(scratch);
-    normals(workpiece_, settings, &kept, scratch);
+    normals(workpiece_, settings, &kept, scratch, 0);
     const int all = static_cast<int>(scratch.contacts.size()),
               refined = static_cast<int>(tick) * 100;
     ASSERT_GT(all, 500);
@@ -282,12 +283,12 @@ TEST_F(KeptContacts, KeepingChangesNoNormal) {
     KeptNormals kept(workpiece_.grid(), settings);
     for (std::uint64_t tick = 0; tick < 2; ++tick) {
       touch(scratch), touch(fresh);
-      normals(workpiece_, settings, &kept, scratch);
+      normals(workpiece_, settings, &kept, scratch, 0);
       keep_normals(workpiece_, settings, tick, scratch, kept);
-      normals(workpiece_, settings, nullptr, fresh);
+      normals(workpiece_, settings, nullptr, fresh, 0);
       for (std::size_t i = 0; i < fresh.contacts.size(); ++i) {
         ASSERT_EQ(scratch.contacts[i].normal, fresh.contacts[i].normal);
-        ASSERT_EQ(scratch.contacts[i].offset_m, fresh.contacts[i].offset_m);
+        ASSERT_EQ(scratch.block(ContactBlock::kOffset)[i], fresh.block(ContactBlock::kOffset)[i]);
       }
     }
     EXPECT_TRUE(scratch.queries.empty());

@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/recording/tick_record.hpp"
-#include "haptics/broad_phase.hpp"
+#include "tests/haptics/contact_stages.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/tools.hpp"
 
@@ -36,14 +35,6 @@ Pose random_pose_near(std::mt19937& random, const Vector3d& at_world, const Burr
   return pose;
 }
 
-ContactResult collide(const Workpiece& workpiece, const Burr& burr, const Pose& pose,
-                      double reach_m, ContactScratch& scratch) {
-  ContactResult result;
-  EXPECT_TRUE(broad_phase(workpiece, burr.capsule, pose, reach_m, scratch));
-  narrow_phase(workpiece, burr.field, pose, reach_m, scratch, result);
-  return result;
-}
-
 /// Poses of a burr against a workpiece, checked against every surface voxel there is.
 void expect_as_brute_force(const Workpiece& workpiece, const Burr& burr, int poses,
                            std::uint32_t seed) {
@@ -55,12 +46,11 @@ void expect_as_brute_force(const Workpiece& workpiece, const Burr& burr, int pos
     const Cell& near = surface[random() % surface.size()];
     const Pose pose = random_pose_near(random, workpiece.grid().centre_world(near), burr);
     const double reach_m = p % 2 == 0 ? 0.0 : workpiece.grid().voxel_m;
-    const ContactResult result = collide(workpiece, burr, pose, reach_m, scratch);
-    EXPECT_EQ(result.faults, 0u);
-    EXPECT_GE(result.tested, scratch.contacts.size());
+    const test::Found all = test::collide(workpiece, burr, pose, reach_m, scratch);
+    EXPECT_GE(all.tested, all.contacts.size());
 
     std::map<std::uint32_t, double> found;
-    for (const Contact contact : scratch.contacts) {
+    for (const test::FoundContact& contact : all.contacts) {
       ASSERT_TRUE(workpiece.is_surface(contact.cell));
       ASSERT_TRUE(found.emplace(workpiece.grid().linear(contact.cell), contact.distance_m).second)
           << "a voxel twice";
@@ -115,8 +105,8 @@ TEST(NarrowPhase, FindsALoneVoxelAtTheCornerOfItsLeaf) {
     pose.position = centre_world - pose.direction(Vector3d(0, 0.7e-3, 0));
     if (!(sample_at(workpiece, burr, pose, {8, 8, 8}) < -1e-8)) continue;
     ++touching;
-    collide(workpiece, burr, pose, 0.0, scratch);
-    ASSERT_EQ(scratch.contacts.size(), 1u) << "pose " << p;
+    ASSERT_EQ(test::collide(workpiece, burr, pose, 0.0, scratch).contacts.size(), 1u)
+        << "pose " << p;
   }
   EXPECT_GT(touching, 2000);
 }
@@ -125,60 +115,47 @@ TEST(NarrowPhase, ContactsComeInTheOrderOfTheLeaves) {
   const Workpiece workpiece(test::ball({64, 64, 64}, 50e-6, {31, 32, 33}, 27));
   const Burr burr = make_burr(test::small_burr(), 50e-6);
   ContactScratch scratch{HapticsSettings{}};
-  collide(workpiece, burr, test::upright({0, 0, 1.2e-3}), 0.0, scratch);
-  ASSERT_GT(scratch.contacts.size(), 50u);
+  const test::Found found =
+      test::collide(workpiece, burr, test::upright({0, 0, 1.2e-3}), 0.0, scratch);
+  ASSERT_GT(found.contacts.size(), 50u);
   auto leaf = scratch.leaves.begin();
-  for (const Contact contact : scratch.contacts) {
+  for (const test::FoundContact& contact : found.contacts) {
     leaf = std::find(leaf, scratch.leaves.end(), workpiece.grid().leaf_of(contact.cell));
     ASSERT_NE(leaf, scratch.leaves.end());
   }
 }
 
-TEST(NarrowPhase, BeyondTheCapacityTheDeepestAreKeptAndTheFaultIsSet) {
+TEST(NarrowPhase, TheDeepestAreKeptInTheirOrder) {
   const Workpiece workpiece(test::ball({64, 64, 64}, 50e-6, {31, 32, 33}, 27));
   const Burr burr = make_burr(test::small_burr(), 50e-6);
   const Pose pose = test::upright({0, 0, 1.2e-3});
-  ContactScratch all{HapticsSettings{}};
-  EXPECT_EQ(collide(workpiece, burr, pose, 0.0, all).faults, 0u);
-  std::vector<Contact> deepest;
-  for (const Contact contact : all.contacts) deepest.push_back(contact);
-  std::sort(deepest.begin(), deepest.end(), [](const Contact& a, const Contact& b) {
+  ContactScratch scratch{HapticsSettings{}};
+  const test::Found all = test::collide(workpiece, burr, pose, 0.0, scratch);
+  std::vector<test::FoundContact> deepest = all.contacts;
+  std::sort(deepest.begin(), deepest.end(), [](const auto& a, const auto& b) {
     return a.distance_m != b.distance_m ? a.distance_m < b.distance_m : a.key() < b.key();
   });
   ASSERT_GT(deepest.size(), 200u);
-  // Just short of all; less than half, so that the buffer is thinned on the way; one.
-  for (const std::size_t capacity : {deepest.size() - 1, deepest.size() / 5, std::size_t{1}}) {
+  // All; just short of all; less than half, so that the buffer is thinned on the way; one.
+  for (const std::size_t capacity :
+       {deepest.size(), deepest.size() - 1, deepest.size() / 5, std::size_t{1}}) {
     HapticsSettings settings;
     settings.max_contacts = static_cast<int>(capacity);
-    ContactScratch scratch(settings);
-    const ContactResult result = collide(workpiece, burr, pose, 0.0, scratch);
-    EXPECT_EQ(result.faults, kFaultContactsFull);
-    ASSERT_EQ(scratch.contacts.size(), capacity);
-    std::vector<std::uint32_t> kept, expected;
-    for (const Contact contact : scratch.contacts) kept.push_back(contact.key());
-    std::vector<std::uint32_t> chosen;
+    ContactScratch small(settings);
+    const test::Found found = test::collide(workpiece, burr, pose, 0.0, small, true);
+    EXPECT_EQ(found.tested, all.tested);
+    ASSERT_EQ(found.contacts.size(), capacity);
+    std::vector<std::uint32_t> kept, expected, chosen;
+    for (const auto& contact : found.contacts) kept.push_back(contact.key());
     for (std::size_t i = 0; i < capacity; ++i) chosen.push_back(deepest[i].key());
     // In the order that they have without the limit: sums must not depend on a partition.
-    for (const Contact contact : all.contacts) {
+    for (const auto& contact : all.contacts) {
       if (std::count(chosen.begin(), chosen.end(), contact.key()) == 1) {
         expected.push_back(contact.key());
       }
     }
     EXPECT_EQ(kept, expected);
   }
-}
-
-TEST(NarrowPhase, AtTheCapacityNothingIsLost) {
-  const Workpiece workpiece(test::ball({64, 64, 64}, 50e-6, {31, 32, 33}, 27));
-  const Burr burr = make_burr(test::small_burr(), 50e-6);
-  const Pose pose = test::upright({0, 0, 1.2e-3});
-  ContactScratch all{HapticsSettings{}};
-  collide(workpiece, burr, pose, 0.0, all);
-  HapticsSettings settings;
-  settings.max_contacts = static_cast<int>(all.contacts.size());
-  ContactScratch scratch(settings);
-  EXPECT_EQ(collide(workpiece, burr, pose, 0.0, scratch).faults, 0u);
-  EXPECT_EQ(scratch.contacts.size(), all.contacts.size());
 }
 
 }  // namespace

@@ -3,35 +3,40 @@
 #include <gtest/gtest.h>
 
 #include "engine/normals/normal_method.hpp"
+#include "tests/haptics/contact_stages.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace sulcus {
 namespace {
 
 /// A contact whose burr lies away from `outward`.
-Contact contact_at(const Cell& c, const Eigen::Vector3f& outward = Eigen::Vector3f::Zero()) {
+void add(ContactScratch& scratch, const Cell& c,
+         const Eigen::Vector3f& outward = Eigen::Vector3f::Zero()) {
   Contact contact;
   contact.cell = c;
-  contact.outward = outward;
-  return contact;
+  test::add_contact(scratch, contact, 0.0f, outward);
+}
+float offset_m(const ContactScratch& scratch, std::size_t i) {
+  return scratch.block(ContactBlock::kOffset)[i];
 }
 
 TEST(Normals, EveryContactGetsWhatTheMethodSaysInMetres) {
   const Workpiece workpiece(test::ball({48, 48, 48}, 50e-6, {23, 24, 22}, 18));
+  const Eigen::Vector3f outward(0.1f, 0.2f, 1);
   HapticsSettings settings;
   for (const NormalMethod method :
        {NormalMethod::kLdm, NormalMethod::kLdmFast, NormalMethod::kLdmPaper}) {
     settings.normals = method;
     ContactScratch scratch(settings);
     for (const Cell& c : test::surface_cells(workpiece)) {
-      scratch.contacts.push_back(contact_at(c, Eigen::Vector3f(0.1f, 0.2f, 1)));
+      add(scratch, c, outward);
     }
-    normals(workpiece, settings, nullptr, scratch);
-    for (const Contact contact : scratch.contacts) {
-      const SurfaceEstimate e =
-          estimate_surface(workpiece, contact.cell, settings, contact.outward);
+    normals(workpiece, settings, nullptr, scratch, 0);
+    for (std::size_t i = 0; i < scratch.contacts.size(); ++i) {
+      const Contact contact = scratch.contacts[i];
+      const SurfaceEstimate e = estimate_surface(workpiece, contact.cell, settings, outward);
       ASSERT_EQ(contact.normal, e.normal);
-      ASSERT_FLOAT_EQ(contact.offset_m, e.offset * 50e-6f);
+      ASSERT_FLOAT_EQ(offset_m(scratch, i), e.offset * 50e-6f);
     }
   }
 }
@@ -43,10 +48,10 @@ TEST(Normals, WhereTheSolidNamesNoSideTheToolDoes) {
   ContactScratch scratch(settings);
   for (const float side : {1.0f, -1.0f}) {
     scratch.contacts.clear();
-    scratch.contacts.push_back(contact_at({12, 12, 12}, {0, 0, side}));
-    normals(workpiece, settings, nullptr, scratch);
+    add(scratch, {12, 12, 12}, {0, 0, side});
+    normals(workpiece, settings, nullptr, scratch, 0);
     EXPECT_EQ(scratch.contacts[0].normal, Eigen::Vector3f(0, 0, side));
-    EXPECT_FLOAT_EQ(scratch.contacts[0].offset_m, 25e-6f);
+    EXPECT_FLOAT_EQ(offset_m(scratch, 0), 25e-6f);
   }
 }
 
@@ -55,10 +60,10 @@ TEST(Normals, WhatIsUndefinedStaysZero) {
   HapticsSettings settings;
   settings.normals = NormalMethod::kLdmPaper;
   ContactScratch scratch(settings);
-  scratch.contacts.push_back(contact_at({12, 12, 12}));
-  normals(workpiece, settings, nullptr, scratch);
+  add(scratch, {12, 12, 12});
+  normals(workpiece, settings, nullptr, scratch, 0);
   EXPECT_EQ(scratch.contacts[0].normal, Eigen::Vector3f(0, 0, 0));
-  EXPECT_EQ(scratch.contacts[0].offset_m, 0.0f);
+  EXPECT_EQ(offset_m(scratch, 0), 0.0f);
 }
 
 }  // namespace

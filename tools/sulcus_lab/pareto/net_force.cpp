@@ -6,9 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "engine/core/units.hpp"
-#include "haptics/broad_phase.hpp"
-#include "haptics/contact_force.hpp"
-#include "haptics/narrow_phase.hpp"
+#include "tools/sulcus_lab/truth/known_contact.hpp"
 
 namespace sulcus::lab {
 
@@ -82,20 +80,19 @@ TrueForce true_force(KnownSurface& surface, const Burr& burr, const Pose& world_
                      const HapticsSettings& settings, ContactScratch& scratch) {
   const Workpiece& workpiece = surface.workpiece();
   const double reach_m = kReach * workpiece.grid().voxel_m;
-  ContactResult result;
-  broad_phase(workpiece, burr.capsule, world_from_tool, reach_m, scratch);
-  narrow_phase(workpiece, burr.field, world_from_tool, reach_m, scratch, result);
-  for (std::size_t i = 0; i < scratch.contacts.size(); ++i) {
-    Contact contact = scratch.contacts[i];
-    const ComposedShape::Foot& foot = surface.foot(contact.cell);
-    const Vector3d centre_world = workpiece.grid().centre_world(contact.cell);
-    contact.normal = foot.normal.cast<float>();
-    contact.offset_m = static_cast<float>((foot.point - centre_world).dot(foot.normal));
-    scratch.contacts.set(i, contact);
-  }
+  struct Known {
+    Eigen::Vector3f normal;
+    float offset_m;
+  };
+  const auto known = [&](const Cell& cell) {
+    const ComposedShape::Foot& foot = surface.foot(cell);
+    const Vector3d centre_world = workpiece.grid().centre_world(cell);
+    return Known{foot.normal.cast<float>(),
+                 static_cast<float>((foot.point - centre_world).dot(foot.normal))};
+  };
   const std::vector<TissueSettings> tissues(1);
-  contact_force(workpiece, tissues, burr, world_from_tool, nullptr, settings.scaling, scratch,
-                result);
+  const ContactResult result = evaluate_known(workpiece, {burr, world_from_tool, tissues, settings},
+                                              reach_m, scratch, known);
 
   TrueForce truth;
   truth.force_N = result.wrench.force_N;

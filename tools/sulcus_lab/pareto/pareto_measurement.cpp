@@ -70,13 +70,16 @@ class Run {
       std::uint64_t begin = thread_cpu_ns();
       evaluate(pose);
       tick_ns += static_cast<double>(thread_cpu_ns() - begin);
-      ContactResult found;
       const double reach_m = contact_reach_m(surface_.workpiece(), haptics_.scaling, Asked::kForce);
       broad_phase(surface_.workpiece(), burr_.capsule, pose, reach_m, scratch_);
-      narrow_phase(surface_.workpiece(), burr_.field, pose, reach_m, scratch_, found);
-      begin = thread_cpu_ns();
-      normals(surface_.workpiece(), haptics_, nullptr, scratch_);
-      normals_ns += static_cast<double>(thread_cpu_ns() - begin);
+      NarrowPhase phase(surface_.workpiece(), burr_.field, pose, reach_m, scratch_);
+      for (bool more = true; more;) {
+        scratch_.contacts.clear();
+        more = phase.next();
+        begin = thread_cpu_ns();
+        normals(surface_.workpiece(), haptics_, nullptr, scratch_, 0);
+        normals_ns += static_cast<double>(thread_cpu_ns() - begin);
+      }
     }
     row.tick_us = std::min(row.tick_us, 1e-3 * tick_ns / count);
     row.normals_us = std::min(row.normals_us, 1e-3 * normals_ns / count);

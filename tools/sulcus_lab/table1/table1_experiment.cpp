@@ -19,12 +19,10 @@
 #include "engine/normals/neighbour_pattern.hpp"
 #include "engine/scene/trajectory.hpp"
 #include "engine/shapes/molar.hpp"
-#include "haptics/broad_phase.hpp"
-#include "haptics/contact_force.hpp"
 #include "haptics/evaluate_contact.hpp"
-#include "haptics/narrow_phase.hpp"
 #include "haptics/tool_motion.hpp"
 #include "tools/sulcus_lab/truth/composed_shape.hpp"
+#include "tools/sulcus_lab/truth/known_contact.hpp"
 
 namespace sulcus::lab {
 
@@ -110,22 +108,17 @@ class KnownMolar {
   KnownMolar(const Molar& molar, const Pose& placement)
       : shape_({side_of(molar)}, molar.bounds()), placement_(placement) {}
 
-  void apply(const VoxelGrid& grid, Contacts& contacts) {
-    for (std::size_t i = 0; i < contacts.size(); ++i) {
-      Contact contact = contacts[i];
-      const auto [at, is_new] = known_.try_emplace(contact.key());
-      if (is_new) at->second = surface_at(grid.centre_world(contact.cell));
-      contact.normal = at->second.normal;
-      contact.offset_m = at->second.offset_m;
-      contacts.set(i, contact);
-    }
-  }
-
- private:
   struct Surface {
     Eigen::Vector3f normal;
     float offset_m;
   };
+  const Surface& at(const VoxelGrid& grid, const Cell& cell) {
+    const auto [at, is_new] = known_.try_emplace(voxel_key(cell));
+    if (is_new) at->second = surface_at(grid.centre_world(cell));
+    return at->second;
+  }
+
+ private:
   Surface surface_at(const Eigen::Vector3d& centre_world) const {
     const Eigen::Vector3d centre = placement_.inverse_point(centre_world);
     const ComposedShape::Foot foot = shape_.foot(centre);
@@ -198,18 +191,15 @@ class Comparison {
  private:
   /// The forces of the same contacts with the analytic surface.
   Wrench evaluate_truth(const Workpiece& workpiece, const Pose& pose, const Twist* cutting) {
-    ContactResult result;
-    const Scaling scaling = loaded_.scene.haptics.scaling;
-    const double reach_m = contact_reach_m(workpiece, scaling, Asked::kForce);
-    broad_phase(workpiece, loaded_.burr.capsule, pose, reach_m, truth_);
-    narrow_phase(workpiece, loaded_.burr.field, pose, reach_m, truth_, result);
-    molar_->apply(workpiece.grid(), truth_.contacts);
+    const Scene& scene = loaded_.scene;
+    const double reach_m = contact_reach_m(workpiece, scene.haptics.scaling, Asked::kForce);
+    const ContactResult result = evaluate_known(
+        workpiece, {loaded_.burr, pose, scene.tissues, scene.haptics, cutting}, reach_m, truth_,
+        [&](const Cell& cell) { return molar_->at(workpiece.grid(), cell); });
     for (std::size_t i = 0; i < truth_.contacts.size(); ++i) {
       run_.ours_to_truth.add(ours_.contacts[i].normal, truth_.contacts[i].normal);
       run_.exact_to_truth.add(exact_.contacts[i].normal, truth_.contacts[i].normal);
     }
-    contact_force(workpiece, loaded_.scene.tissues, loaded_.burr, pose, cutting, scaling, truth_,
-                  result);
     return result.wrench;
   }
 

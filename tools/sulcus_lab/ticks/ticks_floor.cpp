@@ -15,9 +15,8 @@ namespace sulcus::lab {
 namespace {
 
 constexpr int kFloorNeighbourhood = 6, kTrace = 12;
-/// Of a contact, less what passes, which stays in the caches, and what only a coupling turns to.
-constexpr std::size_t kRecordBytes =
-    Contacts::kBytesEach - (Contacts::kOffset + 1 + 3) * sizeof(float);
+/// Of a contact, less what only a coupling turns to. A block's stays in the caches.
+constexpr std::size_t kRecordBytes = Contacts::kBytesEach - 3 * sizeof(float);
 
 /// Place in three axes of less than 2^20 each, and one more number.
 std::uint64_t key(std::int64_t a, std::int64_t b, std::int64_t c, std::uint64_t tag = 0) {

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "haptics/broad_phase.hpp"
+#include "haptics/contact_force.hpp"
+#include "haptics/evaluate_contact.hpp"
+#include "haptics/narrow_phase.hpp"
+
+namespace sulcus::lab {
+
+/// evaluate_contact with a surface that is known in place of a method: `surface(cell)` gives the
+/// `normal` there, unit and outward, and its `offset_m` from the voxel's centre along that. Voxels
+/// nearer to the burr than `reach_m` take part; the settings' capacity holds them.
+template <class Surface>
+ContactResult evaluate_known(const Workpiece& solid, const ContactQuery& query, double reach_m,
+                             ContactScratch& scratch, const Surface& surface) {
+  ContactResult result;
+  broad_phase(solid, query.burr.capsule, query.world_from_tool, reach_m, scratch);
+  NarrowPhase phase(solid, query.burr.field, query.world_from_tool, reach_m, scratch);
+  ContactForce force(solid, query.burr, query.world_from_tool, query.settings.scaling, query.asked);
+  for (bool more = true; more;) {
+    const std::size_t first = scratch.contacts.size();
+    more = phase.next();
+    for (std::size_t i = first; i < scratch.contacts.size(); ++i) {
+      const auto known = surface(cell_of_key(scratch.contacts.keys()[i]));
+      scratch.contacts.set_vector(Contacts::kNormal, i, known.normal);
+      scratch.block(ContactBlock::kOffset)[i - scratch.block.first()] = known.offset_m;
+    }
+    force.measure(scratch);
+  }
+  force.sum(query.tissues, query.twist, scratch, result);
+  return result;
+}
+
+}  // namespace sulcus::lab
