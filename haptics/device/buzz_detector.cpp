@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "haptics/state_fields.hpp"
-
 namespace sulcus {
 
 namespace {
@@ -62,10 +60,6 @@ bool buzz(const Eigen::Vector3d& force_N, double threshold_N, double dt_s,
          static_cast<double>(state.tick - state.seen_ticks.front()) * dt_s <= kWindow_s &&
          static_cast<double>(state.tick - state.seen_ticks.back()) * dt_s <= kSilence_s &&
          sustained(state);
-}
-
-std::uint64_t BuzzState::hash() const {
-  return fields::hash_of([this](auto& archive) { fields::buzz(archive, *this); });
 }
 
 }  // namespace sulcus

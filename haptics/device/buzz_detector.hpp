@@ -18,8 +18,6 @@ struct BuzzState {
   std::uint64_t seen = 0;                              // reversals of the run
   std::array<double, kReversals> swings_N{};           // that ended in the last ones, oldest first
   std::array<std::uint64_t, kReversals> seen_ticks{};  // at which those were seen
-
-  std::uint64_t hash() const;
 };
 
 /// Whether a force buzzes: true when its last four reversals were seen within 70 ms (at a tick of

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "haptics/state_fields.hpp"
-
 namespace sulcus {
 
 namespace {
@@ -64,10 +62,6 @@ Wrench device_edge(const Wrench& wanted, const DeviceEdgeLimits& limits, bool an
   state.sent.force_N = force_whole ? ramped.force_N : state.sent.force_N + force_taken_N;
   state.sent.torque_Nm = torque_whole ? ramped.torque_Nm : state.sent.torque_Nm + torque_taken_Nm;
   return state.sent;
-}
-
-std::uint64_t DeviceEdgeState::hash() const {
-  return fields::hash_of([this](auto& archive) { fields::edge(archive, *this); });
 }
 
 }  // namespace sulcus

@@ -28,8 +28,6 @@ struct DeviceEdgeState {
   std::uint64_t clamped_ticks = 0;
   std::uint64_t ramped_ticks = 0;
   std::uint64_t step_limited_ticks = 0;
-
-  std::uint64_t hash() const;
 };
 
 /// What is sent to a device of what is wanted, which is finite. In this order:

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "haptics/state_fields.hpp"
-
 namespace sulcus {
 
 namespace {
@@ -112,9 +110,5 @@ void hold_wrench(const Wrench& sent, const PassivitySettings& settings,
 }
 
 double PassivityState::given_out_J() const { return given_before_J + std::max(0.0, -energy_J); }
-
-std::uint64_t PassivityState::hash() const {
-  return fields::hash_of([this](auto& archive) { fields::passivity(archive, *this); });
-}
 
 }  // namespace sulcus

@@ -50,7 +50,6 @@ struct PassivityState {
 
   /// Sum of what was given out over the contacts of the run, the present one as it stands.
   double given_out_J() const;
-  std::uint64_t hash() const;
 };
 
 /// Adds the energy that passed since the last tick. `reference`: world from tool, its position that

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "haptics/saved_state.hpp"
+#include "haptics/state_fields.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace sulcus {
@@ -140,6 +141,31 @@ SimulationState changed(std::size_t which) {
       },
       state);
   return state;
+}
+
+/// An archive that counts.
+struct FieldCount {
+  static constexpr bool kReads = false;
+  std::size_t count = 0;
+  template <class T>
+  void operator()(const T&) {
+    ++count;
+  }
+  template <class T>
+  void since(std::uint32_t, const T&) {
+    ++count;
+  }
+};
+
+TEST(SimulationState, TheListsHaveEveryField) {
+  SimulationState state = make_state();
+  std::size_t walked = 0;
+  walk([&](auto&) { ++walked; }, state);
+  FieldCount listed;
+  fields::head(listed, state);
+  for (Body& body : state.bodies) fields::removal(listed, *body.removal);
+  for (const Body& body : state.others()) fields::damage(listed, body);
+  EXPECT_EQ(listed.count, walked + 2) << "and whether there are a spindle and a load";
 }
 
 TEST(SimulationState, EqualStatesHashEqual) { EXPECT_EQ(make_state().hash(), make_state().hash()); }
