@@ -21,7 +21,7 @@ Eigen::AlignedBox3d bounds_of(const VoxelGrid& grid, double margin_m, const Pose
 
 Body::Body(const Scene& scene, Workpiece start)
     : solid(std::move(start)), bounds_world(bounds_of(solid.grid(), 0.0, {})) {
-  if (keeps_normals(scene.haptics)) kept.emplace(solid.grid(), scene.haptics);
+  if (uses_normal_cache(scene.haptics)) normal_cache.emplace(solid.grid(), scene.haptics);
   if (scene.cutting) removal.emplace(*scene.cutting);
 }
 
@@ -30,7 +30,7 @@ Body::Body(const Scene& scene, const BodySettings& settings, Workpiece start)
       first_tissue(settings.tissue.value_or(0)),
       solid(std::move(start)),
       bounds_world(bounds_of(solid.grid(), solid.grid().voxel_m, world_from_grid)) {
-  if (keeps_normals(scene.haptics)) kept.emplace(solid.grid(), scene.haptics);
+  if (uses_normal_cache(scene.haptics)) normal_cache.emplace(solid.grid(), scene.haptics);
   if (scene.cutting && settings.cuttable) removal.emplace(*scene.cutting);
 }
 
@@ -45,7 +45,7 @@ bool Body::is_in_world() const {
 
 std::uint64_t Body::hash() const {
   std::array<std::uint64_t, 4> parts{solid.hash()};
-  if (kept) parts[1] = kept->hash();
+  if (normal_cache) parts[1] = normal_cache->hash();
   if (removal) parts[2] = removal->hash();
   parts[3] = fields::hash_of([this](auto& archive) { fields::damage(archive, *this); });
   return hash_bytes(parts.data(), sizeof(parts));

@@ -9,7 +9,7 @@
 #include "engine/core/pose.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/volume/workpiece.hpp"
-#include "haptics/kept_normals.hpp"
+#include "haptics/normal_cache.hpp"
 #include "haptics/removal.hpp"
 
 namespace sulcus {
@@ -24,8 +24,8 @@ struct Body {
   Pose world_from_grid;
   std::size_t first_tissue = 0;  // of the scene's, that its label 0 is
   Workpiece solid;
-  std::optional<KeptNormals> kept;      // with haptics.keep_normals only
-  std::optional<RemovalState> removal;  // of one that can be cut, with [cutting] only
+  std::optional<NormalCache> normal_cache;  // with haptics.keep_normals only
+  std::optional<RemovalState> removal;      // of one that can be cut, with [cutting] only
   /// Its grid, and of a body beside the workpiece a voxel more, which may be larger than that's.
   Eigen::AlignedBox3d bounds_world;
   // Damage, which no later tick depends on. The workpiece's is neither hashed nor saved.

@@ -59,7 +59,7 @@ Eigen::AlignedBox3d capsule_bounds(const Capsule& capsule_tool, const Pose& worl
 bool broad_phase(const Workpiece& workpiece, const Capsule& capsule_tool,
                  const Pose& world_from_tool, double margin_m, ContactScratch& scratch) noexcept {
   scratch.leaves.clear();
-  scratch.hollow.clear();
+  scratch.emptied_nodes.clear();
   const VoxelGrid& grid = workpiece.grid();
   const Octree& octree = workpiece.octree();
   const Eigen::Vector3d a = grid.index_from_world(world_from_tool.point(capsule_tool.a_tool));
@@ -114,11 +114,11 @@ bool broad_phase(const Workpiece& workpiece, const Capsule& capsule_tool,
       const std::uint32_t child_index = first_index + x + y * to_next_y + z * to_next_z;
       if (!push(child, child_index)) continue;
       any_child = true;
-      // Asked for here, it is there when its turn comes.
+      // Outputs for here, it is there when its turn comes.
       if (to_leaves) __builtin_prefetch(&workpiece.surface(octree.leaf_number(child_index)));
     }
-    if (!any_child && scratch.hollow.size() < scratch.hollow.capacity()) {
-      scratch.hollow.push_back(index);
+    if (!any_child && scratch.emptied_nodes.size() < scratch.emptied_nodes.capacity()) {
+      scratch.emptied_nodes.push_back(index);
     }
   }
   return true;

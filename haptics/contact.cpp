@@ -22,11 +22,11 @@ ContactScratch::ContactScratch(const HapticsSettings& settings, StageClock stage
       capacity(static_cast<std::size_t>(settings.max_contacts)),
       contacts(capacity + ContactBlock::kVoxels) {
   leaves.reserve(kMaxLeaves);
-  hollow.reserve(kMaxLeaves);
+  emptied_nodes.reserve(kMaxLeaves);
   leaf_keys.reserve(kMaxLeaves);
   leaf_distances_m.reserve(kMaxLeaves);
   block_keys.resize(ContactBlock::kVoxels + Contacts::kGroup);
-  kept_leaves.reserve(kMaxLeaves);
+  cached_leaves.reserve(kMaxLeaves);
   queries.reserve(capacity);
   queried.reserve(capacity);
   estimates.reserve(capacity);
@@ -39,21 +39,21 @@ ContactScratch::ContactScratch(const HapticsSettings& settings, StageClock stage
   contact_kernels();  // chosen here, not in a tick
 }
 
-void ContactScratch::forget() noexcept {
+void ContactScratch::clear_results() noexcept {
   contacts.clear();
   block.clear();
-  hollow.clear();
+  emptied_nodes.clear();
   queried.clear();
-  kept_leaves.clear();
+  cached_leaves.clear();
 }
 
 std::size_t ContactScratch::memory_bytes() const {
-  const std::size_t words = leaves.capacity() + hollow.capacity() + leaf_keys.capacity() +
+  const std::size_t words = leaves.capacity() + emptied_nodes.capacity() + leaf_keys.capacity() +
                             leaf_distances_m.capacity() + block_keys.capacity() +
                             queried.capacity() + tool_queried.capacity() + vetoed.capacity();
   return words * sizeof(std::uint32_t) + by_depth.capacity() * sizeof(std::uint64_t) +
          contacts.memory_bytes() + ContactBlock::memory_bytes() +
-         kept_leaves.capacity() * sizeof(KeptNormals::Place) +
+         cached_leaves.capacity() * sizeof(NormalCache::Place) +
          (queries.capacity() + tool_queries.capacity()) * sizeof(VoxelQuery) +
          (estimates.capacity() + tool_estimates.capacity()) * sizeof(SurfaceEstimate);
 }

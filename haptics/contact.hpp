@@ -9,7 +9,7 @@
 #include "engine/normals/normal_method.hpp"
 #include "engine/scene/scene.hpp"
 #include "haptics/contacts.hpp"
-#include "haptics/kept_normals.hpp"
+#include "haptics/normal_cache.hpp"
 #include "haptics/stage_clock.hpp"
 
 namespace sulcus {
@@ -46,35 +46,36 @@ struct ContactResult {
   ContactResult& operator+=(const ContactResult& other) noexcept;
 };
 
-/// What is wanted of a contact.
-enum class Asked {
+/// What an evaluation is to give.
+enum class Outputs {
   kForce,
-  kStiffness,  // and how it resists the tool's motion
-  kCoupled,    // both, for a tool that hangs on a coupling: over edges forces turn with it
+  kForceAndStiffness,
+  kCoupling,  // both, for a tool on a virtual coupling: over edges the forces turn with it
 };
 
 /// All the memory a contact evaluation uses, taken once when the scene loads. One per thread.
 struct ContactScratch {
   explicit ContactScratch(const HapticsSettings& settings, StageClock stage_clock = StageClock{});
   std::size_t memory_bytes() const;
-  /// What an evaluation has found, as if it had found nothing.
-  void forget() noexcept;
+  /// Clears the results of the last evaluation.
+  void clear_results() noexcept;
 
   static constexpr std::size_t kMaxLeaves = 1 << 16;
 
   StageClock clock;
-  std::size_t capacity;               // contacts that are kept
-  std::vector<std::uint32_t> leaves;  // [broad_phase] leaf numbers
-  std::vector<std::uint32_t> hollow;  // [broad_phase] internal nodes without children left
+  std::size_t capacity;                      // contacts that are kept
+  std::vector<std::uint32_t> leaves;         // [broad_phase] leaf numbers
+  std::vector<std::uint32_t> emptied_nodes;  // [broad_phase] internal nodes without children left
   // [narrow_phase]
-  std::vector<std::uint32_t> leaf_keys;         // of the leaves' first voxels
-  std::vector<float> leaf_distances_m;          // at their centres
-  std::vector<std::uint32_t> block_keys;        // of voxels to be tested
-  std::vector<std::uint64_t> by_depth;          // where there are too many
-  Contacts contacts;                            // and on
-  ContactBlock block;                           // and on, up to the depths
-  std::vector<KeptNormals::Place> kept_leaves;  // [normals] of which something was kept before
-  // [normals] What had to be found, contacts by number.
+  std::vector<std::uint32_t> leaf_keys;   // of the leaves' first voxels
+  std::vector<float> leaf_distances_m;    // at their centres
+  std::vector<std::uint32_t> block_keys;  // of voxels to be tested
+  std::vector<std::uint64_t> by_depth;    // where there are too many
+  Contacts contacts;                      // [narrow_phase], [normals], [contact_force]
+  ContactBlock block;                     // the same, up to the depths
+  std::vector<NormalCache::Place>
+      cached_leaves;  // [normals] leaves with contacts and a cached normal
+  // [normals] Found anew, contacts by number.
   std::vector<VoxelQuery> queries;
   std::vector<std::uint32_t> queried;
   std::vector<SurfaceEstimate> estimates;

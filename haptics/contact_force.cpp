@@ -12,7 +12,7 @@ namespace {
 constexpr float kFadeBelow = 0.2f;     // cosine between the normal and the tool's
 constexpr double kFullWeights = 10.0;  // W0: sum of weights from which the stiffness is K
 constexpr double kFewContacts = 10.0;  // up to so many McNeely's are not divided
-constexpr float kSlowEdge = 10e-3f;    // v0, m/s
+constexpr float kFrictionRegularisationSpeed = 10e-3f;  // v0, m/s
 
 void put(const Eigen::Vector3d& v, float (&to)[3]) {
   for (int a = 0; a < 3; ++a) to[a] = static_cast<float>(v[a]);
@@ -26,7 +26,7 @@ Wrench wrench_of(const double (&sums)[6]) {
 /// with w = d / voxel x fade and W = max(sum w, W0), changes by 2 K w / W along each N, as d and w
 /// grow alike; less F dW / W, where the sum of weights is what divides. Fades held; of the second
 /// part, which two normals need not make symmetric, the symmetric half.
-void grade_stiffness(const ForceSums& sums, double per_weight, Matrix6d& stiffness) {
+void add_weight_derivative(const ForceSums& sums, double per_weight, Matrix6d& stiffness) {
   stiffness *= 2.0;
   for (int a = 0; a < 6; ++a) {
     for (int b = 0; b < 6; ++b) {
@@ -40,22 +40,22 @@ void grade_stiffness(const ForceSums& sums, double per_weight, Matrix6d& stiffne
 
 }  // namespace
 
-double contact_reach_m(const Workpiece& workpiece, Scaling scaling, Asked asked) noexcept {
+double contact_reach_m(const Workpiece& workpiece, Scaling scaling, Outputs outputs) noexcept {
   if (scaling != Scaling::kSmooth) return 0.0;
-  return (asked == Asked::kCoupled ? 2.0 : 1.0) * workpiece.grid().voxel_m;
+  return (outputs == Outputs::kCoupling ? 2.0 : 1.0) * workpiece.grid().voxel_m;
 }
 
 ContactForce::ContactForce(const Workpiece& workpiece, const Burr& burr,
-                           const Pose& world_from_tool, Scaling scaling, Asked asked) noexcept
+                           const Pose& world_from_tool, Scaling scaling, Outputs outputs) noexcept
     : burr_(burr),
       world_from_tool_(world_from_tool),
       frame_(workpiece.grid(), burr.field, world_from_tool, burr.reference_m),
       scaling_(scaling),
-      asked_(asked) {
+      outputs_(outputs) {
   settings_.at_surface = scaling == Scaling::kSmooth;
   settings_.fade_below = kFadeBelow;
-  if (settings_.at_surface && asked == Asked::kCoupled) {
-    settings_.spread_reach_m = static_cast<float>(contact_reach_m(workpiece, scaling, asked));
+  if (settings_.at_surface && outputs == Outputs::kCoupling) {
+    settings_.spread_reach_m = static_cast<float>(contact_reach_m(workpiece, scaling, outputs));
   }
 }
 
@@ -102,16 +102,16 @@ void ContactForce::sum(std::span<const TissueSettings> tissues, const Twist* twi
     put(twist->linear_m_per_s, terms.linear);
     put(twist->angular_rad_per_s + twist->spindle_rad_per_s * axis_world, terms.turning);
     terms.tangential_ratio = static_cast<float>(burr_.tangential_ratio);
-    terms.slow_edge_m_per_s = kSlowEdge;
+    terms.friction_speed_m_per_s = kFrictionRegularisationSpeed;
   }
   if (settings_.spread_reach_m > 0.0f) {
     const Eigen::Matrix3f gain = edge_gain(measured.spread).cast<float>();
-    terms.turns = true;
+    terms.blend_normals = true;
     for (int a = 0, entry = 0; a < 3; ++a) {
-      for (int b = a; b < 3; ++b) terms.gain[entry++] = gain(a, b);
+      for (int b = a; b < 3; ++b) terms.edge_blend[entry++] = gain(a, b);
     }
   }
-  terms.with_stiffness = asked_ != Asked::kForce;
+  terms.with_stiffness = outputs_ != Outputs::kForce;
   ForceSums sums;
   contact_kernels().forces(frame_, terms, arrays_of(contacts), sums);
   result.wrench = wrench_of(sums.wrench);
@@ -123,7 +123,7 @@ void ContactForce::sum(std::span<const TissueSettings> tissues, const Twist* twi
     }
   }
   if (terms.with_stiffness && scaling_ == Scaling::kSmooth) {
-    grade_stiffness(sums, weights > kFullWeights ? 1.0 / weights : 0.0, result.stiffness);
+    add_weight_derivative(sums, weights > kFullWeights ? 1.0 / weights : 0.0, result.stiffness);
   }
 }
 

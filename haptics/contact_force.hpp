@@ -13,7 +13,7 @@ namespace sulcus {
 /// How far from the burr a voxel's centre still takes part. Where depth is measured at the fitted
 /// surface point, that lies up to half a diagonal (0.87 voxel) further out; behind a coupling both
 /// faces of an edge are to be known before the tool goes over it.
-double contact_reach_m(const Workpiece& workpiece, Scaling scaling, Asked asked) noexcept;
+double contact_reach_m(const Workpiece& workpiece, Scaling scaling, Outputs outputs) noexcept;
 
 /// Penalty forces [Kim and Park 2019, eq. 1] and, with `twist`, the tangential forces of cutting
 /// [eq. 7], summed to force and torque about the burr's reference point.
@@ -34,7 +34,7 @@ double contact_reach_m(const Workpiece& workpiece, Scaling scaling, Asked asked)
 /// burr's surface there, spindle and tool together, along the tooth's. The paper takes v as it is,
 /// which is not tangential, and divides by |v|, which vanishes on the axis. v0 = 10 mm/s. Its power
 /// beta |F_n| |v_t|^2 / max(|v_t|, v0) is left with the contact for the removal.
-/// Under `smooth` and Asked::kCoupled forces turn with the tool over edges: `edge_gain`.
+/// Under `smooth` and Outputs::kCoupling forces turn with the tool over edges: `edge_gain`.
 ///
 /// In two parts, the first of which takes contacts as they are found: depths and weights, whose sum
 /// divides the stiffness, and then forces.
@@ -42,7 +42,7 @@ class ContactForce {
  public:
   /// All that is named outlives this.
   ContactForce(const Workpiece& workpiece, const Burr& burr, const Pose& world_from_tool,
-               Scaling scaling, Asked asked) noexcept;
+               Scaling scaling, Outputs outputs) noexcept;
 
   /// Forgets what it has measured.
   void begin() noexcept;
@@ -61,7 +61,7 @@ class ContactForce {
   ContactFrame frame_;
   ForceSettings settings_;
   Scaling scaling_;
-  Asked asked_;
+  Outputs outputs_;
   std::size_t measured_ = 0;
   MeasureLanes lanes_;
 };

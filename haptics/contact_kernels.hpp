@@ -29,7 +29,7 @@ ContactArrays arrays_of(Contacts& contacts, std::size_t first = 0) noexcept;
 BlockArrays arrays_of(ContactBlock& block, std::size_t first) noexcept;
 
 /// So many contacts are looked up at a time where their normals are kept.
-inline constexpr std::size_t kKeptBlock = 64;
+inline constexpr std::size_t kCachedBlock = 64;
 
 /// How a contact's depth and weight are measured.
 struct ForceSettings {
@@ -61,11 +61,11 @@ struct ForceTerms {
   float axis_m[3]{};   // from the torque reference back to the tip: arms about the tip are longer
   float linear[3]{};   // velocity of the tip, m/s
   float turning[3]{};  // rad/s, spindle and handpiece
-  float tangential_ratio = 0.0f, slow_edge_m_per_s = 0.0f;
+  float tangential_ratio = 0.0f, friction_speed_m_per_s = 0.0f;
   // Every normal N is turned towards the tool's outward direction g first: N + gain (g - N), unit.
   // Symmetric: xx, xy, xz, yy, yz, zz. Arms stay where depth was measured.
-  bool turns = false;
-  float gain[6]{};
+  bool blend_normals = false;
+  float edge_blend[6]{};
 };
 
 /// Sums over all contacts. What is not asked for stays zero: the stiffness, and without cutting the
@@ -99,16 +99,16 @@ struct ContactKernels {
                            float* const to_outward[3]) noexcept;
 
   /// Bounds from below on the distances at the centres of leaves, the keys of whose first voxels
-  /// are given: what a leaf may be passed over by.
+  /// are given: by them leaves are skipped.
   void (*leaf_distances)(const ContactFrame& frame, const std::uint32_t* keys, std::size_t count,
                          float* distance_m) noexcept;
 
-  /// Normals and offsets of up to kKeptBlock contacts from `first` on, from where each one's are
+  /// Normals and offsets of up to kCachedBlock contacts from `first` on, from where each one's are
   /// kept: four numbers, the offset in voxels, all zero for none. In whole groups. Returns a bit
   /// for each whose normal points away from the tool's outward direction.
-  std::uint64_t (*take_kept)(const float* const (&kept)[kKeptBlock], std::size_t count,
-                             float voxel_m, const ContactArrays& contacts, const BlockArrays& block,
-                             std::size_t first) noexcept;
+  std::uint64_t (*take_cached)(const float* const (&kept)[kCachedBlock], std::size_t count,
+                               float voxel_m, const ContactArrays& contacts,
+                               const BlockArrays& block, std::size_t first) noexcept;
 
   /// Where depth is measured, depth and weight of every contact, and a normal for those without.
   /// Where the spread is wanted, what forces may turn to as well.

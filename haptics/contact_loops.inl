@@ -1,171 +1,18 @@
 // The loops of contact_kernels.hpp, written once and compiled for each instruction set by the files
 // that include this.
 
-#include "engine/core/lanes.hpp"
 #include "haptics/contact_kernels.hpp"
+#include "haptics/field_lanes.inl"
 
 namespace sulcus {
 
 namespace {
 
-struct Lanes3 {
-  Lanes x, y, z;
-};
-inline Lanes3 operator+(const Lanes3& a, const Lanes3& b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-inline Lanes3 operator*(const Lanes3& a, const Lanes& s) { return {a.x * s, a.y * s, a.z * s}; }
-inline Lanes dot(const Lanes3& a, const Lanes3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline Lanes3 cross(const Lanes3& a, const Lanes3& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-inline Lanes3 constant(const float (&v)[3]) {
-  return {Lanes{} + v[0], Lanes{} + v[1], Lanes{} + v[2]};
-}
-inline Lanes lerp(const Lanes& a, const Lanes& b, const Lanes& t) { return a + t * (b - a); }
-
 /// Lanes of the first `count`.
 alignas(64) constexpr std::int32_t kLaneNumbers[16] = {0, 1, 2,  3,  4,  5,  6,  7,
                                                        8, 9, 10, 11, 12, 13, 14, 15};
-inline IntLanes among(std::size_t count) {
+inline IntLanes first_lanes(std::size_t count) {
   return load(kLaneNumbers) < static_cast<std::int32_t>(count);
-}
-
-/// A nearest cell of the field, and where the point lies from it: DistanceField's locate.
-struct CellLanes {
-  IntLanes offset;
-  Lanes3 t, beyond;
-};
-inline CellLanes locate(const ContactFrame& f, const Lanes3& p) {
-  CellLanes cell{};
-  const auto along = [&](int a, const Lanes& v, Lanes& t, Lanes& beyond, std::int32_t pitch) {
-    // A NaN becomes 0: the memory read stays in the box, `beyond` carries the NaN.
-    const Lanes inside = smaller(Lanes{} + f.last[a], larger(Lanes{}, v));
-    beyond = v - inside;
-    IntLanes i = to_int(inside);
-    const IntLanes most = IntLanes{} + f.most[a];
-    i = i < most ? i : most;
-    t = inside - to_float(i);
-    cell.offset += i * pitch;
-  };
-  along(0, p.x, cell.t.x, cell.beyond.x, 1);
-  along(1, p.y, cell.t.y, cell.beyond.y, f.row);
-  along(2, p.z, cell.t.z, cell.beyond.z, f.slice);
-  return cell;
-}
-
-/// The eight corners of a cell in each lane: [z][y][x].
-struct Corners {
-  Lanes of[8];
-};
-inline Corners corners(const ContactFrame& f, const IntLanes& offset) {
-#ifdef __AVX2__
-  // Two neighbours in x at once; what is stored lane by lane cannot be loaded as a whole at once.
-  alignas(64) std::int32_t at[kLaneCount];
-  store(offset, at);
-  const auto two = [](const float* p, const float* q) {
-    return _mm_loadh_pi(_mm_loadl_pi(_mm_setzero_ps(), reinterpret_cast<const __m64*>(p)),
-                        reinterpret_cast<const __m64*>(q));
-  };
-  // Of lanes `lane` and the next in each four.
-  const auto twos = [&](const float* v, int lane) {
-    const auto eight = [&](const std::int32_t* from) {
-      return _mm256_set_m128(two(v + from[4], v + from[5]), two(v + from[0], v + from[1]));
-    };
-#if SULCUS_LANES == 16
-    return _mm512_insertf32x8(_mm512_castps256_ps512(eight(at + lane)), eight(at + lane + 8), 1);
-#else
-    return eight(at + lane);
-#endif
-  };
-  const auto edge = [&](const float* v, Lanes& low, Lanes& high) {
-    const Lanes a = twos(v, 0), b = twos(v, 2);
-    low = SULCUS_WIDE(shuffle_ps)(a, b, 0x88);
-    high = SULCUS_WIDE(shuffle_ps)(a, b, 0xdd);
-  };
-  Corners c;
-  edge(f.values, c.of[0], c.of[1]);
-  edge(f.values + f.row, c.of[2], c.of[3]);
-  edge(f.values + f.slice, c.of[4], c.of[5]);
-  edge(f.values + f.slice + f.row, c.of[6], c.of[7]);
-  return c;
-#else
-  alignas(32) float v[8][kLaneCount];
-  for (int lane = 0; lane < kLaneCount; ++lane) {
-    const float* c = f.values + offset[lane];
-    v[0][lane] = c[0], v[1][lane] = c[1];
-    v[2][lane] = c[f.row], v[3][lane] = c[f.row + 1];
-    c += f.slice;
-    v[4][lane] = c[0], v[5][lane] = c[1];
-    v[6][lane] = c[f.row], v[7][lane] = c[f.row + 1];
-  }
-  Corners all;
-  for (int k = 0; k < 8; ++k) all.of[k] = load(v[k]);
-  return all;
-#endif
-}
-
-/// Distance and gradient (tool axes) at points of field space: the bits of
-/// DistanceField::sample_with_gradient.
-[[gnu::always_inline]] inline Lanes sample(const ContactFrame& f, const Lanes3& p,
-                                           Lanes3& gradient) {
-  const CellLanes cell = locate(f, p);
-  const Corners v = corners(f, cell.offset);
-  const Lanes3& t = cell.t;
-  const Lanes x00 = lerp(v.of[0], v.of[1], t.x), x10 = lerp(v.of[2], v.of[3], t.x);
-  const Lanes x01 = lerp(v.of[4], v.of[5], t.x), x11 = lerp(v.of[6], v.of[7], t.x);
-  const Lanes y0 = lerp(x00, x10, t.y), y1 = lerp(x01, x11, t.y);
-  const Lanes dx = lerp(lerp(v.of[1] - v.of[0], v.of[3] - v.of[2], t.y),
-                        lerp(v.of[5] - v.of[4], v.of[7] - v.of[6], t.y), t.z);
-  const Lanes dy = lerp(x10 - x00, x11 - x01, t.z);
-  const float per_m = 1.0f / f.spacing_m;
-  gradient = Lanes3{dx, dy, y1 - y0} * (Lanes{} + per_m);
-  const Lanes inside = lerp(y0, y1, t.z);
-  const Lanes squared = dot(cell.beyond, cell.beyond);
-  if (!any(squared != 0.0f)) return inside;
-  // Beyond a face the box's value no longer changes along its normal; the way there does.
-  const Lanes beyond_m = square_root(squared) * f.spacing_m;
-  const Lanes length = beyond_m * per_m;
-  const auto turn = [&](const Lanes& beyond, Lanes& g) {
-    g = beyond != 0.0f ? beyond / length : g;
-  };
-  turn(cell.beyond.x, gradient.x), turn(cell.beyond.y, gradient.y);
-  turn(cell.beyond.z, gradient.z);
-  return inside + beyond_m;
-}
-
-/// The value alone, never larger than the distance. Outside its box the field is the value at the
-/// nearest point of the box plus the way there; the burr lies aslant of that way, so that the two
-/// are the legs of the distance, not its parts.
-inline Lanes least_distance(const ContactFrame& f, const Lanes3& p) {
-  const CellLanes cell = locate(f, p);
-  const Corners v = corners(f, cell.offset);
-  const Lanes3& t = cell.t;
-  const Lanes y0 = lerp(lerp(v.of[0], v.of[1], t.x), lerp(v.of[2], v.of[3], t.x), t.y);
-  const Lanes y1 = lerp(lerp(v.of[4], v.of[5], t.x), lerp(v.of[6], v.of[7], t.x), t.y);
-  const Lanes value = lerp(y0, y1, t.z);
-  const Lanes squared = dot(cell.beyond, cell.beyond) * (f.spacing_m * f.spacing_m);
-  return value > 0.0f ? square_root(value * value + squared) : value;
-}
-
-/// Voxels from the frame's own, by key.
-inline Lanes3 voxels(const ContactFrame& f, const std::uint32_t* keys) {
-  const IntLanes key = load(reinterpret_cast<const std::int32_t*>(keys));
-  return {to_float((key & 1023) - f.cell[0]), to_float((key >> 10 & 1023) - f.cell[1]),
-          to_float((key >> 20 & 1023) - f.cell[2])};
-}
-inline Lanes3 field_from_voxels(const ContactFrame& f, const Lanes3& d) {
-  const auto along = [&](int a) {
-    return f.base[a] + (d.x * f.step[a][0] + d.y * f.step[a][1] + d.z * f.step[a][2]);
-  };
-  return {along(0), along(1), along(2)};
-}
-inline Lanes3 to_world(const ContactFrame& f, const Lanes3& v) {
-  const auto row = [&](int a) {
-    return v.x * f.world_from_tool[a][0] + v.y * f.world_from_tool[a][1] +
-           v.z * f.world_from_tool[a][2];
-  };
-  return {row(0), row(1), row(2)};
 }
 
 /// Appends what a mask keeps of a group of keys and four numbers each to arrays that have room for
@@ -236,7 +83,7 @@ inline std::size_t find_near(const ContactFrame& frame, const std::uint32_t* key
     const Lanes3 p = field_from_voxels(frame, voxels(frame, keys + k));
     const Lanes distance_m = sample(frame, p, gradient);
     const Lanes3 away = to_world(frame, gradient);
-    const IntLanes near = (distance_m < reach_m) & among(count - k);
+    const IntLanes near = (distance_m < reach_m) & first_lanes(count - k);
     float* const to[4] = {to_distance_m + found, to_outward[0] + found, to_outward[1] + found,
                           to_outward[2] + found};
     found += append(near, keys + k, {distance_m, -away.x, -away.y, -away.z}, to_keys + found, to);
@@ -265,10 +112,10 @@ inline void store3(const Lanes3& v, const ContactArrays& contacts, Contacts::Qua
 }
 
 /// Four numbers that lie together for each lane, number by number.
-struct Fours {
+struct LoadedQuads {
   Lanes of[4];
 };
-inline Fours fours(const float* const* from) {
+inline LoadedQuads load_quads(const float* const* from) {
 #ifdef __AVX2__
   const auto each_fourth = [&](int lane) {  // and the ones four and more on
     const auto eight = [&](const float* const* p) {
@@ -288,7 +135,7 @@ inline Fours fours(const float* const* from) {
            SULCUS_WIDE(shuffle_ps)(high01, high23, 0x44),
            SULCUS_WIDE(shuffle_ps)(high01, high23, 0xee)}};
 #else
-  Fours all;
+  LoadedQuads all;
   for (int lane = 0; lane < kLaneCount; ++lane) {
     for (int q = 0; q < 4; ++q) all.of[q][lane] = from[lane][q];
   }
@@ -296,12 +143,12 @@ inline Fours fours(const float* const* from) {
 #endif
 }
 
-inline std::uint64_t take_kept(const float* const (&kept)[kKeptBlock], std::size_t count,
-                               float voxel_m, const ContactArrays& contacts,
-                               const BlockArrays& block, std::size_t first) noexcept {
+inline std::uint64_t take_cached(const float* const (&kept)[kCachedBlock], std::size_t count,
+                                 float voxel_m, const ContactArrays& contacts,
+                                 const BlockArrays& block, std::size_t first) noexcept {
   std::uint64_t away = 0;
   for (std::size_t k = 0; k < count; k += kLaneCount) {
-    const Fours v = fours(kept + k);
+    const LoadedQuads v = load_quads(kept + k);
     const Lanes3 normal{v.of[0], v.of[1], v.of[2]};
     store3(normal, contacts, Contacts::kNormal, first + k);
     store(v.of[3] * voxel_m, block.of[ContactBlock::kOffset] + first + k);
@@ -322,23 +169,46 @@ inline void store(const DoubleLanes& v, double (&sums)[kSumLanes]) {
   __builtin_memcpy(sums, &v, sizeof v);
 }
 
+/// Sums of NormalSpread, in lanes.
+struct SpreadSums {
+  explicit SpreadSums(const MeasureLanes& lanes) : near(load(lanes.near)) {
+    for (int a = 0; a < 3; ++a) normal[a] = load(lanes.normal[a]);
+    for (int entry = 0; entry < 6; ++entry) products[entry] = load(lanes.products[entry]);
+  }
+  void add_normals(const Lanes& weight, const Lanes3& n) {
+    add(near, weight);
+    const Lanes along_axes[3] = {n.x, n.y, n.z};
+    for (int a = 0, entry = 0; a < 3; ++a) {
+      const Lanes scaled = weight * along_axes[a];
+      add(normal[a], scaled);
+      for (int b = a; b < 3; ++b) add(products[entry++], scaled * along_axes[b]);
+    }
+  }
+  void store_to(MeasureLanes& lanes) const {
+    store(near, lanes.near);
+    for (int a = 0; a < 3; ++a) store(normal[a], lanes.normal[a]);
+    for (int entry = 0; entry < 6; ++entry) store(products[entry], lanes.products[entry]);
+  }
+
+  DoubleLanes near, normal[3], products[6];
+};
+
 inline void measure_all(const ContactFrame& frame, const ForceSettings& settings,
                         const ContactArrays& contacts, const BlockArrays& block,
                         MeasureLanes& lanes) noexcept {
   const float half_voxel_m = 0.5f * frame.voxel_m, per_voxel = 1.0f / frame.voxel_m;
   const float full_cosine = 1.0f / settings.fade_below;
   const bool spreads = settings.at_surface && settings.spread_reach_m > 0.0f;
-  DoubleLanes weights = load(lanes.weights), near_sum = load(lanes.near), normal_sums[3],
-              product_sums[6];
-  for (int a = 0; a < 3; ++a) normal_sums[a] = load(lanes.normal[a]);
-  for (int entry = 0; entry < 6; ++entry) product_sums[entry] = load(lanes.products[entry]);
+  DoubleLanes weights = load(lanes.weights);
+  SpreadSums spread(lanes);
   IntLanes counts{};
   for (std::size_t k = 0; k < contacts.size; k += kLaneCount) {
     const Lanes3 d = voxels(frame, contacts.keys + k);
     Lanes3 normal = load3(contacts, Contacts::kNormal, k);
     const Lanes distance_m = load(block.of[ContactBlock::kDistance] + k);
     const IntLanes known = dot(normal, normal) > 0.0f;
-    const IntLanes there = among(contacts.size - k);  // what fills up the last group weighs nothing
+    const IntLanes there =
+        first_lanes(contacts.size - k);  // what fills up the last group weighs nothing
     // Voxels from the frame's to where depth is measured: from the centre along the normal.
     Lanes along = settings.at_surface
                       ? where(known, load(block.of[ContactBlock::kOffset] + k) * per_voxel)
@@ -352,7 +222,7 @@ inline void measure_all(const ContactFrame& frame, const ForceSettings& settings
       const Lanes3 away = to_world(frame, gradient);
       const Lanes length = square_root(dot(away, away));
       const IntLanes tells = length > 0.0f;
-      // Where the method gives no normal the tool's is taken, and the voxel's own face.
+      // Where the method gives no normal the tool hint is taken, and the voxel's own face.
       const Lanes turned = where(tells, -1.0f / length);
       Lanes cosine = tells ? -dot(normal, away) / length : Lanes{} + 1.0f;
       cosine = known ? cosine : Lanes{} + 1.0f;
@@ -369,22 +239,16 @@ inline void measure_all(const ContactFrame& frame, const ForceSettings& settings
         const Lanes fade = smaller(Lanes{} + 1.0f, cosine * full_cosine);
         weight = where(there & (depth > 0.0f) & (cosine > 0.0f), depth * per_voxel * fade);
         if (spreads) {
-          store3(away * where(tells, -1.0f / length), contacts, Contacts::kToolNormal, k);
+          store3(away * turned, contacts, Contacts::kToolNormal, k);
           const Lanes reached =
               larger(Lanes{}, smaller(Lanes{} + 1.0f, 1.0f + depth / settings.spread_reach_m));
-          const Lanes near = where(there & (known | tells) & (cosine > 0.0f), reached * fade);
-          add(near_sum, near);
-          const Lanes along_axes[3] = {normal.x, normal.y, normal.z};
-          for (int a = 0, entry = 0; a < 3; ++a) {
-            const Lanes scaled = near * along_axes[a];
-            add(normal_sums[a], scaled);
-            for (int b = a; b < 3; ++b) add(product_sums[entry++], scaled * along_axes[b]);
-          }
+          spread.add_normals(where(there & (known | tells) & (cosine > 0.0f), reached * fade),
+                             normal);
         }
       } else {
         weight = where(there & (depth > 0.0f), Lanes{} + 1.0f);
       }
-      // What is known is there already; of many contacts a store costs more than the question.
+      // Known normals are there already; of many contacts a store costs more than the test.
       if (any(~known)) store3(normal, contacts, Contacts::kNormal, k);
     } else {
       weight = where(there & (depth > 0.0f), Lanes{} + 1.0f);
@@ -398,9 +262,8 @@ inline void measure_all(const ContactFrame& frame, const ForceSettings& settings
   for (int lane = 0; lane < kLaneCount; ++lane) {
     lanes.counted += static_cast<std::uint32_t>(counts[lane]);
   }
-  store(weights, lanes.weights), store(near_sum, lanes.near);
-  for (int a = 0; a < 3; ++a) store(normal_sums[a], lanes.normal[a]);
-  for (int entry = 0; entry < 6; ++entry) store(product_sums[entry], lanes.products[entry]);
+  store(weights, lanes.weights);
+  spread.store_to(lanes);
 }
 
 /// N + gain (g - N), unit, of normals N and the tool's outward directions g.
@@ -441,12 +304,12 @@ inline void add_forces(const ContactFrame& frame, const ForceTerms& terms,
                turning = constant(terms.turning);
   for (std::size_t k = 0; k < contacts.size; k += kLaneCount) {
     Lanes3 normal = load3(contacts, Contacts::kNormal, k);
-    // Found again: of many contacts what is stored costs more than what is computed.
+    // Computed again: of many contacts loads and stores cost more.
     const Lanes3 arm = constant(frame.arm_m) + (voxels(frame, contacts.keys + k) +
                                                 normal * load(contacts.of[Contacts::kAlong] + k)) *
                                                    (Lanes{} + frame.voxel_m);
-    if (terms.turns) {
-      normal = turned_to(normal, load3(contacts, Contacts::kToolNormal, k), terms.gain);
+    if (terms.blend_normals) {
+      normal = turned_to(normal, load3(contacts, Contacts::kToolNormal, k), terms.edge_blend);
       store3(normal, contacts, Contacts::kNormal, k);
     }
     const Lanes stiffness = of_tissues(terms.stiffness_N_per_m, contacts.tissues + k) *
@@ -458,7 +321,7 @@ inline void add_forces(const ContactFrame& frame, const ForceTerms& terms,
       const Lanes3 velocity = linear + cross(turning, arm + to_tip);
       const Lanes3 sliding = velocity + normal * -dot(velocity, normal);
       const Lanes squared = dot(sliding, sliding);
-      const Lanes speed = larger(square_root(squared), Lanes{} + terms.slow_edge_m_per_s);
+      const Lanes speed = larger(square_root(squared), Lanes{} + terms.friction_speed_m_per_s);
       const Lanes along = terms.tangential_ratio * normal_force / speed;
       const Lanes3 drag = sliding * -along;  // eq. 7
       force = force + drag;
@@ -505,7 +368,7 @@ inline void forces_of(const ContactFrame& frame, const ForceTerms& terms,
 }
 
 constexpr ContactKernels kernels_named(const char* name) {
-  return {name, leaf_keys_of, find_near, leaf_distances_of, take_kept, measure_all, forces_of};
+  return {name, leaf_keys_of, find_near, leaf_distances_of, take_cached, measure_all, forces_of};
 }
 
 }  // namespace

@@ -20,8 +20,8 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
 }
 
 /// A spring's pull, no stronger than its limit, and that over the stretch.
-double held(double stiffness, double limit, const Eigen::Vector3d& stretch,
-            Eigen::Vector3d& force) {
+double saturated_spring(double stiffness, double limit, const Eigen::Vector3d& stretch,
+                        Eigen::Vector3d& force) {
   const double length = stretch.norm();
   const double now = stiffness * length > limit ? limit / length : stiffness;
   force = now * stretch;
@@ -49,10 +49,10 @@ SpringPull pull(const CouplingSprings& springs, const Pose& device, const Pose& 
       device.point(springs.middle_tool) - tool.point(springs.middle_tool);
   const Eigen::Vector3d turn = small_turn(tool.orientation, device.orientation);
   SpringPull now;
-  now.stiffness_N_per_m =
-      held(springs.stiffness_N_per_m, springs.force_limit_N, stretch_m, now.wrench.force_N);
-  now.turning_stiffness_Nm_per_rad = held(springs.turning_stiffness_Nm_per_rad,
-                                          springs.torque_limit_Nm, turn, now.wrench.torque_Nm);
+  now.stiffness_N_per_m = saturated_spring(springs.stiffness_N_per_m, springs.force_limit_N,
+                                           stretch_m, now.wrench.force_N);
+  now.turning_stiffness_Nm_per_rad = saturated_spring(
+      springs.turning_stiffness_Nm_per_rad, springs.torque_limit_Nm, turn, now.wrench.torque_Nm);
   return now;
 }
 
@@ -97,8 +97,8 @@ Vector6d coupled_step(const SpringPull& springs, const Matrix6d& contact, const 
   return scale.cwiseProduct(stiffness.llt().solve(scale.cwiseProduct(residual)));
 }
 
-double part_within(const Eigen::Vector3d& gone_m, const Eigen::Vector3d& step_m,
-                   double longest_m) noexcept {
+double step_fraction_within(const Eigen::Vector3d& gone_m, const Eigen::Vector3d& step_m,
+                            double longest_m) noexcept {
   if ((gone_m + step_m).norm() <= longest_m) return 1.0;
   // |gone + part step| = longest, for part.
   const double square = step_m.squaredNorm(), along = gone_m.dot(step_m);
@@ -124,8 +124,8 @@ ForceTurn::ForceTurn(const CouplingSprings& springs, const Pose& device_before, 
   cosine = 1.0 / std::sqrt(1.0 + tangent * tangent);
 }
 
-double part_in_cone(const Eigen::Vector3d& stretch_m, const Eigen::Vector3d& step_m,
-                    const Eigen::Vector3d& axis, double cosine) noexcept {
+double step_fraction_in_cone(const Eigen::Vector3d& stretch_m, const Eigen::Vector3d& step_m,
+                             const Eigen::Vector3d& axis, double cosine) noexcept {
   const auto is_in = [&](double part) {
     const Eigen::Vector3d rest_m = stretch_m - part * step_m;
     return rest_m.dot(axis) >= cosine * rest_m.norm();

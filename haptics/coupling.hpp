@@ -55,14 +55,14 @@ Vector6d coupled_step(const SpringPull& springs, const Matrix6d& contact, const 
 Pose moved(const Pose& tool, const Eigen::Vector3d& middle_tool, const Vector6d& step) noexcept;
 
 /// How far a point of the burr moves at most.
-inline double way_of(const Vector6d& step, double reach_m) noexcept {
+inline double max_displacement(const Vector6d& step, double reach_m) noexcept {
   return step.head<3>().norm() + reach_m * step.tail<3>().norm();
 }
 
 /// The longest part of a step, all of it at most, with which a tool whose middle has gone `gone_m`
 /// in this tick does not go beyond `longest_m`.
-double part_within(const Eigen::Vector3d& gone_m, const Eigen::Vector3d& step_m,
-                   double longest_m) noexcept;
+double step_fraction_within(const Eigen::Vector3d& gone_m, const Eigen::Vector3d& step_m,
+                            double longest_m) noexcept;
 
 struct CoupledResult {
   ContactResult contact;  // where the tool is
@@ -71,9 +71,9 @@ struct CoupledResult {
   bool lags = false;      // in contact, and the device went further than its steps can
 };
 
-/// How far one tick may turn a force that is felt: as far as the device's way turns it where the
-/// burr goes round a sharp edge, since nothing that bulges turns it faster, and 0.3 degrees. What
-/// is hardly felt turns as it likes.
+/// Limit of how far the force may turn in one tick: by the turn of the contact normal when the
+/// burr rolls over a sharp edge, which is the fastest on a convex solid, and 0.3 degrees more. A
+/// force below 0.05 N has no limit.
 struct ForceTurn {
   ForceTurn(const CouplingSprings& springs, const Pose& device_before, const Pose& device,
             const Pose& tool_before) noexcept;
@@ -85,8 +85,8 @@ struct ForceTurn {
 /// The longest part of a step, all of it at most, that leaves the stretch, device from tool, within
 /// an angle of `axis` (unit), whose cosine is given. Outside of that: none of a step that leads
 /// away from there, all of one that leads there or never comes near.
-double part_in_cone(const Eigen::Vector3d& stretch_m, const Eigen::Vector3d& step_m,
-                    const Eigen::Vector3d& axis, double cosine) noexcept;
+double step_fraction_in_cone(const Eigen::Vector3d& stretch_m, const Eigen::Vector3d& step_m,
+                             const Eigen::Vector3d& axis, double cosine) noexcept;
 
 /// Takes the tool towards where springs and contact balance: a quasi-static virtual coupling [Wan
 /// and McNeely 2003; Barbic and James 2008]. We iterate where they take one linear step, so that a
@@ -94,28 +94,31 @@ double part_in_cone(const Eigen::Vector3d& stretch_m, const Eigen::Vector3d& ste
 ///
 ///  - Newton steps with the contact's own stiffness; the springs regularise.
 ///  - In contact a step takes no point of the burr further than half a voxel; in free space no
-///    further than `free_way`, so that nothing is crossed without being felt, at any speed.
+///    further than `free_distance`, so that nothing is crossed without being felt, at any speed.
 ///  - In a tick the tool goes no further than the device has gone since `device_before`, and what
 ///    changes the springs' force by kLargestChange_N, and what changes it by nothing while they are
 ///    at their limit: when the tool slips off an edge the force falls over ticks, not in one.
 ///  - Nor does it turn the force further than `ForceTurn` has it: from one row of an edge's voxels
 ///    to the next the force goes steadily.
-///  - A step after which the residual has turned round and grown is gone back on by a secant.
-///  - Ends within kClose_m of where it would go and kLittle of its force, or when the evaluations
+///  - If the residual reverses and grows after a step, one secant iteration shortens that step.
+///  - Ends within kClose_m of where it would go and kForceTolerance of its force, or when the
+///  evaluations
 ///    or the contacts of a tick are used up, counted and never timed; the next tick goes on from
 ///    there.
 ///
 /// It has no state but the tool's pose. `evaluate(pose) -> ContactResult` with stiffness, wrench
 /// about the torque reference; what its last call left is the contact where the tool ends.
-/// `free_way(pose, wanted_m) -> m`: how far any point of a burr without contact can go for certain.
-template <class Evaluate, class FreeWay>
+/// `free_distance(pose, wanted_m) -> m`: how far any point of a burr without contact can go for
+/// certain.
+template <class Evaluate, class FreeDistance>
 CoupledResult couple(const CouplingSprings& springs, const CouplingSettings& settings,
                      double reference_m, double longest_step_m, const Pose& device_before,
                      const Pose& device, Pose& tool, const Evaluate& evaluate,
-                     const FreeWay& free_way) noexcept {
+                     const FreeDistance& free_distance) noexcept {
   constexpr double kClose_m = 0.5e-6;
-  constexpr double kLittle_N = 5e-3, kLittle = 0.01;  // of what the springs pull with
-  constexpr int kFreeEvaluations = 16;                // without contact they cost little
+  constexpr double kForceTolerance_N = 5e-3,
+                   kForceTolerance = 0.01;  // of what the springs pull with
+  constexpr int kFreeEvaluations = 16;      // without contact they cost little
   constexpr double kLargestChange_N = 0.15;
   const ForceTurn turn(springs, device_before, device, tool);
   const Eigen::Vector3d begin = tool.point(springs.middle_tool);
@@ -154,7 +157,7 @@ CoupledResult couple(const CouplingSprings& springs, const CouplingSettings& set
       if (touching && device_way_m > steps * longest_step_m) {
         const Matrix6d stiffness = about(result.contact.stiffness, reference, middle);
         step = coupled_step(springs_now, stiffness, residual, springs.reach_m);
-        result.lags = way_of(step, springs.reach_m) > longest_step_m;
+        result.lags = max_displacement(step, springs.reach_m) > longest_step_m;
       }
       break;
     }
@@ -168,20 +171,21 @@ CoupledResult couple(const CouplingSprings& springs, const CouplingSettings& set
     }
     const Matrix6d stiffness = about(result.contact.stiffness, reference, middle);
     step = coupled_step(springs_now, stiffness, residual, springs.reach_m);
-    const double way_m = way_of(step, springs.reach_m);
-    const double little_N = std::max(kLittle_N, kLittle * springs_now.wrench.force_N.norm());
-    if (way_m <= kClose_m && residual.head<3>().norm() <= little_N) {
+    const double way_m = max_displacement(step, springs.reach_m);
+    const double tolerance_N =
+        std::max(kForceTolerance_N, kForceTolerance * springs_now.wrench.force_N.norm());
+    if (way_m <= kClose_m && residual.head<3>().norm() <= tolerance_N) {
       result.balanced = true;
       break;
     }
     const double longest_m = touching || way_m <= longest_step_m
                                  ? longest_step_m
-                                 : std::max(longest_step_m, free_way(tool, way_m));
+                                 : std::max(longest_step_m, free_distance(tool, way_m));
     if (way_m > longest_m) step *= longest_m / way_m;
-    step *= part_within(middle - begin, step.head<3>(), longest_way_m);
-    step *= part_in_cone(device.point(springs.middle_tool) - middle, step.head<3>(), turn.felt,
-                         turn.cosine);
-    if (way_of(step, springs.reach_m) == 0.0) break;  // as far as it may go in this tick
+    step *= step_fraction_within(middle - begin, step.head<3>(), longest_way_m);
+    step *= step_fraction_in_cone(device.point(springs.middle_tool) - middle, step.head<3>(),
+                                  turn.felt, turn.cosine);
+    if (max_displacement(step, springs.reach_m) == 0.0) break;  // as far as it may go in this tick
     from = tool;
     residual_there = residual;
     tool = moved(from, springs.middle_tool, step);

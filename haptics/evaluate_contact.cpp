@@ -25,10 +25,10 @@ Matrix6d in_world(const Matrix6d& stiffness, const Pose& world_from_grid) {
 }  // namespace
 
 ContactResult evaluate_contact(const Workpiece& solid, const ContactQuery& query,
-                               ContactScratch& scratch, const KeptNormals* kept) noexcept {
+                               ContactScratch& scratch, const NormalCache* cache) noexcept {
   ContactResult result;
   StageClock& clock = scratch.clock;
-  const double reach_m = contact_reach_m(solid, query.settings.scaling, query.asked);
+  const double reach_m = contact_reach_m(solid, query.settings.scaling, query.outputs);
   {
     const auto timed = clock.time(Stage::kBroadPhase);
     if (!broad_phase(solid, query.burr.capsule, query.world_from_tool, reach_m, scratch)) {
@@ -40,7 +40,8 @@ ContactResult evaluate_contact(const Workpiece& solid, const ContactQuery& query
     const auto timed = clock.time(Stage::kNarrowPhase);
     return NarrowPhase(solid, query.burr.field, query.world_from_tool, reach_m, scratch);
   }();
-  ContactForce force(solid, query.burr, query.world_from_tool, query.settings.scaling, query.asked);
+  ContactForce force(solid, query.burr, query.world_from_tool, query.settings.scaling,
+                     query.outputs);
   for (bool more = true; more;) {
     const std::size_t first = scratch.contacts.size();
     {
@@ -57,7 +58,7 @@ ContactResult evaluate_contact(const Workpiece& solid, const ContactQuery& query
     }
     {
       const auto timed = clock.time(Stage::kNormals);
-      normals(solid, query.settings, kept, scratch, first);
+      normals(solid, query.settings, cache, scratch, first);
     }
     const auto timed = clock.time(Stage::kContactForce);
     if (more) force.measure(scratch);
@@ -75,9 +76,9 @@ ContactResult evaluate_contact(const Body& body, const ContactQuery& query,
                    query.tissues.subspan(body.first_tissue),
                    query.settings,
                    body.removal ? query.twist : nullptr,
-                   query.asked};
-  const KeptNormals* const kept = body.kept ? &*body.kept : nullptr;
-  if (body.is_in_world()) return evaluate_contact(body.solid, own, scratch, kept);
+                   query.outputs};
+  const NormalCache* const cache = body.normal_cache ? &*body.normal_cache : nullptr;
+  if (body.is_in_world()) return evaluate_contact(body.solid, own, scratch, cache);
   const Pose& place = body.world_from_grid;
   Twist twist;
   if (own.twist) {
@@ -86,10 +87,10 @@ ContactResult evaluate_contact(const Body& body, const ContactQuery& query,
              query.twist->spindle_rad_per_s};
     own.twist = &twist;
   }
-  ContactResult result = evaluate_contact(body.solid, own, scratch, kept);
+  ContactResult result = evaluate_contact(body.solid, own, scratch, cache);
   result.wrench = in_world(result.wrench, place);
   result.tangential = in_world(result.tangential, place);
-  if (query.asked != Asked::kForce) result.stiffness = in_world(result.stiffness, place);
+  if (query.outputs != Outputs::kForce) result.stiffness = in_world(result.stiffness, place);
   return result;
 }
 

@@ -6,7 +6,7 @@
 #include "engine/volume/workpiece.hpp"
 #include "haptics/body.hpp"
 #include "haptics/contact.hpp"
-#include "haptics/kept_normals.hpp"
+#include "haptics/normal_cache.hpp"
 
 namespace sulcus {
 
@@ -17,17 +17,18 @@ struct ContactQuery {
   std::span<const TissueSettings> tissues;  // the scene's, by label
   const HapticsSettings& settings;
   const Twist* twist = nullptr;  // the tool's motion, for the tangential forces of cutting; or none
-  Asked asked = Asked::kForce;
+  Outputs outputs = Outputs::kForce;
 };
 
 /// The contact of the burr with a solid, both in the space of its grid: contacts (in `scratch`),
 /// wrench and, where it is asked for, stiffness. Broad phase, narrow phase, normals, forces.
 /// Changes no state and no result by being called, so a coupling may call it any number of times in
-/// a tick; cutting happens once, after it. `kept` is read only, and may be null. Does not allocate.
-/// Contacts go through the stages block by block; beyond the capacity the deepest count, and
-/// kFaultContactsFull is set.
+/// a tick; cutting happens once, after it. `cache` is read only, and may be null. Does not
+/// allocate. Contacts go through the stages block by block; beyond the capacity the deepest count,
+/// and kFaultContactsFull is set.
 ContactResult evaluate_contact(const Workpiece& solid, const ContactQuery& query,
-                               ContactScratch& scratch, const KeptNormals* kept = nullptr) noexcept;
+                               ContactScratch& scratch,
+                               const NormalCache* cache = nullptr) noexcept;
 
 /// With a body, in world axes. One that cannot be cut gets no tangential force. Forces are those of
 /// a body by itself: under `count` and `smooth` a contact's stiffness is its share of this body's

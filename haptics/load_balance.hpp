@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptics/contact.hpp"
+
 namespace sulcus {
 
-/// What holds against a load at one place.
+/// Reaction to a load at one offset.
 struct Resistance {
-  double force_N = 0.0;            // of the contact, against the load's direction
+  double force_N = 0.0;            // of the contact, against the load
   double stiffness_N_per_m = 0.0;  // how it grows along that direction; 0: not known
 };
 
@@ -20,7 +22,7 @@ struct LoadSearch {
 /// Moves along the load's direction until the contact holds it, from `offset_m` on: by the
 /// contact's stiffness at first, then by secants, within what the forces found so far leave open.
 /// Ends within 1 % of the load, at the end of the way, or after 12 evaluations; the next tick goes
-/// on. Returns the offset of the last call of `evaluate(offset_m, with_stiffness) -> Resistance`,
+/// on. Returns the offset of the last call of `evaluate(offset_m, Outputs) -> Resistance`,
 /// so that what that call left is the contact there.
 template <class Evaluate>
 double balance_load(const LoadSearch& search, double offset_m, const Evaluate& evaluate) noexcept {
@@ -30,7 +32,7 @@ double balance_load(const LoadSearch& search, double offset_m, const Evaluate& e
   // Offsets at which the contact was known to hold less, and at least the load.
   double less_m = -HUGE_VAL, enough_m = HUGE_VAL;
   double at_m = offset_m;
-  Resistance found = evaluate(at_m, true);
+  Resistance found = evaluate(at_m, Outputs::kForceAndStiffness);
   for (int i = 1; i < kEvaluations; ++i) {
     const double wanting_N = search.load_N - found.force_N;
     if (std::abs(wanting_N) <= kTolerance * search.load_N) break;
@@ -41,7 +43,7 @@ double balance_load(const LoadSearch& search, double offset_m, const Evaluate& e
     double to_m = std::min(at_m + step_m, furthest_m);
     if (to_m == at_m) break;  // at the end of the way
     if (to_m <= less_m || to_m >= enough_m) to_m = 0.5 * (less_m + enough_m);
-    const Resistance next = evaluate(to_m, false);
+    const Resistance next = evaluate(to_m, Outputs::kForce);
     const double secant_N_per_m = (next.force_N - found.force_N) / (to_m - at_m);
     found = {next.force_N, std::max(0.0, secant_N_per_m)};
     at_m = to_m;

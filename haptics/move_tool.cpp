@@ -6,7 +6,7 @@
 #include "haptics/broad_phase.hpp"
 #include "haptics/coupling.hpp"
 #include "haptics/evaluate_contact.hpp"
-#include "haptics/free_way.hpp"
+#include "haptics/free_distance.hpp"
 #include "haptics/load_balance.hpp"
 #include "haptics/normals.hpp"
 #include "haptics/tool_motion.hpp"
@@ -29,16 +29,20 @@ void for_each_near(const TickContext& context, const SimulationState& state, con
   }
 }
 
+Motion motion_of(const DeviceReading& device) {
+  return device.slides ? Motion::kSlides : Motion::kNone;
+}
+
 double voxel_m_of(const SimulationState& state) { return state.workpiece().solid.grid().voxel_m; }
 
-/// free_way to all bodies.
-double free_way_to_bodies(const TickContext& context, const SimulationState& state,
-                          const Pose& tool, double wanted_m, TickScratch& scratch) noexcept {
+/// free_distance to all bodies.
+double free_distance_to_bodies(const TickContext& context, const SimulationState& state,
+                               const Pose& tool, double wanted_m, TickScratch& scratch) noexcept {
   double way_m = wanted_m;
   for_each_near(context, state, tool, wanted_m + voxel_m_of(state), [&](std::size_t i) {
     const Body& body = state.bodies[i];
-    way_m = std::min(way_m, free_way(body.solid, context.burr, body.grid_from(tool), way_m,
-                                     scratch.bodies[i].contact));
+    way_m = std::min(way_m, free_distance(body.solid, context.burr, body.grid_from(tool), way_m,
+                                          scratch.bodies[i].contact));
   });
   return way_m;
 }
@@ -48,8 +52,8 @@ void keep_found(const HapticsSettings& settings, SimulationState& state,
                 TickScratch& scratch) noexcept {
   const auto timed = scratch.clock().time(Stage::kNormals);
   for (std::size_t i = 0; i < state.bodies.size(); ++i) {
-    if (!state.bodies[i].kept) continue;
-    keep_found(settings, state.tick, scratch.bodies[i].contact, *state.bodies[i].kept);
+    if (!state.bodies[i].normal_cache) continue;
+    keep_found(settings, state.tick, scratch.bodies[i].contact, *state.bodies[i].normal_cache);
   }
 }
 
@@ -62,13 +66,13 @@ void follow_coupling(const TickContext& context, const DeviceReading& device,
       springs, settings, context.burr.reference_m, 0.5 * voxel_m_of(state), device.before,
       device.pose, tool,
       [&](const Pose& pose) noexcept {
-        const ContactResult contact =
-            contact_with_bodies(context, state, pose, device.slides, Asked::kCoupled, scratch);
+        const ContactResult contact = contact_with_bodies(context, state, pose, motion_of(device),
+                                                          Outputs::kCoupling, scratch);
         keep_found(context.scene.haptics, state, scratch);
         return contact;
       },
       [&](const Pose& pose, double wanted_m) noexcept {
-        return free_way_to_bodies(context, state, pose, wanted_m, scratch);
+        return free_distance_to_bodies(context, state, pose, wanted_m, scratch);
       });
   state.tool = tool;
   result.contact = coupled.contact;
@@ -84,11 +88,10 @@ void follow_load(const TickContext& context, const DeviceReading& device, Simula
   const Eigen::Vector3d& along = settings.load_direction;
   const LoadSearch search{*settings.load_N, 0.5 * voxel_m_of(state),
                           kFastestAdvance_m_per_s / context.scene.haptics.rate_hz};
-  const auto evaluate = [&](double offset_m, bool with_stiffness) {
+  const auto evaluate = [&](double offset_m, Outputs outputs) {
     tool.position = device.pose.position + offset_m * along;
     const ContactResult& contact = result.contact =
-        contact_with_bodies(context, state, tool, device.slides,
-                            with_stiffness ? Asked::kStiffness : Asked::kForce, scratch);
+        contact_with_bodies(context, state, tool, motion_of(device), outputs, scratch);
     ++result.evaluations;
     return Resistance{-along.dot(contact.wrench.force_N),
                       along.dot(contact.stiffness.topLeftCorner<3, 3>() * along)};
@@ -98,10 +101,10 @@ void follow_load(const TickContext& context, const DeviceReading& device, Simula
   result.commanded = result.contact.wrench;
 }
 
-/// Rigidly; `slides`: the tool has gone there in contact.
-void go_to(const TickContext& context, const Pose& pose, bool slides, SimulationState& state,
+/// Rigidly.
+void go_to(const TickContext& context, const Pose& pose, Motion motion, SimulationState& state,
            TickScratch& scratch, TickResult& result) noexcept {
-  result.contact = contact_with_bodies(context, state, pose, slides, Asked::kForce, scratch);
+  result.contact = contact_with_bodies(context, state, pose, motion, Outputs::kForce, scratch);
   result.commanded = result.contact.wrench;
   result.evaluations = 1;
   state.tool = pose;
@@ -112,7 +115,7 @@ std::uint32_t faults_of_way(const TickContext& context, const SimulationState& s
                             const Pose& before, const ContactResult& contact) noexcept {
   const Eigen::Vector3d from = middle_of_head(context.burr, before);
   const Eigen::Vector3d to = middle_of_head(context.burr, state.tool);
-  // What jumped has been told of.
+  // A jump is a fault of its own.
   const bool steps = step_of(context.burr, before, state.tool) <= kLongestStep_m;
   std::uint32_t faults = 0;
   for (const Body& body : state.bodies) {
@@ -139,21 +142,22 @@ double spindle_speed_now(const TickContext& context, const SimulationState& stat
 }
 
 ContactResult contact_with_bodies(const TickContext& context, const SimulationState& state,
-                                  const Pose& tool, bool slides, Asked asked,
+                                  const Pose& tool, Motion motion, Outputs outputs,
                                   TickScratch& scratch) noexcept {
   const double dt_s = 1.0 / context.scene.haptics.rate_hz;
   const Pose& before = state.has_pose ? state.tool : tool;
   const Twist twist = motion_between(before, tool, dt_s, spindle_speed_now(context, state));
-  const bool drags = slides && step_of(context.burr, before, tool) <= kLongestStep_m;
+  const bool drags =
+      motion == Motion::kSlides && step_of(context.burr, before, tool) <= kLongestStep_m;
   const ContactQuery query{
       context.burr, tool, context.scene.tissues, context.scene.haptics, drags ? &twist : nullptr,
-      asked};
-  scratch.forget();
+      outputs};
+  scratch.clear_results();
   ContactResult sum;
   for_each_near(context, state, tool, voxel_m_of(state), [&](std::size_t i) {
-    auto& [contact, found] = scratch.bodies[i];
-    found = evaluate_contact(state.bodies[i], query, contact);
-    sum += found;
+    auto& [contact, result] = scratch.bodies[i];
+    result = evaluate_contact(state.bodies[i], query, contact);
+    sum += result;
   });
   return sum;
 }
@@ -162,7 +166,7 @@ void move_tool(const TickContext& context, const DeviceReading& device, Simulati
                TickScratch& scratch, TickResult& result) noexcept {
   const Pose before = state.has_pose ? state.tool : device.pose;
   if (device.silent && state.has_pose) {
-    go_to(context, state.tool, false, state, scratch, result);
+    go_to(context, state.tool, Motion::kNone, state, scratch, result);
     if (context.scene.coupling) {
       const CouplingSprings springs(*context.scene.coupling, context.burr);
       result.commanded = pull_on_device(springs, device.pose, state.tool, context.burr.reference_m);
@@ -172,7 +176,7 @@ void move_tool(const TickContext& context, const DeviceReading& device, Simulati
   } else if (context.scene.coupling) {
     follow_coupling(context, device, state, scratch, result);
   } else {
-    go_to(context, device.pose, device.slides, state, scratch, result);
+    go_to(context, device.pose, motion_of(device), state, scratch, result);
   }
   state.has_pose = true;
   result.faults |= result.contact.faults | faults_of_way(context, state, before, result.contact);

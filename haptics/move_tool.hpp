@@ -13,11 +13,15 @@ double spindle_speed_now(const TickContext& context, const SimulationState& stat
 /// World.
 Eigen::Vector3d middle_of_head(const Burr& burr, const Pose& tool) noexcept;
 
-/// Contact of the burr at a pose with the bodies that it is near, and, where it `slides`, what it
-/// drags along on the way from where the tool was: nothing on one of more than kLongestStep_m.
-/// Changes no state.
+/// How the tool has come to a pose: along the surfaces, with friction and cutting, or not, as after
+/// a jump or while the device is silent.
+enum class Motion { kSlides, kNone };
+
+/// Contact of the burr at a pose with the bodies that it is near. Where it slides there from where
+/// the tool was, no further than kLongestStep_m, with the tangential forces of cutting. Changes no
+/// state.
 ContactResult contact_with_bodies(const TickContext& context, const SimulationState& state,
-                                  const Pose& tool, bool slides, Asked asked,
+                                  const Pose& tool, Motion motion, Outputs outputs,
                                   TickScratch& scratch) noexcept;
 
 /// Takes the tool to the device's pose; with a coupling towards where its springs and the contact

@@ -10,10 +10,10 @@ namespace sulcus {
 
 namespace {
 
-/// What normals of the first touch are made by.
-NormalSettings first_tier(const HapticsSettings& settings, const KeptNormals* kept) {
+/// Settings for a voxel's first normal.
+NormalSettings first_tier(const HapticsSettings& settings, const NormalCache* cache) {
   NormalSettings first = settings;
-  if (kept && settings.normals == NormalMethod::kLdm && settings.refine_per_tick > 0) {
+  if (cache && settings.normals == NormalMethod::kLdm && settings.refine_per_tick > 0) {
     first.normals = NormalMethod::kLdmFast;
   }
   return first;
@@ -22,21 +22,21 @@ NormalSettings first_tier(const HapticsSettings& settings, const KeptNormals* ke
 /// Walks over contacts leaf by leaf.
 class LeafWalk {
  public:
-  explicit LeafWalk(const KeptNormals* kept) : kept_(kept) {}
+  explicit LeafWalk(const NormalCache* cache) : cache_(cache) {}
   /// The page of the contact's leaf, or null.
-  const KeptNormals::Page* page(std::uint32_t key) {
-    if (!kept_) return nullptr;
+  const NormalCache::Page* page(std::uint32_t key) {
+    if (!cache_) return nullptr;
     if (const std::uint32_t leaf = leaf_key(key); leaf != leaf_) {
       leaf_ = leaf;
-      page_ = kept_->find(leaf);
+      page_ = cache_->find(leaf);
     }
     return page_;
   }
 
  private:
-  const KeptNormals* kept_;
+  const NormalCache* cache_;
   std::uint32_t leaf_ = ~0u;
-  const KeptNormals::Page* page_ = nullptr;
+  const NormalCache::Page* page_ = nullptr;
 };
 
 void put(ContactScratch& scratch, std::size_t i, const SurfaceEstimate& e, float voxel_m) {
@@ -48,45 +48,45 @@ Eigen::Vector3f outward_of(const ContactScratch& scratch, std::size_t i) {
   return scratch.block.vector(ContactBlock::kOutward, i - scratch.block.first());
 }
 
-void ask(ContactScratch& scratch, std::size_t i) {
+void request(ContactScratch& scratch, std::size_t i) {
   scratch.queries.push_back(VoxelQuery{cell_of_key(scratch.contacts.keys()[i])});
   scratch.queried.push_back(static_cast<std::uint32_t>(i));
 }
 
-/// Takes what is kept of contacts from `start` on, and asks for what is not. Adds what the tool
-/// vetoes of it where `told`.
+/// Takes the cached normals of contacts from `start` on, and requests the others. Where `use_veto`,
+/// lists those that the tool hint vetoes.
 ///
-/// Block by block, so that memory is asked for a block before it is read: first where the pages of
-/// its leaves are looked up, then the pages, then, by their masks, its values, and then they are
-/// taken. Of many contacts the pages are more than the caches hold.
-void take_kept(const KeptNormals& kept, float voxel_m, bool told, ContactScratch& scratch,
-               std::size_t start) {
-  static constexpr KeptNormals::Value kNothing{};
+/// In blocks of a pipeline, since the pages of many contacts are more than the processor's caches
+/// hold: prefetch the table, find the pages and prefetch them, find the values and prefetch them,
+/// take them.
+void take_cached(const NormalCache& cache, float voxel_m, bool use_veto, ContactScratch& scratch,
+                 std::size_t start) {
+  static constexpr NormalCache::Value kNothing{};
   const ContactArrays arrays = arrays_of(scratch.contacts, start);
   const BlockArrays block_arrays = arrays_of(scratch.block, start);
   const std::uint32_t* const keys = arrays.keys;
-  const std::size_t blocks = (arrays.size + kKeptBlock - 1) / kKeptBlock;
+  const std::size_t blocks = (arrays.size + kCachedBlock - 1) / kCachedBlock;
   const auto count_of = [&](std::size_t block) {
-    return std::min(kKeptBlock, arrays.size - block * kKeptBlock);
+    return std::min(kCachedBlock, arrays.size - block * kCachedBlock);
   };
-  const KeptNormals::Page* pages[kKeptBlock];
-  const float* both[2][kKeptBlock];  // of two blocks, so that a whole round passes between
+  const NormalCache::Page* pages[kCachedBlock];
+  const float* both[2][kCachedBlock];  // of two blocks: found in one round, taken two rounds later
 
   // A look at each eighth meets nearly every leaf, and costs less than to miss none.
   const auto ask_pages = [&](std::size_t block) {
     for (std::size_t k = 0; k < count_of(block); k += 8) {
-      kept.prefetch(leaf_key(keys[block * kKeptBlock + k]));
+      cache.prefetch(leaf_key(keys[block * kCachedBlock + k]));
     }
   };
-  LeafWalk walk(&kept);
-  const KeptNormals::Page* found = nullptr;
+  LeafWalk walk(&cache);
+  const NormalCache::Page* found = nullptr;
   const auto find_pages = [&](std::size_t block) {
     for (std::size_t k = 0; k < count_of(block); ++k) {
-      const std::uint32_t key = keys[block * kKeptBlock + k];
-      const KeptNormals::Page* const page = walk.page(key);
+      const std::uint32_t key = keys[block * kCachedBlock + k];
+      const NormalCache::Page* const page = walk.page(key);
       if (page && page != found) {
         __builtin_prefetch(&page->kept);
-        scratch.kept_leaves.push_back(kept.place_of(leaf_key(key), *page));
+        scratch.cached_leaves.push_back(cache.place_of(leaf_key(key), *page));
       }
       pages[k] = found = page;
     }
@@ -95,24 +95,24 @@ void take_kept(const KeptNormals& kept, float voxel_m, bool told, ContactScratch
     const std::size_t count = count_of(block);
     auto& values = both[block % 2];
     for (std::size_t k = 0; k < count; ++k) {
-      const std::size_t i = block * kKeptBlock + k;
-      const KeptNormals::Page* const page = pages[k];
+      const std::size_t i = block * kCachedBlock + k;
+      const NormalCache::Page* const page = pages[k];
       const int place = leaf_place(keys[i]);
-      if (page && KeptNormals::is(page->kept, place)) {
+      if (page && NormalCache::is(page->kept, place)) {
         values[k] = page->values[static_cast<std::size_t>(place)].normal;
         __builtin_prefetch(values[k]);
       } else {
         values[k] = kNothing.normal;
-        ask(scratch, start + i);
+        request(scratch, start + i);
       }
     }
-    std::fill(values + count, values + kKeptBlock, kNothing.normal);
+    std::fill(values + count, values + kCachedBlock, kNothing.normal);
   };
   const auto take = [&](std::size_t block) {
-    const std::size_t first = block * kKeptBlock;
-    std::uint64_t away = contact_kernels().take_kept(both[block % 2], count_of(block), voxel_m,
-                                                     arrays, block_arrays, first);
-    for (; told && away != 0; away &= away - 1) {
+    const std::size_t first = block * kCachedBlock;
+    std::uint64_t away = contact_kernels().take_cached(both[block % 2], count_of(block), voxel_m,
+                                                       arrays, block_arrays, first);
+    for (; use_veto && away != 0; away &= away - 1) {
       scratch.vetoed.push_back(static_cast<std::uint32_t>(start + first) +
                                static_cast<std::uint32_t>(std::countr_zero(away)));
     }
@@ -125,29 +125,29 @@ void take_kept(const KeptNormals& kept, float voxel_m, bool told, ContactScratch
   }
 }
 
-bool is_refined(const KeptNormals::Page* page, std::uint32_t key) {
-  return page && KeptNormals::is(page->refined, leaf_place(key));
+bool is_refined(const NormalCache::Page* page, std::uint32_t key) {
+  return page && NormalCache::is(page->refined, leaf_place(key));
 }
 
 }  // namespace
 
-void normals(const Workpiece& workpiece, const HapticsSettings& settings, const KeptNormals* kept,
+void normals(const Workpiece& workpiece, const HapticsSettings& settings, const NormalCache* cache,
              ContactScratch& scratch, std::size_t first) noexcept {
   const Contacts& contacts = scratch.contacts;
   const auto voxel_m = static_cast<float>(workpiece.grid().voxel_m);
-  const NormalSettings at_first = first_tier(settings, kept);
+  const NormalSettings at_first = first_tier(settings, cache);
   scratch.vetoed.clear();
-  const bool told = use_tool(settings.normals);
+  const bool use_veto = use_tool(settings.normals);
   if (first == 0) {
     scratch.queries.clear();
     scratch.queried.clear();
-    scratch.kept_leaves.clear();
+    scratch.cached_leaves.clear();
   }
-  const std::size_t asked = scratch.queries.size();
-  if (kept) {
-    take_kept(*kept, voxel_m, told, scratch, first);
+  const std::size_t first_query = scratch.queries.size();
+  if (cache) {
+    take_cached(*cache, voxel_m, use_veto, scratch, first);
   } else {
-    // Nothing has to be the same for another tool: each is asked for with what this one says.
+    // Nothing is cached: each is found with the tool hint at once.
     scratch.queries.resize(contacts.size());
     scratch.queried.resize(contacts.size());
     for (std::size_t i = first; i < contacts.size(); ++i) {
@@ -156,24 +156,23 @@ void normals(const Workpiece& workpiece, const HapticsSettings& settings, const 
     }
   }
   scratch.estimates.resize(scratch.queries.size());
-  estimate_surfaces(workpiece, std::span(scratch.queries).subspan(asked), at_first,
-                    std::span(scratch.estimates).subspan(asked));
-  for (std::size_t q = asked; q < scratch.queries.size(); ++q) {
+  estimate_surfaces(workpiece, std::span(scratch.queries).subspan(first_query), at_first,
+                    std::span(scratch.estimates).subspan(first_query));
+  for (std::size_t q = first_query; q < scratch.queries.size(); ++q) {
     const std::uint32_t i = scratch.queried[q];
     put(scratch, i, scratch.estimates[q], voxel_m);
-    if (kept && told && !(scratch.estimates[q].normal.dot(outward_of(scratch, i)) > 0.0f)) {
+    if (cache && use_veto && !(scratch.estimates[q].normal.dot(outward_of(scratch, i)) > 0.0f)) {
       scratch.vetoed.push_back(i);
     }
   }
   if (scratch.vetoed.empty()) return;
 
-  // What the tool has to say: it names a side where the solid has none, and vetoes. A normal that
-  // it does not veto is the same with and without it (a test), so only the others are found again,
-  // tier by tier.
+  // The tool hint names a side where the solid has none, and vetoes normals. A normal that it does
+  // not veto is the same with and without it (a test), so only the others are found again.
   for (const bool refined : {false, true}) {
     scratch.tool_queries.clear();
     scratch.tool_queried.clear();
-    LeafWalk again(kept);
+    LeafWalk again(cache);
     for (const std::uint32_t i : scratch.vetoed) {
       const std::uint32_t key = contacts.keys()[i];
       if (is_refined(again.page(key), key) != refined) continue;
@@ -190,36 +189,38 @@ void normals(const Workpiece& workpiece, const HapticsSettings& settings, const 
 }
 
 void keep_found(const HapticsSettings& settings, std::uint64_t tick, const ContactScratch& scratch,
-                KeptNormals& kept) noexcept {
+                NormalCache& cache) noexcept {
   if (!use_tool(settings.normals)) return;
   for (std::size_t q = 0; q < scratch.queried.size(); ++q) {
-    kept.keep(scratch.contacts.keys()[scratch.queried[q]], scratch.estimates[q], false, tick);
+    cache.keep(scratch.contacts.keys()[scratch.queried[q]], scratch.estimates[q],
+               NormalTier::kFirst, tick);
   }
 }
 
 void keep_normals(const Workpiece& workpiece, const HapticsSettings& settings, std::uint64_t tick,
-                  ContactScratch& scratch, KeptNormals& kept) noexcept {
+                  ContactScratch& scratch, NormalCache& cache) noexcept {
   if (!use_tool(settings.normals)) return;
   const Contacts& contacts = scratch.contacts;
-  kept.touch(scratch.kept_leaves, tick);
-  keep_found(settings, tick, scratch, kept);
+  cache.mark_used(scratch.cached_leaves, tick);
+  keep_found(settings, tick, scratch, cache);
   if (settings.normals != NormalMethod::kLdm || settings.refine_per_tick == 0) return;
 
   const auto most = std::min(static_cast<std::size_t>(settings.refine_per_tick), scratch.capacity);
   scratch.tool_queries.clear();
-  LeafWalk walk(&kept);
+  LeafWalk walk(&cache);
   for (std::size_t i = 0; i < contacts.size() && scratch.tool_queries.size() < most; ++i) {
     const std::uint32_t key = contacts.keys()[i];
-    const KeptNormals::Page* page = walk.page(key);
+    const NormalCache::Page* page = walk.page(key);
     const int place = leaf_place(key);
-    if (!page || !KeptNormals::is(page->kept, place) || KeptNormals::is(page->refined, place))
+    if (!page || !NormalCache::is(page->kept, place) || NormalCache::is(page->refined, place))
       continue;
     scratch.tool_queries.push_back(VoxelQuery{cell_of_key(key)});
   }
   scratch.tool_estimates.resize(scratch.tool_queries.size());
   estimate_surfaces(workpiece, scratch.tool_queries, settings, scratch.tool_estimates);
   for (std::size_t q = 0; q < scratch.tool_queries.size(); ++q) {
-    kept.keep(voxel_key(scratch.tool_queries[q].voxel), scratch.tool_estimates[q], true, tick);
+    cache.keep(voxel_key(scratch.tool_queries[q].voxel), scratch.tool_estimates[q],
+               NormalTier::kRefined, tick);
   }
 }
 

@@ -2,30 +2,29 @@
 
 #include "engine/volume/workpiece.hpp"
 #include "haptics/contact.hpp"
-#include "haptics/kept_normals.hpp"
+#include "haptics/normal_cache.hpp"
 
 namespace sulcus {
 
-/// Normal and surface offset of every contact by the scene's method (engine/normals), which is told
-/// the burr's distance gradient at the voxel: what is kept where it stands, else found now, in the
-/// tier that the state says (KeptNormals). `kept` may be null: nothing is kept, and every normal is
-/// of the scene's method. What is undefined stays zero; contact_force takes the gradient itself
-/// there. What was found is left in the scratch for `keep_normals`, which goes with `kept`: without
-/// it the tool has had its say in it.
+/// Normal and surface offset of the contacts from `first` on, by the scene's method
+/// (engine/normals), with the tool hint at each voxel: the cached normal, or else a new one of the
+/// first tier (NormalTier). What is undefined stays zero; there contact_force takes the hint
+/// itself. Adds what it finds to what was found for the contacts before.
 ///
-/// Of contacts from `first` on alone; adds to what was found for those before.
-void normals(const Workpiece& workpiece, const HapticsSettings& settings, const KeptNormals* kept,
+/// New estimates stay in the scratch for keep_normals. Without a cache (null) every normal is of
+/// the scene's own method, and the estimates already have the tool's veto: they must not be cached.
+void normals(const Workpiece& workpiece, const HapticsSettings& settings, const NormalCache* cache,
              ContactScratch& scratch, std::size_t first) noexcept;
 
-/// Keeps what an evaluation has found, so that the next in the same tick does not find it again.
-/// Changes no result: the workpiece stays as it is until the contact is done with.
+/// Caches what an evaluation has found, for the next one in the same tick. Changes no result: the
+/// workpiece stays as it is until the tick's last evaluation.
 void keep_found(const HapticsSettings& settings, std::uint64_t tick, const ContactScratch& scratch,
-                KeptNormals& kept) noexcept;
+                NormalCache& cache) noexcept;
 
-/// After the contact has been evaluated, once a tick and before anything is cut: keeps what was
-/// found, and refines up to `settings.refine_per_tick` normals from ldm_fast to ldm, in the order
-/// of the contacts. The forces of this tick are not changed.
+/// Once a tick, after its last evaluation and before anything is cut: caches what was found, and
+/// refines up to `settings.refine_per_tick` normals, in the order of the contacts. The forces of
+/// this tick do not change.
 void keep_normals(const Workpiece& workpiece, const HapticsSettings& settings, std::uint64_t tick,
-                  ContactScratch& scratch, KeptNormals& kept) noexcept;
+                  ContactScratch& scratch, NormalCache& cache) noexcept;
 
 }  // namespace sulcus

@@ -45,7 +45,7 @@ std::uint32_t removal(Workpiece& workpiece, std::span<const TissueSettings> tiss
                       std::vector<Edit>& edits) noexcept;
 
 /// Takes voxels (VoxelGrid::linear) of pieces that were cut loose out of the workpiece, and what
-/// cutting had stored in them out of the table. Those that are not solid any more are passed over.
+/// cutting had stored in them out of the table. Those that are not solid any more are skipped.
 /// Appended to `edits`, which has room for them.
 void remove_loose(Workpiece& workpiece, std::span<const std::uint32_t> voxels, std::uint64_t tick,
                   RemovalState& state, std::vector<Edit>& edits) noexcept;

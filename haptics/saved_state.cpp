@@ -115,37 +115,37 @@ void removal(Archive& archive, const VoxelGrid& grid, Removal& part) {
   }
 }
 
-/// The leaves in their order, by which the oldest gives way; and which normals had been refined.
-/// The others are found again when they are touched, and are the same then.
-void kept_normals(Writer& write, const std::optional<KeptNormals>& kept) {
-  if (!fields::presence(write, kept)) return;
-  write(static_cast<std::uint32_t>(kept->pages().size()));
-  for (const KeptNormals::Page& page : kept->pages()) {
+/// The leaves in their order, by which the oldest is evicted, and which normals had been refined.
+/// The others are the same when they are found again.
+void normal_cache(Writer& write, const std::optional<NormalCache>& cache) {
+  if (!fields::presence(write, cache)) return;
+  write(static_cast<std::uint32_t>(cache->pages().size()));
+  for (const NormalCache::Page& page : cache->pages()) {
     fields::all(write, page.first_key, page.touched);
     fields::each(write, page.refined);
   }
 }
 
-void kept_normals(Reader& read, const HapticsSettings& settings, const Workpiece& solid,
-                  std::optional<KeptNormals>& kept) {
-  if (!fields::presence(read, kept)) return;
-  if (kept) kept->clear();
+void normal_cache(Reader& read, const HapticsSettings& settings, const Workpiece& solid,
+                  std::optional<NormalCache>& cache) {
+  if (!fields::presence(read, cache)) return;
+  if (cache) cache->clear();
   const auto count = read.take<std::uint32_t>();
   std::vector<VoxelQuery> queries;
   std::vector<SurfaceEstimate> estimates;
   for (std::uint32_t i = 0; i < count && read.good(); ++i) {
     const auto leaf = read.take<std::uint32_t>();
     const auto touched = read.take<std::uint64_t>();
-    KeptNormals::Mask refined{};
+    NormalCache::Mask refined{};
     fields::each(read, refined);
-    if (!kept) continue;
+    if (!cache) continue;
     if (leaf >> 30 != 0 || leaf != leaf_key(leaf) || !solid.grid().contains(cell_of_key(leaf))) {
       return read.fail();
     }
-    kept->add_leaf(leaf, touched);
+    cache->add_leaf(leaf, touched);
     queries.clear();
     for (int place = 0; place < 512; ++place) {
-      if (!KeptNormals::is(refined, place)) continue;
+      if (!NormalCache::is(refined, place)) continue;
       const Cell voxel = cell_of_key(leaf) + Cell(place & 7, place >> 3 & 7, place >> 6);
       if (!solid.is_surface(voxel)) return read.fail();
       queries.push_back(VoxelQuery{voxel});
@@ -153,7 +153,7 @@ void kept_normals(Reader& read, const HapticsSettings& settings, const Workpiece
     estimates.resize(queries.size());
     estimate_surfaces(solid, queries, settings, estimates);
     for (std::size_t q = 0; q < queries.size(); ++q) {
-      kept->keep(voxel_key(queries[q].voxel), estimates[q], true, touched);
+      cache->keep(voxel_key(queries[q].voxel), estimates[q], NormalTier::kRefined, touched);
     }
   }
 }
@@ -161,11 +161,11 @@ void kept_normals(Reader& read, const HapticsSettings& settings, const Workpiece
 /// What all bodies have.
 void body(Writer& write, const Body& body) {
   removal(write, body.solid.grid(), body.removal);
-  kept_normals(write, body.kept);
+  normal_cache(write, body.normal_cache);
 }
 void body(Reader& read, const HapticsSettings& settings, Body& body) {
   removal(read, body.solid.grid(), body.removal);
-  kept_normals(read, settings, body.solid, body.kept);
+  normal_cache(read, settings, body.solid, body.normal_cache);
 }
 
 }  // namespace

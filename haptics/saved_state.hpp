@@ -16,7 +16,7 @@ void save_state(const SimulationState& state, std::vector<std::byte>& bytes);
 
 /// The reverse, into a state that its scene made (initial_state), the bodies'
 /// voxels being as they were then: a tick after it gives the same bits. What the scene no longer
-/// names is passed over, and what it has that was not saved stays as it is. False where the bytes
+/// names is skipped, and what it has that was not saved stays as it is. False where the bytes
 /// are not of a state of these bodies: then `state` is to be thrown away.
 bool load_state(std::span<const std::byte> bytes, const HapticsSettings& settings,
                 SimulationState& state);

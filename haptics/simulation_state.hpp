@@ -13,7 +13,7 @@ namespace sulcus {
 
 /// Everything that can influence a later tick, advanced by the tick alone, hashed in one place.
 struct SimulationState {
-  std::uint64_t tick = 0;  // that comes next
+  std::uint64_t tick = 0;  // number of the next tick
   bool has_pose = false;   // the tool has been somewhere: its motion is known
   Pose tool;               // world from tool, at the last tick
   DevicePortState port;

@@ -11,8 +11,8 @@ inline constexpr int kStageCount = 5;
 inline constexpr std::array<const char*, kStageCount> kStageNames{
     "broad_phase", "narrow_phase", "normals", "contact_force", "removal"};
 
-/// Adds up the time of each stage of a tick. The tick itself has no clock: whoever runs it hands
-/// one in to be told, and no result depends on it. Without one nothing is measured.
+/// Adds up the time of each stage of a tick. The tick itself has no clock: its caller hands one in,
+/// and no result depends on it. Without one nothing is measured.
 class StageClock {
  public:
   using Now = std::uint64_t (*)() noexcept;  // nanoseconds of any steady clock

@@ -10,7 +10,7 @@ namespace sulcus::fields {
 
 // One list of the fields of each part of a SimulationState, for all that goes over them: `Archive`
 // is a Hasher or a saved state's Writer, of a const state, or its Reader. What is hashed is what is
-// saved. Tables that have a hash of their own, part-cut voxels, kept normals and the bodies'
+// saved. Tables that have a hash of their own, part-cut voxels, cached normals and the bodies'
 // voxels, are not in the lists.
 
 /// XXH3-64 of what it is given, in its order.
@@ -57,10 +57,10 @@ void wrench(Archive& archive, W& w) {
   vector(archive, w.torque_Nm);
 }
 
-template <class Archive, class Edge>
-void edge(Archive& archive, Edge& e) {
-  wrench(archive, e.sent);
-  all(archive, e.ramp, e.not_finite_ticks, e.clamped_ticks, e.ramped_ticks, e.step_limited_ticks);
+template <class Archive, class Limiter>
+void limiter(Archive& archive, Limiter& l) {
+  wrench(archive, l.sent);
+  all(archive, l.ramp, l.not_finite_ticks, l.clamped_ticks, l.ramped_ticks, l.step_limited_ticks);
 }
 
 template <class Archive, class Passivity>
@@ -71,10 +71,10 @@ void passivity(Archive& archive, Passivity& p) {
   vector(archive, p.moved.angular_rad_per_s);
   all(archive, p.moved.spindle_rad_per_s, p.energy_J, p.least_J, p.lossless_J);
   wrench(archive, p.contact);
-  for (auto* h : {&p.asked, &p.sent, &p.held}) {
+  for (auto* h : {&p.commanded, &p.sent, &p.held}) {
     wrench(archive, h->wrench);
     vector(archive, h->damping_N);
-    archive(h->changed);
+    archive(h->limited);
   }
   all(archive, p.given_before_J, p.dissipated_J, p.damped_ticks);
 }
@@ -93,7 +93,7 @@ template <class Archive, class Port>
 void port(Archive& archive, Port& p) {
   pose(archive, p.pose);
   archive(p.has_pose);
-  edge(archive, p.edge);
+  limiter(archive, p.limiter);
   passivity(archive, p.passivity);
   buzz(archive, p.buzz);
   archive.since(2, p.silent_ticks);

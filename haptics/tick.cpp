@@ -19,7 +19,7 @@ void remove_loose_pieces(std::span<const std::uint32_t> loose, SimulationState& 
   const auto timed = scratch.clock().time(Stage::kRemoval);
   Body& workpiece = state.workpiece();
   remove_loose(workpiece.solid, loose, state.tick, *workpiece.removal, scratch.edits);
-  if (workpiece.kept) workpiece.kept->drop(scratch.edits);
+  if (workpiece.normal_cache) workpiece.normal_cache->drop(scratch.edits);
 }
 
 /// Whether force and torque can be reckoned with, and the power of every contact that cuts.
@@ -41,17 +41,17 @@ void refuse_not_finite(const SimulationState& state, TickScratch& scratch, TickR
   result.contact.wrench = result.contact.tangential = {};
 }
 
-/// Keeps the normals that were found, and counts which bodies were touched.
+/// Caches the normals that were found, and counts which bodies are in contact.
 void keep_results(const TickContext& context, SimulationState& state, TickScratch& scratch) {
   const auto timed = scratch.clock().time(Stage::kNormals);
   for (std::size_t i = 0; i < state.bodies.size(); ++i) {
     Body& body = state.bodies[i];
-    auto& [contact, found] = scratch.bodies[i];
-    if (body.kept) {
-      keep_normals(body.solid, context.scene.haptics, state.tick, contact, *body.kept);
+    auto& [contact, result] = scratch.bodies[i];
+    if (body.normal_cache) {
+      keep_normals(body.solid, context.scene.haptics, state.tick, contact, *body.normal_cache);
     }
-    if (found.contacts > 0) ++body.touched_ticks;
-    const double force_N = found.wrench.force_N.norm();
+    if (result.contacts > 0) ++body.touched_ticks;
+    const double force_N = result.wrench.force_N.norm();
     if (std::isfinite(force_N)) body.peak_force_N = std::max(body.peak_force_N, force_N);
   }
 }
@@ -65,10 +65,10 @@ std::uint32_t cut_body(const TickContext& context, std::size_t i, SimulationStat
   const std::uint32_t faults = removal(
       body.solid, std::span(context.scene.tissues).subspan(body.first_tissue),
       1.0 / context.scene.haptics.rate_hz, state.tick, contact, *body.removal, scratch.edits);
-  body.solid.switch_off(contact.hollow);
+  body.solid.switch_off(contact.emptied_nodes);
   const auto cut = std::span(scratch.edits).subspan(before);
   for (Edit& edit : cut) edit.body = static_cast<std::uint16_t>(i);
-  if (body.kept) body.kept->drop(cut);
+  if (body.normal_cache) body.normal_cache->drop(cut);
   return faults;
 }
 
@@ -125,8 +125,8 @@ TickResult tick(const TickContext& context, Device& device, SimulationState& sta
 void warm_caches(const TickContext& context, const SimulationState& state,
                  TickScratch& scratch) noexcept {
   if (!state.has_pose) return;
-  contact_with_bodies(context, state, state.tool, true,
-                      context.scene.coupling ? Asked::kCoupled : Asked::kForce, scratch);
+  contact_with_bodies(context, state, state.tool, Motion::kSlides,
+                      context.scene.coupling ? Outputs::kCoupling : Outputs::kForce, scratch);
 }
 
 }  // namespace sulcus

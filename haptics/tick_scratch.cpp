@@ -13,10 +13,10 @@ TickScratch::TickScratch(const Scene& scene, StageClock clock) {
   edits.reserve(bodies.front().contact.capacity * cuttable + (scene.loose_pieces ? kMaxLoose : 0));
 }
 
-void TickScratch::forget() noexcept {
+void TickScratch::clear_results() noexcept {
   for (BodyScratch& body : bodies) {
-    body.contact.forget();
-    body.found = {};
+    body.contact.clear_results();
+    body.result = {};
   }
 }
 

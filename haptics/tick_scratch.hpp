@@ -10,10 +10,10 @@
 
 namespace sulcus {
 
-/// Of one body: what its last evaluation used and found.
+/// Of one body: memory and result of its last evaluation.
 struct BodyScratch {
   ContactScratch contact;
-  ContactResult found;
+  ContactResult result;
 };
 
 /// Memory of a tick, taken when the scene loads.
@@ -21,8 +21,8 @@ struct TickScratch {
   explicit TickScratch(const Scene& scene, StageClock clock = StageClock{});
   static constexpr std::size_t kMaxLoose = 4096;
 
-  /// What evaluations have found, as if they had found nothing.
-  void forget() noexcept;
+  /// Clears the results of the last evaluation of each.
+  void clear_results() noexcept;
   /// Of what is done for all bodies at once.
   StageClock& clock() noexcept { return bodies.front().contact.clock; }
   void reset_clocks() noexcept;

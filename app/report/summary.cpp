@@ -212,9 +212,9 @@ void add_port(const Scene& scene, const DevicePortState& port, const RunStatisti
     j["passivity"]["controller"] = {{"dissipated_J", passivity.dissipated_J},
                                     {"ticks", passivity.damped_ticks}};
   }
-  j["device"] = {{"clamped_ticks", port.edge.clamped_ticks},
-                 {"step_limited_ticks", port.edge.step_limited_ticks},
-                 {"ramped_ticks", port.edge.ramped_ticks},
+  j["device"] = {{"clamped_ticks", port.limiter.clamped_ticks},
+                 {"step_limited_ticks", port.limiter.step_limited_ticks},
+                 {"ramped_ticks", port.limiter.ramped_ticks},
                  {"silent_ticks", s.fault_ticks(kFaultDeviceSilent)},
                  {"bridged_ticks", s.fault_ticks(kFaultPoseBridged)},
                  {"jumped_ticks", s.fault_ticks(kFaultDeviceJumped)}};

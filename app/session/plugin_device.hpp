@@ -23,7 +23,7 @@ namespace sulcus {
 /// nothing, the device is not there yet. A replay needs no plug-in: the poses that it has are those
 /// which came through.
 ///
-/// What is written never steps by more than device_edge lets it, whatever ends a run: the ticks'
+/// What is written never steps by more than limit_output lets it, whatever ends a run: the ticks'
 /// own forces keep to that; where they are cut off, or no more of them come, a ForceFade takes the
 /// rest. Its steps are in no record.
 ///
@@ -94,7 +94,7 @@ class PluginDevice final : public Device {
 
   // The haptic thread's, until it has ended.
   std::function<bool(const Pose&)> is_free_;
-  DeviceEdgeLimits steps_;         // of what is written
+  OutputLimits steps_;             // of what is written
   Wrench written_;                 // last
   std::optional<ForceFade> fade_;  // once there is to be no more force
   bool is_held_ = false;

@@ -46,7 +46,8 @@ std::vector<VoxelModel> Simulation::other_bodies() const {
 
 std::size_t Simulation::contact_bytes() const {
   std::size_t bytes = scratch_.contact_bytes();
-  for (const Body& body : state_.bodies) bytes += body.kept ? body.kept->memory_bytes() : 0;
+  for (const Body& body : state_.bodies)
+    bytes += body.normal_cache ? body.normal_cache->memory_bytes() : 0;
   return bytes;
 }
 

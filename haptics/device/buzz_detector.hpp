@@ -28,7 +28,7 @@ struct BuzzState {
 /// whatever direction the force changes in, and a force that turns a corner does not reverse. The
 /// threshold is to lie above what a device's resolution makes of a wall of stiffness K at rest,
 /// which is under 1.5 K x resolution: see buzz_threshold_N. Once a tick, with the force that is
-/// commanded, before the edge cuts it short.
+/// commanded, before any limit.
 bool buzz(const Eigen::Vector3d& force_N, double threshold_N, double dt_s,
           BuzzState& state) noexcept;
 

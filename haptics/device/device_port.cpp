@@ -90,16 +90,17 @@ Wrench render_wrench(const TickContext& context, const DeviceReading& reading,
   const bool broken = (faults & kFaultNotFinite) != 0;
   Wrench sent = broken ? Wrench{} : wanted;
   if (scene.device && broken) {
-    sent = cut_off(state.edge);
+    sent = cut_off(state.limiter);
   } else if (scene.device) {
     if (scene.device->passivity_controller) {
       sent = control_passivity(sent, settings, state.passivity);
     }
-    DeviceEdgeLimits limits;
+    OutputLimits limits;
     limits.force_N = scene.device->force_limit_N;
     limits.torque_Nm = scene.device->torque_limit_Nm;
     limits.dt_s = dt_s;
-    sent = device_edge(sent, limits, !reading.silent, reading.jumped, state.edge);
+    sent = limit_output(sent, limits, {.silent = reading.silent, .jumped = reading.jumped},
+                        state.limiter);
   }
   hold_wrench(sent, settings, state.passivity);
   if (scene.device || scene.coupling) {

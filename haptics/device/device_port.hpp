@@ -5,7 +5,7 @@
 #include "engine/core/pose.hpp"
 #include "haptics/device/buzz_detector.hpp"
 #include "haptics/device/device.hpp"
-#include "haptics/device/device_edge.hpp"
+#include "haptics/device/output_limiter.hpp"
 #include "haptics/device/passivity.hpp"
 #include "haptics/tick_context.hpp"
 
@@ -16,7 +16,7 @@ struct DevicePortState {
   bool has_pose = false;
   Pose pose;  // of the device, the last that it gave; before the first where it is to start
   std::uint64_t silent_ticks = 0;  // since then
-  DeviceEdgeState edge;
+  OutputLimiterState limiter;
   PassivityState passivity;
   BuzzState buzz;
 };
@@ -24,7 +24,7 @@ struct DevicePortState {
 /// A pose as the tick takes it. One rule for a device's time, whatever gives the poses: no pose for
 /// up to 20 ms is bridged, the last one stands and all goes on; for longer the device is `silent`,
 /// and tool and spindle stand still, until a pose comes, while the force falls to zero
-/// (device_edge). A pose more than kLongestStep_m from the last one is a jump. Of neither a jump
+/// (limit_output). A pose more than kLongestStep_m from the last one is a jump. Of neither a jump
 /// nor the way of a silence the tool has slid: no friction, nothing cut.
 struct DeviceReading {
   Pose pose;    // the last one where there is none
@@ -41,7 +41,7 @@ inline constexpr double kLongestStep_m = 5e-3;
 /// How far the tip or the head's other end goes, whichever goes further.
 double step_of(const Burr& burr, const Pose& from, const Pose& to) noexcept;
 
-/// What a hand feels a scene's contacts as stiff as, at most, N/m: what buzz is listened for with.
+/// Upper bound of the rendered stiffness, N/m; the threshold for buzz goes with it.
 double felt_stiffness(const Scene& scene) noexcept;
 
 /// Asks a device. A pose that is not finite ends the run: kFaultNotFinite, and the pose is the last
@@ -50,7 +50,7 @@ DeviceReading read_pose(const TickContext& context, Device& device, std::uint64_
                         DevicePortState& state) noexcept;
 
 /// From the commanded wrench to the one that is sent: the passivity observer always; with [device]
-/// its controller, where the scene asks for it, and the device's limits (device_edge); with
+/// its controller, where the scene asks for it, and the device's limits (limit_output); with
 /// [device] or [coupling] the buzz detector. A trajectory has no limits. Nothing that is not finite
 /// passes: where a fault says so already, or the wrench is not, what is sent is zero at once. Adds
 /// to `faults`.

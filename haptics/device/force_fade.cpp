@@ -12,7 +12,7 @@ constexpr int kMostSteps = 1'000'000;  // a force beyond all limits ends as well
 
 }  // namespace
 
-ForceFade::ForceFade(const Wrench& held, const DeviceEdgeLimits& limits) noexcept {
+ForceFade::ForceFade(const Wrench& held, const OutputLimits& limits) noexcept {
   const double force_N = held.force_N.norm(), torque_Nm = held.torque_Nm.norm();
   if (!std::isfinite(force_N) || !std::isfinite(torque_Nm)) return;
   if (force_N == 0.0 && torque_Nm == 0.0) return;

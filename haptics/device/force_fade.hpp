@@ -1,7 +1,7 @@
 #pragma once
 
 #include "haptics/contact.hpp"
-#include "haptics/device/device_edge.hpp"
+#include "haptics/device/output_limiter.hpp"
 
 namespace sulcus {
 
@@ -10,7 +10,7 @@ namespace sulcus {
 class ForceFade {
  public:
   /// `held`: what it was sent last. That which is not finite counts as nothing.
-  ForceFade(const Wrench& held, const DeviceEdgeLimits& limits) noexcept;
+  ForceFade(const Wrench& held, const OutputLimits& limits) noexcept;
 
   /// Whether there is anything left to take off.
   bool is_over() const noexcept { return left_ == 0; }

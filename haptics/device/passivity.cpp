@@ -32,8 +32,8 @@ double given_ahead_J(const Wrench& contact, const PassivitySettings& settings,
   const double leak_J = 0.5 * (before_J - now_J);
   const double margin = settings.delayed ? kMarginDelayed : kMargin;
   const double leak_with_margin_J = leak_J > 0.0 ? margin * leak_J : leak_J;
-  // What the edge held back of a force is not the contact's to give or to take.
-  if (state.held.changed) {
+  // What the limits took of a force is not the contact's to give or to take.
+  if (state.held.limited) {
     state.lossless_J = state.energy_J + leak_with_margin_J;
   } else {
     state.lossless_J += -0.5 * (now_J + before_J) + (leak_with_margin_J - leak_J);
@@ -43,7 +43,7 @@ double given_ahead_J(const Wrench& contact, const PassivitySettings& settings,
   // The coming tick holds what was sent in the last one; the one after it this force, which is one
   // and a half ticks late by then.
   const double coming_J =
-      state.sent.changed ? 0.0 : work_J(state.sent.wrench, state.moved) - now_J + leak_J;
+      state.sent.limited ? 0.0 : work_J(state.sent.wrench, state.moved) - now_J + leak_J;
   return given_J + coming_J + 3.0 * leak_with_margin_J;
 }
 
@@ -75,7 +75,7 @@ void observe_passivity(const Pose& reference, PassivityState& state) noexcept {
 
 Wrench control_passivity(const Wrench& wanted, const PassivitySettings& settings,
                          PassivityState& state) noexcept {
-  state.asked = {.wrench = wanted};
+  state.commanded = {.wrench = wanted};
   Wrench contact = wanted;
   if (!settings.renders_torque) contact.torque_Nm.setZero();
   const double given_J = given_ahead_J(contact, settings, state);
@@ -87,11 +87,11 @@ Wrench control_passivity(const Wrench& wanted, const PassivitySettings& settings
   // damping dx . dx over the coming tick is what was given out.
   const double damping_N_per_m =
       std::min(given_J / square_m2, settings.damping_N_s_per_m / settings.dt_s);
-  state.asked.damping_N = within(-damping_N_per_m * moved_m, wanted.force_N, settings.limit_N);
-  if (state.asked.damping_N.isZero(0.0)) return wanted;
-  state.asked.wrench.force_N += state.asked.damping_N;
+  state.commanded.damping_N = within(-damping_N_per_m * moved_m, wanted.force_N, settings.limit_N);
+  if (state.commanded.damping_N.isZero(0.0)) return wanted;
+  state.commanded.wrench.force_N += state.commanded.damping_N;
   ++state.damped_ticks;
-  return state.asked.wrench;
+  return state.commanded.wrench;
 }
 
 void hold_wrench(const Wrench& sent, const PassivitySettings& settings,
@@ -99,8 +99,8 @@ void hold_wrench(const Wrench& sent, const PassivitySettings& settings,
   const bool had_wrench = !is_zero(state.sent);
   const PassivityState::Held before = state.sent;
   state.sent = {.wrench = sent};
-  state.sent.changed = sent.force_N != state.asked.wrench.force_N;
-  if (!state.sent.changed) state.sent.damping_N = state.asked.damping_N;
+  state.sent.limited = sent.force_N != state.commanded.wrench.force_N;
+  if (!state.sent.limited) state.sent.damping_N = state.commanded.damping_N;
   if (is_zero(state.sent)) state.lossless_J = state.energy_J;
   state.held = settings.delayed ? before : state.sent;
   if (had_wrench || is_zero(state.sent)) return;

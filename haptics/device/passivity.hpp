@@ -15,7 +15,7 @@ namespace sulcus {
 ///
 ///   observe_passivity(reference, state)
 ///   wrench = control_passivity(wanted, settings, state)      only where a scene asks for it
-///   sent = device_edge(wrench, ...)
+///   sent = limit_output(wrench, ...)
 ///   hold_wrench(sent, settings, state)                    without `control`, the observer alone
 struct PassivitySettings {
   double limit_N = 3.3;             // the damping takes no force beyond it
@@ -31,7 +31,8 @@ struct PassivityState {
   struct Held {
     Wrench wrench{};
     Eigen::Vector3d damping_N = Eigen::Vector3d::Zero();
-    bool changed = false;  // by the edge; the damping in it is then not known, and zero here
+    bool limited =
+        false;  // by a limit of the output; the damping in it is then not known, and zero here
   };
 
   bool has_reference = false;
@@ -41,7 +42,7 @@ struct PassivityState {
   double least_J = 0.0;         // [observe] of the run
   Wrench contact;               // [control] wanted, what the device renders of it
   double lossless_J = 0.0;      // [control] what a contact that is not sampled would have absorbed
-  Held asked;                   // [control]
+  Held commanded;               // [control]
   Held sent;                    // [hold]
   Held held;                    // [hold] what the device has over the coming tick
   double given_before_J = 0.0;  // by the contacts that are over
@@ -66,10 +67,10 @@ void observe_passivity(const Pose& reference, PassivityState& state) noexcept;
 Wrench control_passivity(const Wrench& wanted, const PassivitySettings& settings,
                          PassivityState& state) noexcept;
 
-/// Takes what was sent, after the edge. A contact begins with the first wrench after a tick without
-/// any, and the energy with it at zero: what an earlier contact's cutting dissipated would hide for
-/// long what a later one gives out. What the edge held back is not the contact's to give or to
-/// take, so where it changed the force the reference starts from what was exchanged.
+/// Takes what was sent, after the limits. A contact begins with the first wrench after a tick
+/// without any, and the energy with it at zero: what an earlier contact's cutting dissipated would
+/// hide for long what a later one gives out. What the limits took is not the contact's to give or
+/// to take, so where it changed the force the reference starts from what was exchanged.
 void hold_wrench(const Wrench& sent, const PassivitySettings& settings,
                  PassivityState& state) noexcept;
 

@@ -51,15 +51,17 @@ TEST(Body, ItsContactIsThatOfTheSameSolidMovedAndTurned) {
   ContactScratch scratch(scene.haptics);
   const Twist twist{{2e-3, -1e-3, 3e-3}, {0.1, 0.2, -0.3}, 700.0};
   const ContactResult at_origin = evaluate_contact(
-      same, {burr(), on_top(), scene.tissues, scene.haptics, &twist, Asked::kStiffness}, scratch);
+      same, {burr(), on_top(), scene.tissues, scene.haptics, &twist, Outputs::kForceAndStiffness},
+      scratch);
   ASSERT_GT(at_origin.contacts, 20u);
 
   const Twist twist_world{place.direction(twist.linear_m_per_s),
                           place.direction(twist.angular_rad_per_s), twist.spindle_rad_per_s};
-  const ContactResult found = evaluate_contact(
-      body,
-      {burr(), place * on_top(), scene.tissues, scene.haptics, &twist_world, Asked::kStiffness},
-      scratch);
+  const ContactResult found =
+      evaluate_contact(body,
+                       {burr(), place * on_top(), scene.tissues, scene.haptics, &twist_world,
+                        Outputs::kForceAndStiffness},
+                       scratch);
   EXPECT_EQ(found.contacts, at_origin.contacts);
   const double force_N = at_origin.wrench.force_N.norm();
   expect_near(found.wrench.force_N, place.direction(at_origin.wrench.force_N), 1e-5 * force_N);
@@ -136,10 +138,10 @@ TEST(BodyTick, BothBodiesPushAtOnce) {
   const Pose between = test::upright({0.5 * apart_m, 0.0, -radius_m});
   const TickResult record = run.step(between);
   const std::uint32_t all = record.contact.contacts;
-  const std::uint32_t with_neighbour = run.scratch.bodies[1].found.contacts;
+  const std::uint32_t with_neighbour = run.scratch.bodies[1].result.contacts;
   EXPECT_GT(with_neighbour, 10u);
   EXPECT_GT(all - with_neighbour, 10u);
-  const Vector3d from_neighbour = run.scratch.bodies[1].found.wrench.force_N;
+  const Vector3d from_neighbour = run.scratch.bodies[1].result.wrench.force_N;
   EXPECT_LT(from_neighbour.x(), -0.01) << "pushed away from it";
   EXPECT_LT(std::abs(record.sent.force_N.x()), 0.1 * std::abs(from_neighbour.x())) << "they cancel";
   EXPECT_EQ(run.neighbour().touched_ticks, 1u);

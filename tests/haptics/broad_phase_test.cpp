@@ -181,12 +181,12 @@ TEST(BroadPhase, NotesHollowNodesAndChangesNone) {
   ContactScratch scratch{HapticsSettings{}};
   for (int again = 0; again < 3; ++again) {
     broad_phase(workpiece, kCapsule, Pose{}, 0.0, scratch);
-    ASSERT_EQ(scratch.hollow, std::vector<std::uint32_t>{emptied});
+    ASSERT_EQ(scratch.emptied_nodes, std::vector<std::uint32_t>{emptied});
   }
   const std::vector<std::uint32_t> leaves = scratch.leaves;
-  workpiece.switch_off(scratch.hollow);
+  workpiece.switch_off(scratch.emptied_nodes);
   broad_phase(workpiece, kCapsule, Pose{}, 0.0, scratch);
-  EXPECT_TRUE(scratch.hollow.empty());
+  EXPECT_TRUE(scratch.emptied_nodes.empty());
   EXPECT_EQ(scratch.leaves, leaves);
 }
 

@@ -163,8 +163,8 @@ TEST_P(ContactKernelsTest, ForcesAreTheSameBitForBit) {
         }
         expect_equal(a.contacts, b.contacts, at_surface && cutting);
         ForceTerms terms;
-        terms.turns = at_surface && cutting;
-        std::ranges::copy(std::array{0.9f, 0.1f, -0.05f, 0.3f, 0.0f, 0.6f}, terms.gain);
+        terms.blend_normals = at_surface && cutting;
+        std::ranges::copy(std::array{0.9f, 0.1f, -0.05f, 0.3f, 0.0f, 0.6f}, terms.edge_blend);
         terms.stiffness_N_per_m = stiffness;
         terms.cutting = cutting;
         terms.with_stiffness = count != 1000u || cutting;
@@ -172,7 +172,7 @@ TEST_P(ContactKernelsTest, ForcesAreTheSameBitForBit) {
         terms.linear[0] = 0.01f;
         terms.turning[2] = 700.0f;
         terms.tangential_ratio = 0.3f;
-        terms.slow_edge_m_per_s = 0.01f;
+        terms.friction_speed_m_per_s = 0.01f;
         ForceSums sums_a, sums_b;
         plain_->forces(frame, terms, arrays_of(a.contacts), sums_a);
         fast_->forces(frame, terms, arrays_of(b.contacts), sums_b);

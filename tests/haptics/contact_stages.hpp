@@ -58,13 +58,13 @@ inline void add_contact(ContactScratch& scratch, const Contact& contact, float d
 /// Forces of contacts whose normals and offsets `surface(cell)` names, in voxels.
 template <class Surface>
 ContactResult force_of(const Workpiece& workpiece, const Burr& burr, const Pose& pose,
-                       double reach_m, Scaling scaling, Asked asked, ContactScratch& scratch,
+                       double reach_m, Scaling scaling, Outputs outputs, ContactScratch& scratch,
                        const Surface& surface) {
   ContactResult result;
   const std::vector<TissueSettings> tissues = one_tissue();
   broad_phase(workpiece, burr.capsule, pose, reach_m, scratch);
   NarrowPhase phase(workpiece, burr.field, pose, reach_m, scratch);
-  ContactForce force(workpiece, burr, pose, scaling, asked);
+  ContactForce force(workpiece, burr, pose, scaling, outputs);
   for (bool more = true; more;) {
     const std::size_t first = scratch.contacts.size();
     more = phase.next();

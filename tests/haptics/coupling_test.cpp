@@ -280,7 +280,7 @@ TEST(Coupling, AStepEndsAtTheBorderOfTheConeThatItWouldPass) {
   const Vector3d axis = Vector3d::UnitZ();
   const double cosine = std::cos(0.1);
   const auto part = [&](const Vector3d& stretch, const Vector3d& step) {
-    return part_in_cone(stretch, step, axis, cosine);
+    return step_fraction_in_cone(stretch, step, axis, cosine);
   };
   const auto angle_after = [&](const Vector3d& stretch, const Vector3d& step) {
     const Vector3d rest = stretch - part(stretch, step) * step;
@@ -299,7 +299,7 @@ TEST(Coupling, AStepEndsAtTheBorderOfTheConeThatItWouldPass) {
 TEST(Coupling, AtItsLimitAStepOfNoLengthIsNoneAndANumber) {
   const Eigen::Vector3d at_limit(1e-3 * (1 + 1e-15), 0, 0);
   for (const Eigen::Vector3d& step : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1e-200, 0, 0)}) {
-    const double part = part_within(at_limit, step, 1e-3);
+    const double part = step_fraction_within(at_limit, step, 1e-3);
     EXPECT_TRUE(part >= 0.0 && part <= 1.0) << part;
   }
 }

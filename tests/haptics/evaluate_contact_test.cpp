@@ -32,7 +32,8 @@ class EvaluateContact : public ::testing::Test {
 
   ContactResult evaluate(const Pose& pose, const Twist* twist = nullptr) {
     return evaluate_contact(workpiece_,
-                            {burr_, pose, tissues_, settings_, twist, Asked::kStiffness}, scratch_);
+                            {burr_, pose, tissues_, settings_, twist, Outputs::kForceAndStiffness},
+                            scratch_);
   }
   /// Everything a caller sees of an evaluation.
   struct Seen {
@@ -88,7 +89,7 @@ TEST_F(EvaluateContact, CallingItAnyNumberOfTimesChangesNothing) {
   const std::vector<ChildStatus> before = statuses();
   const Seen first = see(in_, &twist_);
   ASSERT_GT(first.contacts, 20u);
-  EXPECT_FALSE(scratch_.hollow.empty());
+  EXPECT_FALSE(scratch_.emptied_nodes.empty());
   for (int i = 0; i < 5; ++i) {
     see(elsewhere_);
     EXPECT_TRUE(see(in_, &twist_) == first) << "call " << i;
@@ -150,10 +151,10 @@ class EvaluateManyContacts : public ::testing::Test {
         burr_(make_burr(test::small_burr(BurrShape::kRound, 2.4e-3), kVoxel)) {
     settings_.normals = NormalMethod::kLdmFast;
   }
-  ContactResult evaluate(ContactScratch& scratch, const KeptNormals* kept = nullptr) const {
+  ContactResult evaluate(ContactScratch& scratch, const NormalCache* kept = nullptr) const {
     return evaluate_contact(workpiece_, {burr_, pose_, tissues_, settings_}, scratch, kept);
   }
-  double reach_m() const { return contact_reach_m(workpiece_, settings_.scaling, Asked::kForce); }
+  double reach_m() const { return contact_reach_m(workpiece_, settings_.scaling, Outputs::kForce); }
   /// Voxels as the narrow phase has them, depths as the field at each contact's own surface point,
   /// and the force as their sum.
   void expect_true(const ContactResult& result, const ContactScratch& scratch,
@@ -212,12 +213,13 @@ TEST_F(EvaluateManyContacts, BlocksGiveTheVoxelsDepthsAndForcesOfAll) {
 }
 
 TEST_F(EvaluateManyContacts, BlocksGiveTheSameBitsWithHalfOfTheNormalsKept) {
-  KeptNormals kept(workpiece_.grid(), settings_);
+  NormalCache kept(workpiece_.grid(), settings_);
   ContactScratch scratch(settings_), half(settings_);
   const ContactResult fresh = evaluate(scratch);
   for (std::size_t i = 0; i < scratch.contacts.size(); i += 2) {
     const Cell cell = scratch.contacts[i].cell;
-    kept.keep(voxel_key(cell), estimate_surface(workpiece_, cell, settings_), false, 0);
+    kept.keep(voxel_key(cell), estimate_surface(workpiece_, cell, settings_), NormalTier::kFirst,
+              0);
   }
   const ContactResult found = evaluate(half, &kept);
   EXPECT_EQ(found.wrench.force_N, fresh.wrench.force_N);

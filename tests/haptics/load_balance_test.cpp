@@ -17,7 +17,7 @@ struct Wall {
 
   double balance(double from_m, double load_N, double way_m = 1.0) {
     asked.clear();
-    return balance_load({load_N, kHalfVoxel, way_m}, from_m, [&](double offset_m, bool) {
+    return balance_load({load_N, kHalfVoxel, way_m}, from_m, [&](double offset_m, Outputs) {
       asked.push_back(offset_m);
       return contact(offset_m);
     });

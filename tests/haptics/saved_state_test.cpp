@@ -129,8 +129,9 @@ class SavedState : public ::testing::Test {
   bool keeps_what_was_inside() const {
     for (const Cell& c : test::surface_cells(run_.workpiece())) {
       const std::uint32_t key = voxel_key(c);
-      const KeptNormals::Page* const page = run_.state.workpiece().kept->find(leaf_key(key));
-      if (page && KeptNormals::is(page->refined, leaf_place(key)) &&
+      const NormalCache::Page* const page =
+          run_.state.workpiece().normal_cache->find(leaf_key(key));
+      if (page && NormalCache::is(page->refined, leaf_place(key)) &&
           !uncut_.workpiece().is_surface(c)) {
         return true;
       }
@@ -182,7 +183,7 @@ TEST_F(SavedState, WhateverOfItChangesTheHashChanges) {
   // Byte by byte: what is saved is what is hashed. (Of the kept normals only which are refined is
   // part of the hash, and a leaf's age is not.)
   const std::unique_ptr<TickedRun> again = loaded();
-  for (Body& body : again->state.bodies) body.kept.reset();
+  for (Body& body : again->state.bodies) body.normal_cache.reset();
   std::vector<std::byte> plain;
   save_state(again->state, plain);
   const std::uint64_t hash = again->state.hash();
@@ -224,7 +225,7 @@ TEST_F(SavedState, WhatItHeldBeforeIsGone) {
   TickedRun fresh;
   ASSERT_TRUE(load_state(fresh.saved(), other.scene.haptics, other.state));
   EXPECT_EQ(other.state.workpiece().removal->part_cut.size(), 0u);
-  EXPECT_TRUE(other.state.workpiece().kept->pages().empty());
+  EXPECT_TRUE(other.state.workpiece().normal_cache->pages().empty());
 }
 
 TEST_F(SavedState, WhatASceneDoesNotNameIsPassedOver) {
@@ -238,7 +239,8 @@ TEST_F(SavedState, WhatASceneDoesNotNameIsPassedOver) {
   ASSERT_TRUE(load_state(run_.saved(), less.scene.haptics, less.state));
   EXPECT_EQ(less.state.tick, run_.state.tick);
   EXPECT_FALSE(less.state.workpiece().removal);
-  EXPECT_EQ(less.state.workpiece().kept->hash(), run_.state.workpiece().kept->hash());
+  EXPECT_EQ(less.state.workpiece().normal_cache->hash(),
+            run_.state.workpiece().normal_cache->hash());
   TickedRun more;
   more.cut_as(run_);
   ASSERT_TRUE(load_state(less.saved(), more.scene.haptics, more.state));

@@ -82,10 +82,10 @@ void walk(const F& f, PassivityState::Held& held) {
 }
 template <class F>
 void walk(const F& f, PassivityState& passivity) {
-  auto& [has_reference, reference, moved, energy, least, contact, lossless, asked, sent, held,
+  auto& [has_reference, reference, moved, energy, least, contact, lossless, outputs, sent, held,
          given_before, dissipated, damped_ticks] = passivity;
-  walk_all(f, has_reference, reference, moved, energy, least, contact, lossless, asked, sent, held,
-           given_before, dissipated, damped_ticks);
+  walk_all(f, has_reference, reference, moved, energy, least, contact, lossless, outputs, sent,
+           held, given_before, dissipated, damped_ticks);
 }
 template <class F>
 void walk(const F& f, BuzzState& buzz) {
@@ -93,7 +93,7 @@ void walk(const F& f, BuzzState& buzz) {
   walk_all(f, started, turn, furthest, tick, seen, swings, seen_ticks);
 }
 template <class F>
-void walk(const F& f, DeviceEdgeState& edge) {
+void walk(const F& f, OutputLimiterState& edge) {
   auto& [sent, ramp, not_finite, clamped, ramped, step_limited] = edge;
   walk_all(f, sent, ramp, not_finite, clamped, ramped, step_limited);
 }

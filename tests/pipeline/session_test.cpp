@@ -66,7 +66,7 @@ TEST(SessionThreads, PiecesComeLooseBesideThem) {
     const RecordingReader reader(scratch.path("out/recording.h5"));
     EXPECT_EQ(reader.missing(), "");
     EXPECT_EQ(reader.pieces().size(), 1u);
-    // Asked after ticks 9, 19, ...; every answer is taken in its turn, 50 ticks later or, at real
+    // Outputs after ticks 9, 19, ...; every answer is taken in its turn, 50 ticks later or, at real
     // pace on a busy machine, in a later tick or after the last one.
     const std::vector<TakenAnswerRow> answers = reader.taken_answers();
     ASSERT_FALSE(answers.empty());

@@ -50,7 +50,7 @@ TEST_F(DevicePort, NoPoseIsBridgedFor20MsAtAnyRateAndThenTheForceFalls) {
     device_.next = Pose{{1e-3, 0, 0}};
     const auto ticks_of = [&](double time_s) { return static_cast<int>(time_s * rate_hz + 1e-6); };
     for (int i = 0; i < ticks_of(0.2); ++i) render(read(), {1, 0, 0});
-    ASSERT_EQ(state_.edge.sent.force_N.x(), 1.0);
+    ASSERT_EQ(state_.limiter.sent.force_N.x(), 1.0);
     device_.next.reset();
     for (int i = 0; i < ticks_of(0.02); ++i) {
       const DeviceReading bridged = read();
@@ -59,7 +59,7 @@ TEST_F(DevicePort, NoPoseIsBridgedFor20MsAtAnyRateAndThenTheForceFalls) {
       EXPECT_TRUE(bridged.slides);
       EXPECT_EQ(bridged.pose.position.x(), 1e-3);
       render(bridged, {1, 0, 0});
-      EXPECT_EQ(state_.edge.sent.force_N.x(), 1.0);
+      EXPECT_EQ(state_.limiter.sent.force_N.x(), 1.0);
     }
     // Falls from the tick after the first silent one on: never by more than its part of 50 ms.
     double last_N = 1.0;
@@ -69,7 +69,7 @@ TEST_F(DevicePort, NoPoseIsBridgedFor20MsAtAnyRateAndThenTheForceFalls) {
       EXPECT_TRUE(silent.silent);
       EXPECT_FALSE(silent.slides);
       render(silent, {1, 0, 0});
-      const double now_N = state_.edge.sent.force_N.x();
+      const double now_N = state_.limiter.sent.force_N.x();
       EXPECT_LE(last_N - now_N, 1.0 / (0.05 * rate_hz) + 1e-9);
       last_N = now_N;
     }
@@ -95,7 +95,7 @@ TEST_F(DevicePort, ADeviceThatDoesNotAnswerKeepsItsPoseAndLosesItsForce) {
   scene_.device.emplace();
   device_.next = Pose{{1e-3, 0, 0}};
   for (int i = 0; i < 200; ++i) render(read(), {1, 0, 0});
-  EXPECT_EQ(state_.edge.sent.force_N.x(), 1.0);
+  EXPECT_EQ(state_.limiter.sent.force_N.x(), 1.0);
   device_.next.reset();
   for (int i = 0; i < 72; ++i) {
     const DeviceReading silent = read();
@@ -103,7 +103,7 @@ TEST_F(DevicePort, ADeviceThatDoesNotAnswerKeepsItsPoseAndLosesItsForce) {
     EXPECT_EQ(silent.faults, i < 20 ? kFaultPoseBridged : kFaultDeviceSilent);
     render(silent, {1, 0, 0});
   }
-  EXPECT_EQ(state_.edge.sent.force_N.x(), 0.0);
+  EXPECT_EQ(state_.limiter.sent.force_N.x(), 0.0);
 }
 
 TEST_F(DevicePort, MoreThan5MmInATickIsAJumpAtAnyRateWhateverGivesThePoses) {
@@ -146,7 +146,7 @@ TEST_F(DevicePort, ATrajectoryHasNoLimitsAndADeviceItsOwn) {
   EXPECT_EQ(render(read(), asked).force_N, asked);
   scene_.device.emplace();
   for (int i = 0; i < 200; ++i) render(read(), asked);
-  EXPECT_NEAR(state_.edge.sent.force_N.x(), scene_.device->force_limit_N, 1e-12);
+  EXPECT_NEAR(state_.limiter.sent.force_N.x(), scene_.device->force_limit_N, 1e-12);
 }
 
 TEST_F(DevicePort, TheObserverIsAlwaysThereAndTheControllerWhereItIsAskedFor) {
@@ -187,16 +187,16 @@ TEST_F(DevicePort, BehindADeviceWhatIsNotFiniteIsZeroForceAtOnceAndLeavesNoTrace
         return render_wrench(context_, read(), whole, state_, faults_);
       };
       for (int i = 0; i < 200; ++i) render_whole();
-      ASSERT_EQ(state_.edge.sent.force_N.x(), 3.0) << "many steps of the limit";
-      ASSERT_EQ(state_.edge.sent.torque_Nm.x(), 0.09);
+      ASSERT_EQ(state_.limiter.sent.force_N.x(), 3.0) << "many steps of the limit";
+      ASSERT_EQ(state_.limiter.sent.torque_Nm.x(), 0.09);
       if (kind == 4) device_.next->position.x() = kNan;
       const DeviceReading reading = read();
       faults_ |= reading.faults;
       const Wrench sent = render_wrench(context_, reading, broken[kind], state_, faults_);
       EXPECT_TRUE(sent.force_N.isZero(0.0) && sent.torque_Nm.isZero(0.0)) << kind;
-      EXPECT_TRUE(state_.edge.sent.force_N.isZero(0.0)) << kind;
+      EXPECT_TRUE(state_.limiter.sent.force_N.isZero(0.0)) << kind;
       EXPECT_EQ(faults_, kFaultNotFinite);
-      EXPECT_EQ(state_.edge.not_finite_ticks, 1u);
+      EXPECT_EQ(state_.limiter.not_finite_ticks, 1u);
       faults_ = 0;
       device_.next = Pose{};
       EXPECT_TRUE(render_whole().force_N.allFinite()) << "nothing of it stays";

@@ -17,7 +17,7 @@ std::vector<Wrench> all_of(ForceFade fade) {
 }
 
 TEST(ForceFade, FallsInAStraightLineToZeroIn50Ms) {
-  DeviceEdgeLimits limits;
+  OutputLimits limits;
   const Wrench held{Vector3d(0, -1.2, 3.0), Vector3d(0.05, 0, 0)};
   const std::vector<Wrench> sent = all_of(ForceFade(held, limits));
   ASSERT_EQ(sent.size(), 50u);
@@ -30,7 +30,7 @@ TEST(ForceFade, FallsInAStraightLineToZeroIn50Ms) {
 }
 
 TEST(ForceFade, TakesLongerRatherThanLongerSteps) {
-  DeviceEdgeLimits limits;
+  OutputLimits limits;
   limits.dt_s = 10e-3;  // 5 ticks in 50 ms
   for (const Wrench& held :
        {Wrench{Vector3d(40, 0, 0), {0, 0, 0}}, Wrench{Vector3d(0, 0, 3.3), Vector3d(0, 2.0, 0)}}) {
@@ -46,7 +46,7 @@ TEST(ForceFade, TakesLongerRatherThanLongerSteps) {
 }
 
 TEST(ForceFade, OfNothingThereIsNothingToTakeOff) {
-  const DeviceEdgeLimits limits;
+  const OutputLimits limits;
   EXPECT_TRUE(ForceFade({}, limits).is_over());
   const double nan = std::numeric_limits<double>::quiet_NaN();
   ForceFade unknown({Vector3d(nan, 0, 0), {0, 0, 0}}, limits);

@@ -70,7 +70,8 @@ class Run {
       std::uint64_t begin = thread_cpu_ns();
       evaluate(pose);
       tick_ns += static_cast<double>(thread_cpu_ns() - begin);
-      const double reach_m = contact_reach_m(surface_.workpiece(), haptics_.scaling, Asked::kForce);
+      const double reach_m =
+          contact_reach_m(surface_.workpiece(), haptics_.scaling, Outputs::kForce);
       broad_phase(surface_.workpiece(), burr_.capsule, pose, reach_m, scratch_);
       NarrowPhase phase(surface_.workpiece(), burr_.field, pose, reach_m, scratch_);
       for (bool more = true; more;) {

@@ -192,7 +192,7 @@ class Comparison {
   /// The forces of the same contacts with the analytic surface.
   Wrench evaluate_truth(const Workpiece& workpiece, const Pose& pose, const Twist* cutting) {
     const Scene& scene = loaded_.scene;
-    const double reach_m = contact_reach_m(workpiece, scene.haptics.scaling, Asked::kForce);
+    const double reach_m = contact_reach_m(workpiece, scene.haptics.scaling, Outputs::kForce);
     const ContactResult result = evaluate_known(
         workpiece, {loaded_.burr, pose, scene.tissues, scene.haptics, cutting}, reach_m, truth_,
         [&](const Cell& cell) { return molar_->at(workpiece.grid(), cell); });

@@ -16,7 +16,8 @@ ContactResult evaluate_known(const Workpiece& solid, const ContactQuery& query, 
   ContactResult result;
   broad_phase(solid, query.burr.capsule, query.world_from_tool, reach_m, scratch);
   NarrowPhase phase(solid, query.burr.field, query.world_from_tool, reach_m, scratch);
-  ContactForce force(solid, query.burr, query.world_from_tool, query.settings.scaling, query.asked);
+  ContactForce force(solid, query.burr, query.world_from_tool, query.settings.scaling,
+                     query.outputs);
   for (bool more = true; more;) {
     const std::size_t first = scratch.contacts.size();
     more = phase.next();

@@ -181,7 +181,7 @@ Tapped tap(ContactMethod method, std::vector<LateTick> late, std::uint64_t ticks
     run.force_N.push_back(static_cast<float>(felt.force_N.norm()));
     run.depth_mm.push_back(static_cast<float>(-felt.tool.position.z() / kMillimetre));
   }
-  run.step_limited_ticks = tool.rig().simulation().state().port.edge.step_limited_ticks;
+  run.step_limited_ticks = tool.rig().simulation().state().port.limiter.step_limited_ticks;
   return run;
 }
 

@@ -17,46 +17,50 @@
 namespace sulcus {
 
 /// Whether normals are kept under these settings.
-inline bool keeps_normals(const HapticsSettings& settings) {
+inline bool uses_normal_cache(const HapticsSettings& settings) {
   return settings.keep_normals && use_tool(settings.normals);
 }
 
-/// Normals that stand from one tick to the next, leaf by leaf, without what the tool has to say:
-/// they depend on the workpiece alone, so keeping them changes no result. Under `ldm` they come in
-/// two tiers: what is touched for the first time is ldm_fast's until it has been refined, and which
-/// are is part of the state.
+/// By what a cached normal was found.
+enum class NormalTier {
+  kFirst,    // the method of the first contact: ldm_fast under ldm
+  kRefined,  // the scene's own method
+};
+
+/// Normals that stand from one tick to the next, leaf by leaf. They are found without the tool hint
+/// and depend on the solid alone, so that caching them changes no result. Under `ldm` a voxel's
+/// first normal is ldm_fast's, until it is refined; which voxels are refined is part of the state.
 ///
-/// Changed by the tick alone, after the contact has been evaluated; read in between. Memory is
-/// taken when the scene loads, and used as leaves are touched; leaves that were not for 4,000
-/// ticks give way to others, and where memory runs out those that were touched longest ago. Windows
-/// are as those of ldm and ldm_fast; an edit drops what it can have been seen from, and no more
-/// than that.
-class KeptNormals {
+/// The tick alone changes it, after the contact has been evaluated. Memory is taken when the scene
+/// loads, and used leaf by leaf. A leaf without a contact for 4,000 ticks is evicted for another
+/// one, and where memory runs out the leaf whose last contact is longest ago. An edit invalidates
+/// exactly the normals whose sampling window contains it.
+class NormalCache {
  public:
-  KeptNormals(const VoxelGrid& grid, const HapticsSettings& settings);
+  NormalCache(const VoxelGrid& grid, const HapticsSettings& settings);
 
   struct Value {
-    float normal[3], offset;  // voxels; together, as ContactKernels::take_kept reads them
+    float normal[3], offset;  // voxels; together, as ContactKernels::take_cached reads them
   };
   /// Voxels of a leaf, as in LeafBits.
   using Mask = std::array<std::uint64_t, 8>;
-  /// What is kept of a leaf, what is looked at first in a cache line of its own. Nothing is set
-  /// before a page is used, so that those which are not cost no memory.
+  /// The normals of a leaf; the masks that are read first have a cache line of their own. Nothing
+  /// is set before a page is used, so that unused ones cost no memory.
   struct alignas(sizeof(Mask)) Page {
     Mask kept, refined;
-    std::array<Mask, 3> along;      // seen by maps along each axis
-    Mask wide;                      // and with every other column, twice as far
-    std::uint32_t first_key;        // voxel_key of the leaf's first voxel
-    std::uint64_t touched;          // tick
-    std::array<Value, 512> values;  // by leaf_place
+    std::array<Mask, 3> window_axis;  // seen by maps along each axis
+    Mask wide_window;                 // and with every other column, twice as far
+    std::uint32_t first_key;          // voxel_key of the leaf's first voxel
+    std::uint64_t touched;            // tick of its last contact
+    std::array<Value, 512> values;    // by leaf_place
   };
   static bool is(const Mask& mask, int place) {
     return (mask[static_cast<std::size_t>(place >> 6)] >> (place & 63) & 1u) != 0;
   }
 
-  /// Null where nothing of the leaf is kept. Leaves are named by their leaf_key.
+  /// Null where the leaf has no page. Leaves are named by their leaf_key.
   const Page* find(std::uint32_t leaf) const noexcept;
-  /// Asks for the memory that `find` starts from.
+  /// Prefetches what `find` reads first.
   void prefetch(std::uint32_t leaf) const noexcept { __builtin_prefetch(&table_[home(leaf)]); }
   /// A leaf and where its page is, or was before another leaf took that.
   struct Place {
@@ -66,16 +70,17 @@ class KeptNormals {
     return {leaf, static_cast<std::uint32_t>(&page - pages_.get())};
   }
 
-  /// Keeps estimates that were made without the tool. Those that are not defined are passed over.
-  void keep(std::uint32_t key, const SurfaceEstimate& estimate, bool refined,
+  /// Keeps an estimate that was made without the tool hint; one that is not defined is skipped.
+  void keep(std::uint32_t key, const SurfaceEstimate& estimate, NormalTier tier,
             std::uint64_t tick) noexcept;
-  void touch(std::span<const Place> places, std::uint64_t tick) noexcept;
-  /// Drops what has been seen through windows that the edits lie in.
+  /// These leaves have contacts in this tick.
+  void mark_used(std::span<const Place> places, std::uint64_t tick) noexcept;
+  /// Invalidates the normals whose windows the edits lie in.
   void drop(std::span<const Edit> edits) noexcept;
 
-  /// In the order in which they were taken: what a saved state names.
+  /// In the order in which they came into use, which a saved state has too.
   std::span<const Page> pages() const { return {pages_.get(), used_}; }
-  /// Forgets all, and takes leaves again in the order of a saved state.
+  /// Clears all; and adds leaves in the order of a saved state.
   void clear() noexcept;
   void add_leaf(std::uint32_t leaf, std::uint64_t touched) noexcept;
 
@@ -94,12 +99,13 @@ class KeptNormals {
   std::uint32_t longest_untouched(std::uint64_t tick) noexcept;
   Page* make_page(std::uint32_t leaf, std::uint64_t tick) noexcept;
   Page& set_page(std::uint32_t at, std::uint32_t leaf, std::uint64_t tick) noexcept;
-  void forget(std::uint32_t page) noexcept;
+  void evict(std::uint32_t page) noexcept;
   struct CellBox {
     Cell first, last;
   };
   void drop_box(const Cell& lower, const Cell& upper) noexcept;
-  void drop_seen(Page& page, int axis, const CellBox& box, bool wide) noexcept;
+  enum class Window { kNarrow, kWide };
+  void drop_window(Page& page, int axis, const CellBox& box, Window window) noexcept;
   void clear(Page& page, int word, std::uint64_t bits) noexcept;
 
   VoxelGrid grid_;

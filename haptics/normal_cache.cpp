@@ -1,4 +1,4 @@
-#include "haptics/kept_normals.hpp"
+#include "haptics/normal_cache.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -12,14 +12,14 @@ namespace sulcus {
 
 namespace {
 
-constexpr int kAlong = 17;  // reach of a map along its axis: the window of a column, and one
-constexpr int kAround = 2;  // of the coarse normal, all round
-constexpr std::uint32_t kContactsPerLeaf = 16;  // that there may be, for each leaf that can be kept
-// A leaf untouched for so many ticks gives its page to another, so that a long run takes no more
-// memory than its last seconds need; and pages looked at for one, before another is taken. Which
-// they are hangs on the tick alone: there is nothing to save.
-constexpr std::uint64_t kForgotten = 4'000;
-constexpr std::uint32_t kLooks = 16;
+constexpr int kWindowHalfLength = 17;  // voxels along a map's axis: a column's window and one more
+constexpr int kCoarseRadius = 2;       // voxels that a coarse normal is found from
+constexpr std::uint32_t kContactsPerLeaf = 16;  // for sizing: contacts per cached leaf
+// A leaf without a contact for so many ticks may be evicted, so that a long run takes no more
+// memory than its last seconds need. Probes for one depend on the tick alone, so that eviction
+// needs no saved state.
+constexpr std::uint64_t kEvictAfterTicks = 4'000;
+constexpr std::uint32_t kEvictionProbes = 16;
 constexpr std::size_t kListed = 64;     // of the pages untouched longest
 constexpr std::size_t kPagesAhead = 8;  // so many pages ahead their memory is asked for
 
@@ -32,9 +32,9 @@ std::uint64_t slice(int x0, int x1, int y0, int y1) {
 
 }  // namespace
 
-KeptNormals::KeptNormals(const VoxelGrid& grid, const HapticsSettings& settings)
+NormalCache::NormalCache(const VoxelGrid& grid, const HapticsSettings& settings)
     : grid_(grid),
-      across_(std::max(settings.neighbourhood, kAround)),
+      across_(std::max(settings.neighbourhood, kCoarseRadius)),
       wide_(has_wide_maps(settings.neighbourhood) ? 2 * across_ : 0),
       capacity_(
           std::max(64u, static_cast<std::uint32_t>(settings.max_contacts) / kContactsPerLeaf)),
@@ -43,11 +43,11 @@ KeptNormals::KeptNormals(const VoxelGrid& grid, const HapticsSettings& settings)
   old_.reserve(kListed);
 }
 
-std::size_t KeptNormals::home(std::uint32_t leaf) const noexcept {
+std::size_t NormalCache::home(std::uint32_t leaf) const noexcept {
   return (leaf * std::uint64_t{0x9e3779b97f4a7c15}) >> 32 & (table_.size() - 1);
 }
 
-std::size_t KeptNormals::slot_of(std::uint32_t leaf) const noexcept {
+std::size_t NormalCache::slot_of(std::uint32_t leaf) const noexcept {
   std::size_t slot = home(leaf);
   while (table_[slot].page_plus_1 != 0 && table_[slot].leaf != leaf) {
     slot = (slot + 1) & (table_.size() - 1);
@@ -55,28 +55,28 @@ std::size_t KeptNormals::slot_of(std::uint32_t leaf) const noexcept {
   return slot;
 }
 
-const KeptNormals::Page* KeptNormals::find(std::uint32_t leaf) const noexcept {
+const NormalCache::Page* NormalCache::find(std::uint32_t leaf) const noexcept {
   const std::uint32_t entry = table_[slot_of(leaf)].page_plus_1;
   return entry == 0 ? nullptr : &pages_[entry - 1];
 }
 
-KeptNormals::Page* KeptNormals::page(std::uint32_t leaf) noexcept {
+NormalCache::Page* NormalCache::page(std::uint32_t leaf) noexcept {
   const std::uint32_t entry = table_[slot_of(leaf)].page_plus_1;
   return entry == 0 ? nullptr : &pages_[entry - 1];
 }
 
-std::uint32_t KeptNormals::long_untouched(std::uint64_t tick) const noexcept {
-  for (std::uint32_t look = 0; look < std::min(kLooks, used_); ++look) {
-    const auto at = static_cast<std::uint32_t>(mix64(kLooks * tick + look) % used_);
-    if (pages_[at].touched + kForgotten < tick) return at;
+std::uint32_t NormalCache::long_untouched(std::uint64_t tick) const noexcept {
+  for (std::uint32_t look = 0; look < std::min(kEvictionProbes, used_); ++look) {
+    const auto at = static_cast<std::uint32_t>(mix64(kEvictionProbes * tick + look) % used_);
+    if (pages_[at].touched + kEvictAfterTicks < tick) return at;
   }
   return used_;
 }
 
-/// Pages are only ever touched anew, in later ticks than all before: of a list of those untouched
-/// longest, in order, the first that is as it was is still the one. So all pages are looked at once
-/// for many that give way, and never again in a tick that has touched them all.
-std::uint32_t KeptNormals::longest_untouched(std::uint64_t tick) noexcept {
+/// A page's last tick only grows. So of a list of the oldest pages, in order, the first one that is
+/// unchanged is still the oldest. All pages are searched once for many evictions, and not again in
+/// a tick that uses all of them.
+std::uint32_t NormalCache::longest_untouched(std::uint64_t tick) noexcept {
   if (all_touched_ == tick) return capacity_;
   for (; next_old_ < old_.size(); ++next_old_) {
     const Old& old = old_[next_old_];
@@ -105,29 +105,29 @@ std::uint32_t KeptNormals::longest_untouched(std::uint64_t tick) noexcept {
   return capacity_;
 }
 
-KeptNormals::Page* KeptNormals::make_page(std::uint32_t leaf, std::uint64_t tick) noexcept {
+NormalCache::Page* NormalCache::make_page(std::uint32_t leaf, std::uint64_t tick) noexcept {
   std::uint32_t at = long_untouched(tick);
   if (at == used_ && used_ == capacity_) {
     at = longest_untouched(tick);
     if (at == capacity_) return nullptr;  // all are in use
   }
-  if (at < used_) forget(at);
+  if (at < used_) evict(at);
   return &set_page(at, leaf, tick);
 }
 
-KeptNormals::Page& KeptNormals::set_page(std::uint32_t at, std::uint32_t leaf,
+NormalCache::Page& NormalCache::set_page(std::uint32_t at, std::uint32_t leaf,
                                          std::uint64_t tick) noexcept {
   used_ = std::max(used_, at + 1);
   Page& page = pages_[at];
   page.first_key = leaf;
   page.touched = tick;
-  page.kept = page.refined = page.wide = {};
-  page.along = {};
+  page.kept = page.refined = page.wide_window = {};
+  page.window_axis = {};
   table_[slot_of(leaf)] = {leaf, at + 1};
   return page;
 }
 
-void KeptNormals::clear() noexcept {
+void NormalCache::clear() noexcept {
   std::ranges::fill(table_, Slot{});
   used_ = 0;
   hash_ = 0;
@@ -136,11 +136,11 @@ void KeptNormals::clear() noexcept {
   all_touched_.reset();
 }
 
-void KeptNormals::add_leaf(std::uint32_t leaf, std::uint64_t touched) noexcept {
+void NormalCache::add_leaf(std::uint32_t leaf, std::uint64_t touched) noexcept {
   if (!page(leaf) && used_ < capacity_) set_page(used_, leaf, touched);
 }
 
-void KeptNormals::forget(std::uint32_t at) noexcept {
+void NormalCache::evict(std::uint32_t at) noexcept {
   Page& page = pages_[at];
   for (int word = 0; word < 8; ++word) clear(page, word, ~std::uint64_t{0});
   close_gap(
@@ -152,7 +152,7 @@ void KeptNormals::forget(std::uint32_t at) noexcept {
       });
 }
 
-void KeptNormals::keep(std::uint32_t key, const SurfaceEstimate& estimate, bool refined,
+void NormalCache::keep(std::uint32_t key, const SurfaceEstimate& estimate, NormalTier tier,
                        std::uint64_t tick) noexcept {
   if (!estimate.defined) return;
   const std::uint32_t leaf = leaf_key(key);
@@ -165,16 +165,19 @@ void KeptNormals::keep(std::uint32_t key, const SurfaceEstimate& estimate, bool 
   const auto set = [&](Mask& mask, bool value) {
     mask[word] = value ? mask[word] | bit : mask[word] & ~bit;
   };
-  if (refined && !is(p->refined, place)) hash_ ^= mix64(key);
   set(p->kept, true);
-  if (refined) set(p->refined, true);
-  for (std::size_t axis = 0; axis < 3; ++axis) set(p->along[axis], estimate.looked_along(axis));
-  set(p->wide, estimate.looked_wide());
+  if (tier == NormalTier::kRefined) {
+    if (!is(p->refined, place)) hash_ ^= mix64(key);
+    set(p->refined, true);
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    set(p->window_axis[axis], estimate.looked_along(axis));
+  set(p->wide_window, estimate.looked_wide());
   p->values[static_cast<std::size_t>(place)] = {
       {estimate.normal.x(), estimate.normal.y(), estimate.normal.z()}, estimate.offset};
 }
 
-void KeptNormals::touch(std::span<const Place> places, std::uint64_t tick) noexcept {
+void NormalCache::mark_used(std::span<const Place> places, std::uint64_t tick) noexcept {
   for (std::size_t i = 0; i < places.size(); ++i) {
     __builtin_prefetch(&pages_[places[std::min(i + kPagesAhead, places.size() - 1)].page].touched,
                        1);
@@ -187,7 +190,7 @@ void KeptNormals::touch(std::span<const Place> places, std::uint64_t tick) noexc
   }
 }
 
-void KeptNormals::clear(Page& page, int word, std::uint64_t bits) noexcept {
+void NormalCache::clear(Page& page, int word, std::uint64_t bits) noexcept {
   const auto w = static_cast<std::size_t>(word);
   page.kept[w] &= ~bits;
   for (std::uint64_t gone = page.refined[w] & bits; gone != 0; gone &= gone - 1) {
@@ -197,33 +200,33 @@ void KeptNormals::clear(Page& page, int word, std::uint64_t bits) noexcept {
   page.refined[w] &= ~bits;
 }
 
-void KeptNormals::drop_box(const Cell& lower, const Cell& upper) noexcept {
+void NormalCache::drop_box(const Cell& lower, const Cell& upper) noexcept {
   const auto widened = [&](const Cell& reach) {
     return CellBox{(lower - reach).cwiseMax(0),
                    (upper + reach).cwiseMin(grid_.cells - Cell::Ones())};
   };
   const auto window = [&](int axis, int across) {
     Cell reach = Cell::Constant(across);
-    reach[axis] = kAlong;
+    reach[axis] = kWindowHalfLength;
     return widened(reach);
   };
   // Each leaf that any window reaches is looked up once.
-  const CellBox all = widened(Cell::Constant(std::max(kAlong, wide_)));
+  const CellBox all = widened(Cell::Constant(std::max(kWindowHalfLength, wide_)));
   for (int z = all.first.z() & ~7; z <= all.last.z(); z += 8) {
     for (int y = all.first.y() & ~7; y <= all.last.y(); y += 8) {
       for (int x = all.first.x() & ~7; x <= all.last.x(); x += 8) {
         Page* const p = page(voxel_key(x, y, z));
         if (!p) continue;
         for (int axis = 0; axis < 3; ++axis) {
-          drop_seen(*p, axis, window(axis, across_), false);
-          if (wide_ > 0) drop_seen(*p, axis, window(axis, wide_), true);
+          drop_window(*p, axis, window(axis, across_), Window::kNarrow);
+          if (wide_ > 0) drop_window(*p, axis, window(axis, wide_), Window::kWide);
         }
       }
     }
   }
 }
 
-void KeptNormals::drop_seen(Page& page, int axis, const CellBox& box, bool wide) noexcept {
+void NormalCache::drop_window(Page& page, int axis, const CellBox& box, Window window) noexcept {
   const Cell origin = cell_of_key(page.first_key);
   const Cell first = (box.first - origin).cwiseMax(0);
   const Cell last = (box.last - origin).cwiseMin(kLeafEdge - 1);
@@ -231,12 +234,12 @@ void KeptNormals::drop_seen(Page& page, int axis, const CellBox& box, bool wide)
   const std::uint64_t in_slice = slice(first.x(), last.x(), first.y(), last.y());
   for (int k = first.z(); k <= last.z(); ++k) {
     const auto w = static_cast<std::size_t>(k);
-    const std::uint64_t seen = in_slice & page.along[static_cast<std::size_t>(axis)][w];
-    clear(page, k, wide ? seen & page.wide[w] : seen);
+    const std::uint64_t seen = in_slice & page.window_axis[static_cast<std::size_t>(axis)][w];
+    clear(page, k, window == Window::kWide ? seen & page.wide_window[w] : seen);
   }
 }
 
-void KeptNormals::drop(std::span<const Edit> edits) noexcept {
+void NormalCache::drop(std::span<const Edit> edits) noexcept {
   // Edits of a leaf, which come together, as one box.
   for (std::size_t first = 0; first < edits.size();) {
     Cell lower = grid_.cell_of_linear(edits[first].voxel), upper = lower;
@@ -253,7 +256,7 @@ void KeptNormals::drop(std::span<const Edit> edits) noexcept {
   }
 }
 
-std::size_t KeptNormals::memory_bytes() const {
+std::size_t NormalCache::memory_bytes() const {
   return used_ * sizeof(Page) + table_.capacity() * sizeof(Slot);
 }
 

@@ -1,4 +1,4 @@
-#include "haptics/kept_normals.hpp"
+#include "haptics/normal_cache.hpp"
 
 #include <algorithm>
 #include <random>
@@ -24,12 +24,12 @@ bool same(const SurfaceEstimate& a, const SurfaceEstimate& b) {
   return a.defined == b.defined && a.normal == b.normal && a.offset == b.offset;
 }
 
-SurfaceEstimate kept_at(const KeptNormals& kept, const Cell& c) {
+SurfaceEstimate kept_at(const NormalCache& kept, const Cell& c) {
   const std::uint32_t key = voxel_key(c);
-  const KeptNormals::Page* page = kept.find(leaf_key(key));
+  const NormalCache::Page* page = kept.find(leaf_key(key));
   const int place = leaf_place(key);
-  if (!page || !KeptNormals::is(page->kept, place)) return {};
-  const KeptNormals::Value& value = page->values[static_cast<std::size_t>(place)];
+  if (!page || !NormalCache::is(page->kept, place)) return {};
+  const NormalCache::Value& value = page->values[static_cast<std::size_t>(place)];
   return {{value.normal[0], value.normal[1], value.normal[2]}, value.offset, true};
 }
 
@@ -46,7 +46,7 @@ std::vector<Workpiece> shapes() {
   return all;
 }
 
-TEST(KeptNormals, WhatTheToolDoesNotVetoIsTheSameWithoutIt) {
+TEST(NormalCache, WhatTheToolDoesNotVetoIsTheSameWithoutIt) {
   // What keeping rests on: a normal found without the tool is the one found with it, unless it
   // points away from what the tool says.
   std::mt19937 random(3);
@@ -71,14 +71,14 @@ TEST(KeptNormals, WhatTheToolDoesNotVetoIsTheSameWithoutIt) {
   }
 }
 
-TEST(KeptNormals, WhatAnEditLeavesStandingIsWhatAFreshOneWouldBe) {
+TEST(NormalCache, WhatAnEditLeavesStandingIsWhatAFreshOneWouldBe) {
   for (const NormalMethod method : {NormalMethod::kLdm, NormalMethod::kLdmFast}) {
     const HapticsSettings settings = with(method);
     for (Workpiece& workpiece : std::vector<Workpiece>(shapes())) {
-      KeptNormals kept(workpiece.grid(), settings);
+      NormalCache kept(workpiece.grid(), settings);
       std::vector<Cell> cells = test::surface_cells(workpiece);
       for (const Cell& c : cells) {
-        kept.keep(voxel_key(c), estimate_surface(workpiece, c, settings), false, 0);
+        kept.keep(voxel_key(c), estimate_surface(workpiece, c, settings), NormalTier::kFirst, 0);
       }
       std::mt19937 random(9);
       std::vector<Edit> edits;
@@ -108,18 +108,18 @@ TEST(KeptNormals, WhatAnEditLeavesStandingIsWhatAFreshOneWouldBe) {
   }
 }
 
-TEST(KeptNormals, WhereRoomRunsOutTheLeavesTouchedLongestAgoGiveWay) {
+TEST(NormalCache, WhereRoomRunsOutTheLeavesTouchedLongestAgoGiveWay) {
   HapticsSettings settings = with(NormalMethod::kLdmFast);
   settings.max_contacts = 1;  // the fewest leaves: 64
   const VoxelGrid grid{{1024, 16, 8}, 1e-4};
-  KeptNormals kept(grid, settings);
+  NormalCache kept(grid, settings);
   const SurfaceEstimate up{{0, 0, 1}, 0.5f, true, 4};
   const auto leaf = [](int n) { return Cell(8 * (n % 128), 8 * (n / 128), 0); };
-  for (int n = 0; n < 64; ++n) kept.keep(voxel_key(leaf(n)), up, false, 1);
+  for (int n = 0; n < 64; ++n) kept.keep(voxel_key(leaf(n)), up, NormalTier::kFirst, 1);
   EXPECT_EQ(kept.pages().size(), 64u);
-  kept.keep(voxel_key(leaf(64)), up, false, 1);
+  kept.keep(voxel_key(leaf(64)), up, NormalTier::kFirst, 1);
   EXPECT_FALSE(kept_at(kept, leaf(64)).defined) << "all leaves are of this tick";
-  std::vector<KeptNormals::Place> touched;
+  std::vector<NormalCache::Place> touched;
   for (int n = 0; n < 32; ++n) {
     const std::uint32_t key = leaf_key(voxel_key(leaf(n)));
     touched.push_back(kept.place_of(key, *kept.find(key)));
@@ -127,13 +127,13 @@ TEST(KeptNormals, WhereRoomRunsOutTheLeavesTouchedLongestAgoGiveWay) {
   // As if another leaf had taken its page since.
   const std::uint32_t other = leaf_key(voxel_key(leaf(40)));
   touched[3].page = kept.place_of(other, *kept.find(other)).page;
-  kept.touch(touched, 2);
-  for (int n = 64; n < 96; ++n) kept.keep(voxel_key(leaf(n)), up, true, 3);
+  kept.mark_used(touched, 2);
+  for (int n = 64; n < 96; ++n) kept.keep(voxel_key(leaf(n)), up, NormalTier::kRefined, 3);
   for (int n = 0; n < 96; ++n) {
     EXPECT_EQ(kept_at(kept, leaf(n)).defined, n < 32 || n >= 64) << n;
   }
   EXPECT_NE(kept.hash(), 0u);
-  for (int n = 0; n < 64; ++n) kept.keep(voxel_key(leaf(128 + n)), up, false, 4);
+  for (int n = 0; n < 64; ++n) kept.keep(voxel_key(leaf(128 + n)), up, NormalTier::kFirst, 4);
   EXPECT_EQ(kept.hash(), 0u) << "no refined voxel is left";
 }
 
@@ -157,13 +157,13 @@ struct PlainPages {
   }
 };
 
-TEST(KeptNormals, WhichLeavesGiveWayIsWhatLookingAtAllOfThemGives) {
+TEST(NormalCache, WhichLeavesGiveWayIsWhatLookingAtAllOfThemGives) {
   HapticsSettings settings = with(NormalMethod::kLdmFast);
   settings.max_contacts = 1;  // the fewest leaves: 64
   const VoxelGrid grid{{1024, 1024, 8}, 1e-4};
   const SurfaceEstimate up{{0, 0, 1}, 0.5f, true, 4};
   for (const std::uint32_t leaves : {70u, 130u, 1000u}) {
-    KeptNormals kept(grid, settings);
+    NormalCache kept(grid, settings);
     PlainPages plain;
     std::minstd_rand random(leaves);
     // Too few ticks for a leaf to be forgotten.
@@ -177,20 +177,20 @@ TEST(KeptNormals, WhichLeavesGiveWayIsWhatLookingAtAllOfThemGives) {
         const int n = static_cast<int>(random() % leaves);
         return voxel_key({8 * (n % 128), 8 * (n / 128), 0});
       };
-      std::vector<KeptNormals::Place> places;
+      std::vector<NormalCache::Place> places;
       const std::size_t touches = random() % (tick % 100 == 0 ? 400 : 20);
       for (std::size_t i = 0; i < touches; ++i) {
         const std::uint32_t key = leaf();
-        if (const KeptNormals::Page* page = kept.find(key)) {
+        if (const NormalCache::Page* page = kept.find(key)) {
           places.push_back(kept.place_of(key, *page));
           plain.touch(key, tick);
         }
       }
-      kept.touch(places, tick);
+      kept.mark_used(places, tick);
       const std::size_t made = random() % (tick % 50 == 0 ? 200 : 4);
       for (std::size_t i = 0; i < made; ++i) {
         const std::uint32_t key = leaf();
-        kept.keep(key, up, false, tick);
+        kept.keep(key, up, NormalTier::kFirst, tick);
         plain.keep(key, tick);
       }
       ASSERT_EQ(kept.pages().size(), plain.pages.size());
@@ -202,15 +202,15 @@ TEST(KeptNormals, WhichLeavesGiveWayIsWhatLookingAtAllOfThemGives) {
   }
 }
 
-TEST(KeptNormals, ALongRunTakesNoMorePagesThanItsLastSecondsNeed) {
+TEST(NormalCache, ALongRunTakesNoMorePagesThanItsLastSecondsNeed) {
   HapticsSettings settings = with(NormalMethod::kLdmFast);
   const VoxelGrid grid{{1024, 1024, 8}, 1e-4};
-  KeptNormals kept(grid, settings);
+  NormalCache kept(grid, settings);
   const SurfaceEstimate up{{0, 0, 1}, 0.5f, true, 4};
   // A new leaf each 20 ticks: 200 are no older than a leaf is kept untouched, 4,000 ticks.
   for (std::uint64_t n = 0; n < 2000; ++n) {
     const auto at = static_cast<int>(n);
-    kept.keep(voxel_key({8 * (at % 128), 8 * (at / 128), 0}), up, true, 20 * n);
+    kept.keep(voxel_key({8 * (at % 128), 8 * (at / 128), 0}), up, NormalTier::kRefined, 20 * n);
   }
   EXPECT_GE(kept.pages().size(), 200u);
   EXPECT_LE(kept.pages().size(), 300u);
@@ -219,9 +219,9 @@ TEST(KeptNormals, ALongRunTakesNoMorePagesThanItsLastSecondsNeed) {
   }
 }
 
-TEST(KeptNormals, LeavesOfASavedStateKeepTheirPlacesWhateverTheirAge) {
+TEST(NormalCache, LeavesOfASavedStateKeepTheirPlacesWhateverTheirAge) {
   const HapticsSettings settings = with(NormalMethod::kLdmFast);
-  KeptNormals kept({{64, 64, 8}, 1e-4}, settings);
+  NormalCache kept({{64, 64, 8}, 1e-4}, settings);
   const std::uint32_t old_leaf = leaf_key(voxel_key(Cell(0, 0, 0)));
   kept.add_leaf(old_leaf, 3);
   kept.add_leaf(leaf_key(voxel_key(Cell(8, 0, 0))), 30'000);
@@ -257,7 +257,7 @@ class KeptContacts : public ::testing::Test {
 TEST_F(KeptContacts, AreRefinedSoManyATick) {
   const HapticsSettings settings = with(NormalMethod::kLdm, 100);
   ContactScratch scratch(settings);
-  KeptNormals kept(workpiece_.grid(), settings);
+  NormalCache kept(workpiece_.grid(), settings);
   std::uint64_t hash = 0;
   for (std::uint64_t tick = 0; tick < 5; ++tick) {
     touch(scratch);
@@ -280,7 +280,7 @@ TEST_F(KeptContacts, KeepingChangesNoNormal) {
   for (const NormalMethod method : {NormalMethod::kLdm, NormalMethod::kLdmFast}) {
     const HapticsSettings settings = with(method);
     ContactScratch scratch(settings), fresh(settings);
-    KeptNormals kept(workpiece_.grid(), settings);
+    NormalCache kept(workpiece_.grid(), settings);
     for (std::uint64_t tick = 0; tick < 2; ++tick) {
       touch(scratch), touch(fresh);
       normals(workpiece_, settings, &kept, scratch, 0);

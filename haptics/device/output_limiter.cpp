@@ -1,4 +1,4 @@
-#include "haptics/device/device_edge.hpp"
+#include "haptics/device/output_limiter.hpp"
 
 #include <algorithm>
 
@@ -25,20 +25,20 @@ bool equal(const Wrench& a, const Wrench& b) {
 }
 
 /// The ramp of the next tick.
-double next_ramp(double ramp, const DeviceEdgeLimits& limits, bool answered) {
-  return answered ? std::min(1.0, ramp + limits.dt_s / kRamp_s)
-                  : std::max(0.0, ramp - limits.dt_s / kFall_s);
+double next_ramp(double ramp, const OutputLimits& limits, const DeviceAnswer& answer) {
+  return answer.silent ? std::max(0.0, ramp - limits.dt_s / kFall_s)
+                       : std::min(1.0, ramp + limits.dt_s / kRamp_s);
 }
 
 }  // namespace
 
-Wrench cut_off(DeviceEdgeState& state) noexcept {
+Wrench cut_off(OutputLimiterState& state) noexcept {
   ++state.not_finite_ticks;
   return state.sent = {};
 }
 
-Wrench device_edge(const Wrench& wanted, const DeviceEdgeLimits& limits, bool answered, bool jumped,
-                   DeviceEdgeState& state) noexcept {
+Wrench limit_output(const Wrench& wanted, const OutputLimits& limits, const DeviceAnswer& answer,
+                    OutputLimiterState& state) noexcept {
   Wrench rendered;  // what of the wanted the device has
   if (limits.force_N > 0.0) rendered.force_N = wanted.force_N;
   if (limits.torque_Nm > 0.0) rendered.torque_Nm = wanted.torque_Nm;
@@ -46,10 +46,10 @@ Wrench device_edge(const Wrench& wanted, const DeviceEdgeLimits& limits, bool an
                        shortened(rendered.torque_Nm, limits.torque_Nm)};
   if (!equal(clamped, rendered)) ++state.clamped_ticks;
 
-  if (jumped) state.ramp = 0.0;
+  if (answer.jumped) state.ramp = 0.0;
   const Wrench ramped{state.ramp * clamped.force_N, state.ramp * clamped.torque_Nm};
   if (!equal(ramped, clamped)) ++state.ramped_ticks;
-  state.ramp = next_ramp(state.ramp, limits, answered);
+  state.ramp = next_ramp(state.ramp, limits, answer);
 
   const Eigen::Vector3d force_step_N = ramped.force_N - state.sent.force_N;
   const Eigen::Vector3d torque_step_Nm = ramped.torque_Nm - state.sent.torque_Nm;

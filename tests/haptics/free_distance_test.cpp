@@ -1,4 +1,4 @@
-#include "haptics/free_way.hpp"
+#include "haptics/free_distance.hpp"
 
 #include <random>
 
@@ -24,35 +24,37 @@ const Burr& burr() {
   return round;
 }
 
-TEST(FreeWay, IsTheWayToAFaceButForLessThanTwoVoxels) {
+TEST(FreeDistance, IsTheWayToAFaceButForLessThanTwoVoxels) {
   ContactScratch scratch{HapticsSettings{}};
   for (const double gap_m : {0.06e-3, 0.2e-3, 0.35e-3, 0.9e-3, 1.7e-3}) {
     const double way_m =
-        free_way(flat_block(), burr(), test::upright({0, 0, gap_m}), 5e-3, scratch);
+        free_distance(flat_block(), burr(), test::upright({0, 0, gap_m}), 5e-3, scratch);
     EXPECT_LE(way_m, gap_m) << gap_m;
     // Up to eight voxels by the voxels themselves, further by leaves and the capsule.
     const double within_m = gap_m < 7.0 * kVoxel ? 2.0 * kVoxel : 0.6 * gap_m;
     EXPECT_GT(way_m, gap_m - within_m) << gap_m;
   }
-  EXPECT_EQ(free_way(flat_block(), burr(), test::upright({0, 0, -0.1e-3}), 5e-3, scratch), 0.0);
+  EXPECT_EQ(free_distance(flat_block(), burr(), test::upright({0, 0, -0.1e-3}), 5e-3, scratch),
+            0.0);
 }
 
-TEST(FreeWay, IsNoLongerThanAskedForAndThatIsFoundAtOnce) {
+TEST(FreeDistance, IsNoLongerThanAskedForAndThatIsFoundAtOnce) {
   ContactScratch scratch{HapticsSettings{}};
-  EXPECT_EQ(free_way(flat_block(), burr(), test::upright({0, 0, 1e-3}), 0.1e-3, scratch), 0.1e-3);
+  EXPECT_EQ(free_distance(flat_block(), burr(), test::upright({0, 0, 1e-3}), 0.1e-3, scratch),
+            0.1e-3);
 }
 
-TEST(FreeWay, WhatIsNearIsLeftAsNoContact) {
+TEST(FreeDistance, WhatIsNearIsLeftAsNoContact) {
   // What is in the scratch at the end of a tick is cut.
   ContactScratch scratch{HapticsSettings{}};
   for (const double gap_m : {-0.1e-3, 0.06e-3, 0.2e-3}) {
-    free_way(flat_block(), burr(), test::upright({0, 0, gap_m}), 5e-3, scratch);
+    free_distance(flat_block(), burr(), test::upright({0, 0, gap_m}), 5e-3, scratch);
     EXPECT_TRUE(scratch.contacts.empty()) << gap_m;
     EXPECT_TRUE(scratch.queries.empty()) << gap_m;
   }
 }
 
-TEST(FreeWay, NoWayOfThatLengthEndsInContact) {
+TEST(FreeDistance, NoWayOfThatLengthEndsInContact) {
   const Workpiece blobs(test::random_blobs({64, 64, 64}, 5));
   ContactScratch scratch{HapticsSettings{}};
   std::mt19937 random(11);
@@ -61,7 +63,7 @@ TEST(FreeWay, NoWayOfThatLengthEndsInContact) {
   for (int trial = 0; trial < 300; ++trial) {
     const Vector3d axis = Vector3d(part(), part(), part()).normalized();
     Pose pose = test::pose_along(2.5e-3 * Vector3d(part(), part(), part()), axis);
-    const double way_m = free_way(blobs, burr(), pose, 1e-3, scratch);
+    const double way_m = free_distance(blobs, burr(), pose, 1e-3, scratch);
     if (way_m == 0.0) continue;
     ++moved;
     pose.position += 0.999 * way_m * Vector3d(part(), part(), part()).normalized();

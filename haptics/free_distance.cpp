@@ -1,4 +1,4 @@
-#include "haptics/free_way.hpp"
+#include "haptics/free_distance.hpp"
 
 #include <algorithm>
 
@@ -44,10 +44,10 @@ double way_to(const Workpiece& workpiece, const Burr& burr, const Pose& world_fr
 
 }  // namespace
 
-double free_way(const Workpiece& workpiece, const Burr& burr, const Pose& world_from_tool,
-                double wanted_m, ContactScratch& scratch) noexcept {
+double free_distance(const Workpiece& workpiece, const Burr& burr, const Pose& world_from_tool,
+                     double wanted_m, ContactScratch& scratch) noexcept {
   const double way_m = way_to(workpiece, burr, world_from_tool, wanted_m, scratch);
-  scratch.forget();  // what is near is not in contact: removal would take it for that
+  scratch.clear_results();  // what is near is not in contact: removal would take it for that
   return way_m;
 }
 
