@@ -63,17 +63,12 @@ TEST(House, TheTopLevelIsThis) {
 
 TEST(House, TheReadmeIsShort) { EXPECT_LE(lines_of(kRoot / "README.md").size(), 150u); }
 
-// Longer than a source may be: to be taken apart.
-const std::set<std::string> kStillLonger{"engine/normals/map_kernels_vector.inl",
-                                         "engine/normals/tile_kernels_vector.inl"};
-
 TEST(House, NoSourceIsLong) {
   const std::set<std::string> sources{".cpp", ".hpp", ".inl", ".in", ".c", ".h", ".py", ".gp", ""};
   int count = 0;
   for (const fs::path& file : files_below({"app", "engine", "haptics", "tools", "tests"})) {
     const bool data = name_of(file).starts_with("tests/fuzz/") && file.extension() != ".cpp";
     if (data || !sources.contains(file.extension().string())) continue;
-    if (kStillLonger.contains(name_of(file))) continue;
     EXPECT_LE(lines_of(file).size(), 500u) << name_of(file);
     ++count;
   }
