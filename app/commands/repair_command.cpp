@@ -75,6 +75,7 @@ void copy_recording(const RecordingReader& reader, const std::string& missing,
 
 void repair(const std::string& recording, const std::string& file) {
   namespace fs = std::filesystem;
+  if (file.empty()) throw InputError("", "-o", "no name", "a new file, .h5");
   check_output("-o", file, {".h5", ".hdf5"});
   const RecordingReader reader(recording);
   std::error_code error;
