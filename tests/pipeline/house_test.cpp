@@ -75,8 +75,7 @@ TEST(House, NoSourceIsLong) {
   EXPECT_GT(count, 500);
 }
 
-// --- Words
-// -----------------------------------------------------------------------------------------
+// --- Words --------------------------------------------------------------------------------------
 
 /// The string literals of a C++ source, those beside each other as one. What is included is none.
 std::vector<std::string> literals_of(const std::string& text) {
@@ -181,8 +180,7 @@ TEST(House, MessagesUseTheWordsOfTheGlossary) {
   }
 }
 
-// --- Links
-// -----------------------------------------------------------------------------------------
+// --- Links --------------------------------------------------------------------------------------
 
 std::vector<fs::path> documents() {
   std::vector<fs::path> documents = test::readmes(kRoot);
