@@ -14,12 +14,4 @@ Eigen::Vector3i coarse_normal(const Workpiece& workpiece, const Cell& c) noexcep
   return {-sums[0], -sums[1], -sums[2]};
 }
 
-void coarse_sums(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
-                 ColumnBits::Windows* rows, std::array<std::int32_t, 3>* sums) noexcept {
-  for (std::size_t k = 0; k < queries.size(); ++k) {
-    rows[k] = coarse_rows(workpiece, queries[k].voxel);
-  }
-  map_kernels().coarse(rows, queries.size(), sums);
-}
-
 }  // namespace sulcus

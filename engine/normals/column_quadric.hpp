@@ -21,10 +21,10 @@ using QuadricSums = std::array<std::int32_t, kQuadric>;
 /// exactly its level and nothing else.
 template <class Integer, class Number>
 struct FilterSolutionOf {
-  Integer weights, weights_ii;  // sums of the weights, and of weight times i^2 (or j^2)
-  Number value, value_bend;     // c0 to the sums of 1, and of i^2 or j^2
-  Number bend, bend_across;     // c3 to the sums of i^2, j^2
-  Number slope, twist;          // c1 to the sum of i, c4 to that of i j
+  Integer weights, weights_ii;         // sums of the weights, and of weight times i^2 (or j^2)
+  Number value, value_curvature;       // c0 to the sums of 1, and of i^2 or j^2
+  Number curvature, curvature_across;  // c3 to the sums of i^2, j^2
+  Number slope, twist;                 // c1 to the sum of i, c4 to that of i j
 };
 using FilterSolution = FilterSolutionOf<std::int32_t, float>;
 
@@ -32,10 +32,10 @@ using FilterSolution = FilterSolutionOf<std::int32_t, float>;
 /// others follow by exchanging x and y, and by parity the rest is zero.
 template <class Number>
 struct FilterAnswersOf {
-  Number slope_x3, slope_xy2;          // c1 to x^3, x y^2
-  Number value_x4, value_x2y2;         // c0 to x^4, x^2 y^2
-  Number bend_x4, bend_x2y2, bend_y4;  // c3 to x^4, x^2 y^2, y^4
-  Number twist_x3y;                    // c4 to x^3 y
+  Number slope_x3, slope_xy2;                         // c1 to x^3, x y^2
+  Number value_x4, value_x2y2;                        // c0 to x^4, x^2 y^2
+  Number curvature_x4, curvature_x2y2, curvature_y4;  // c3 to x^4, x^2 y^2, y^4
+  Number twist_x3y;                                   // c4 to x^3 y
 };
 using FilterAnswers = FilterAnswersOf<float>;
 
@@ -45,7 +45,7 @@ using FilterAnswers = FilterAnswersOf<float>;
 /// With slopes s and Hessian H of the height at the origin, g^2 = 1 / (1 + |s|^2), and
 /// z2 = 1/2 x'Hx, the surface n'X = 1/2 X'KX solves order by order to
 ///   z3 = z2 t,  t = g^2 s'Hx,   z4 = z2 t^2 + 1/2 g^2 (g^2 s'Hs) z2^2,
-/// so that aslant a quadric has a cubic and a quartic part over the columns, given by its slopes
+/// so that tilted a quadric has a cubic and a quartic part over the columns, given by its slopes
 /// and curvatures. Ignoring them tilts the fit: by 0.8 degrees and more 34 degrees down a cap of 30
 /// voxels' radius (ColumnQuadric test).
 template <class Number>
@@ -58,11 +58,11 @@ using ColumnQuadric = ColumnQuadricOf<float>;
 
 /// The nearest point of a surface to the origin: unit normal there, and how far out along it.
 template <class Number>
-struct FootOf {
+struct ClosestPointOf {
   Number normal_x{}, normal_y{}, normal_z{};
   Number offset{};
 };
-using Foot = FootOf<float>;
+using ClosestPoint = ClosestPointOf<float>;
 
 // The numbers are floats or vectors of them: the same operations in the same order either way.
 // Always inline: two files instantiate them for vectors, in two instruction sets, and the linker
@@ -81,12 +81,12 @@ SULCUS_EVERY_SET QuadricOf<Number> quadric_of(const std::array<Integer, kQuadric
   const Number one = sign * number(sums[0] - centre * s.weights);
   const Number ii = sign * number(sums[3] - centre * s.weights_ii);
   const Number jj = sign * number(sums[5] - centre * s.weights_ii);
-  return {sign * number(level) + 0.5f + (s.value * one + s.value_bend * (ii + jj)),
+  return {sign * number(level) + 0.5f + (s.value * one + s.value_curvature * (ii + jj)),
           s.slope * (sign * number(sums[1])),
           s.slope * (sign * number(sums[2])),
-          s.value_bend * one + (s.bend * ii + s.bend_across * jj),
+          s.value_curvature * one + (s.curvature * ii + s.curvature_across * jj),
           s.twist * (sign * number(sums[4])),
-          s.value_bend * one + (s.bend_across * ii + s.bend * jj)};
+          s.value_curvature * one + (s.curvature_across * ii + s.curvature * jj)};
 }
 
 template <class Number>
@@ -100,7 +100,7 @@ SULCUS_EVERY_SET void complete(ColumnQuadricOf<Number>& q) noexcept {
 
 /// The quadric whose heights give these coefficients, in columns, under a filter with these
 /// answers, `stride` voxels apart: what the filter makes of the cubic and quartic part is taken
-/// off, as far as the coefficients themselves tell it. Once is enough: a second time changes a
+/// off, as far as the coefficients give it. Once is enough: a second time changes a
 /// tooth's normals by 0.01 degrees.
 template <class Number>
 SULCUS_EVERY_SET ColumnQuadricOf<Number> column_quadric(const QuadricOf<Number>& fitted,
@@ -126,9 +126,9 @@ SULCUS_EVERY_SET ColumnQuadricOf<Number> column_quadric(const QuadricOf<Number>&
   q.c[0] = c[0] - fourth * (a.value_x4 * (x4 + y4) + a.value_x2y2 * x2y2);
   q.c[1] = c[1] - second * (a.slope_x3 * x3 + a.slope_xy2 * xy2);
   q.c[2] = c[2] - second * (a.slope_x3 * y3 + a.slope_xy2 * x2y);
-  q.c[3] = c[3] - second * (a.bend_x4 * x4 + a.bend_x2y2 * x2y2 + a.bend_y4 * y4);
+  q.c[3] = c[3] - second * (a.curvature_x4 * x4 + a.curvature_x2y2 * x2y2 + a.curvature_y4 * y4);
   q.c[4] = c[4] - second * a.twist_x3y * (x3y + xy3);
-  q.c[5] = c[5] - second * (a.bend_x4 * y4 + a.bend_x2y2 * x2y2 + a.bend_y4 * x4);
+  q.c[5] = c[5] - second * (a.curvature_x4 * y4 + a.curvature_x2y2 * x2y2 + a.curvature_y4 * x4);
   complete(q);
   return q;
 }
@@ -148,21 +148,23 @@ SULCUS_EVERY_SET void sharpen(const FilterSolutionOf<Integer, Number>& s,
                               const ResidualCubesOf<Number>& cubes, float stride,
                               ColumnQuadricOf<Number>& q) noexcept {
   const float share = 12.0f / 3.0f, per = share / stride, per2 = per / stride;
-  const Number bends = cubes[3] + cubes[5];
-  q.c[0] += share * (s.value * cubes[0] + s.value_bend * bends);
+  const Number curvatures = cubes[3] + cubes[5];
+  q.c[0] += share * (s.value * cubes[0] + s.value_curvature * curvatures);
   q.c[1] += per * (s.slope * cubes[1]);
   q.c[2] += per * (s.slope * cubes[2]);
-  q.c[3] += per2 * (s.value_bend * cubes[0] + (s.bend * cubes[3] + s.bend_across * cubes[5]));
+  q.c[3] += per2 * (s.value_curvature * cubes[0] +
+                    (s.curvature * cubes[3] + s.curvature_across * cubes[5]));
   q.c[4] += per2 * (s.twist * cubes[4]);
-  q.c[5] += per2 * (s.value_bend * cubes[0] + (s.bend_across * cubes[3] + s.bend * cubes[5]));
+  q.c[5] += per2 * (s.value_curvature * cubes[0] +
+                    (s.curvature_across * cubes[3] + s.curvature * cubes[5]));
   complete(q);
 }
 
 /// By a step along the normal from the point above the origin: on the flat surfaces of a map the
 /// rest is far below the noise of its heights. `square_root` is that of the numbers.
 template <class Number, class SquareRoot>
-SULCUS_EVERY_SET FootOf<Number> foot_of(const ColumnQuadricOf<Number>& q,
-                                        const SquareRoot& square_root) noexcept {
+SULCUS_EVERY_SET ClosestPointOf<Number> closest_point_of(const ColumnQuadricOf<Number>& q,
+                                                         const SquareRoot& square_root) noexcept {
   const auto& c = q.c;
   // At the origin, the step, and there.
   const Number first = -c[0] / (1.0f + c[1] * c[1] + c[2] * c[2]);
@@ -183,8 +185,8 @@ inline Quadric quadric_of(const QuadricSums& sums, int centre, int level, int si
   return quadric_of<std::int32_t, float>(sums, centre, level, static_cast<float>(sign), solution,
                                          [](std::int32_t v) { return static_cast<float>(v); });
 }
-inline Foot foot_of(const ColumnQuadric& q) noexcept {
-  return foot_of(q, [](float v) { return std::sqrt(v); });
+inline ClosestPoint closest_point_of(const ColumnQuadric& q) noexcept {
+  return closest_point_of(q, [](float v) { return std::sqrt(v); });
 }
 
 }  // namespace sulcus

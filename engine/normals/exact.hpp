@@ -11,7 +11,7 @@ namespace sulcus {
 /// symmetry. What the two leave open:
 /// - distances are signed, between the centres of a voxel and of the nearest of the other kind in
 ///   the cube, less half a voxel: the surface lies half-way between two neighbours of which one is
-///   solid, and what lies outside tells as much about it as what lies inside;
+///   solid, and what lies outside says as much about it as what lies inside;
 /// - the filter reaches over the ball in the cube of known gradients, which lacks the outermost
 ///   layer: squared offsets up to NS (NS - 1), a radius of NS - 1/2. At NS = 6 that is 5.5; [Kim
 ///   and Park 2019, V-A] cite Flin et al. for 5 being enough;
@@ -21,7 +21,7 @@ namespace sulcus {
 ///   averaged stays centred.
 /// The offset is minus the mean of the signed distances that were averaged, of those within 3
 /// voxels: at the voxel itself every surface voxel has half a voxel, and further out curvature
-/// tells. Undefined: the gradient at the voxel vanishes (a lone voxel, a wall of one voxel, nothing
+/// shows. Undefined: the gradient at the voxel vanishes (a lone voxel, a wall of one voxel, nothing
 /// but solid or nothing but void in the cube). 1 <= neighbourhood <= 12. Pure, no allocation; about
 /// 160 kB of stack.
 SurfaceEstimate estimate_exact(const Workpiece& workpiece, const Cell& voxel,

@@ -7,7 +7,6 @@
 
 #include "engine/normals/ldm_tuning.hpp"
 #include "engine/normals/map_kernels.hpp"
-#include "engine/normals/plane_solution.hpp"
 
 namespace sulcus {
 
@@ -42,7 +41,7 @@ void grow(std::span<PlaneGrowth> growths) {
   std::array<PlaneSums, kMost> sums;
   std::size_t count = 0;
   for (PlaneGrowth& growth : growths) {
-    growth.foot.reset();
+    growth.closest.reset();
     if (growth.first.cosine < kLeastPlaneCosine) continue;
     growing[count++] = {&growth, growth.first, 0.0f};
   }
@@ -65,10 +64,11 @@ void grow(std::span<PlaneGrowth> growths) {
   };
   const auto all = [](const Growing&) { return true; };
 
-  step(PlaneWeight::kTaper, 1.0f, [](const Growing& g) { return g.of->fit; });
+  step(PlaneWeight::kWindow, 1.0f,
+       [](const Growing& g) { return g.of->start == PlaneStart::kFit; });
   for (std::size_t k = 0; k < count; ++k) {
     Growing& g = growing[k];
-    if (g.of->fit) g.plane.slack = kGrownSlack + 0.5f * g.plane.cosine;
+    if (g.of->start == PlaneStart::kFit) g.plane.slack = kGrownSlack + 0.5f * g.plane.cosine;
   }
   step(PlaneWeight::kQuartic, 1.0f / 3.0f, all);
   keep([&](Growing& g, const PlaneSums&) {
@@ -83,20 +83,20 @@ void grow(std::span<PlaneGrowth> growths) {
   for (std::size_t k = 0; k < count; ++k) {
     const auto& [of, plane, bound] = growing[k];
     const float per_voxel = plane.cosine / static_cast<float>(of->map->stride);
-    of->foot =
-        Foot{-plane.c1 * per_voxel, -plane.c2 * per_voxel, plane.cosine, plane.c0 * plane.cosine};
+    of->closest = ClosestPoint{-plane.c1 * per_voxel, -plane.c2 * per_voxel, plane.cosine,
+                               plane.c0 * plane.cosine};
   }
 }
 
 }  // namespace
 
-HeightPlane plane_through(const Foot& foot, int stride, float excess) noexcept {
-  const float per = 1.0f / foot.normal_z, per_column = per * static_cast<float>(stride);
-  return {foot.offset * per, -foot.normal_x * per_column, -foot.normal_y * per_column,
-          foot.normal_z, excess + 0.5f * foot.normal_z};
+HeightPlane plane_through(const ClosestPoint& closest, int stride, float excess) noexcept {
+  const float per = 1.0f / closest.normal_z, per_column = per * static_cast<float>(stride);
+  return {closest.offset * per, -closest.normal_x * per_column, -closest.normal_y * per_column,
+          closest.normal_z, excess + 0.5f * closest.normal_z};
 }
 
-HeightPlane plane_to_grow(const HeightMap& map, const Foot& first) noexcept {
+HeightPlane plane_to_grow(const HeightMap& map, const ClosestPoint& first) noexcept {
   return plane_through(first, map.stride, kGrownSlack);
 }
 
@@ -104,11 +104,11 @@ void grow_planes(std::span<PlaneGrowth> growths) noexcept {
   growths.size() == 1 ? grow<1>(growths) : grow<kMostGrowths>(growths);
 }
 
-std::optional<Foot> grow_plane(const HeightMap& map, const Foot& first, int least,
-                               bool fit) noexcept {
-  PlaneGrowth growth{&map, plane_to_grow(map, first), least, fit, {}};
+std::optional<ClosestPoint> grow_plane(const HeightMap& map, const ClosestPoint& first, int least,
+                                       PlaneStart start) noexcept {
+  PlaneGrowth growth{&map, plane_to_grow(map, first), least, start, {}};
   grow_planes({&growth, 1});
-  return growth.foot;
+  return growth.closest;
 }
 
 }  // namespace sulcus

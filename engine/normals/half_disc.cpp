@@ -8,7 +8,6 @@
 #include "engine/normals/grown_plane.hpp"
 #include "engine/normals/ldm_tuning.hpp"
 #include "engine/normals/map_kernels.hpp"
-#include "engine/normals/plane_solution.hpp"
 
 namespace sulcus {
 
@@ -83,7 +82,7 @@ void look_at_sides(const HeightMap& map, const Eigen::Vector3f& coarse, float be
   std::size_t count = 0;
   for (CurvedSide& side : sides) {
     if (side.settled) continue;
-    const Foot& plane = side.candidate->disc.foot;
+    const ClosestPoint& plane = side.candidate->disc.closest;
     fits[count] = {&map,
                    {plane.normal_x, plane.normal_y, plane.normal_z},
                    radius,
@@ -93,16 +92,16 @@ void look_at_sides(const HeightMap& map, const Eigen::Vector3f& coarse, float be
   }
   fitter.fit(std::span(fits).first(count));
   for (std::size_t k = 0; k < count; ++k) {
-    if (!fits[k].foot) continue;
+    if (!fits[k].closest) continue;
     of[k]->settled = true;
-    const Foot& foot = *fits[k].foot;
-    const Eigen::Vector3f normal(foot.normal_x, foot.normal_y, foot.normal_z);
-    if (normal.dot(coarse) < kLeastCosineToCoarse || foot.offset < kMostInside ||
-        foot.offset > kMostOutside) {
+    const ClosestPoint& closest = *fits[k].closest;
+    const Eigen::Vector3f normal(closest.normal_x, closest.normal_y, closest.normal_z);
+    if (normal.dot(coarse) < kLeastCosineToCoarse || closest.offset < kMostInside ||
+        closest.offset > kMostOutside) {
       continue;
     }
-    of[k]->disc = {foot,
-                   std::abs(foot.offset) - kScorePerBehind * behind - kScorePerRadius * radius};
+    of[k]->disc = {closest,
+                   std::abs(closest.offset) - kScorePerBehind * behind - kScorePerRadius * radius};
   }
 }
 
@@ -122,7 +121,7 @@ void find_curved(const HeightMap& map, const Eigen::Vector3f& coarse,
 }  // namespace
 
 std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vector3f& coarse,
-                                          const Eigen::Vector3f& outward, bool inside,
+                                          const Eigen::Vector3f& outward, VoxelPlace place,
                                           TiltedFitter& fitter) noexcept {
   std::array<PlaneSums, kHalves> halves;
   map_kernels().halves(map, halves);
@@ -139,8 +138,8 @@ std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vec
     *at = *c;
     ++end;
   }
-  // The veto is on what stands at last, and what it takes away makes room for nothing else than its
-  // like, so that it changes no other answer.
+  // The tool may only reject final candidates; a rejected one is replaced by one of its own kind,
+  // so that no answer without a veto depends on the tool.
   bool any = false;
   const auto curved_sides = [&](std::span<const float> behinds) {
     std::array<CurvedSide, kMostSides> sides;
@@ -155,13 +154,13 @@ std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vec
       if (!side.disc) continue;
       any = true;
       if (nearest && !(side.disc->score < nearest->score)) continue;
-      const Foot& foot = side.disc->foot;
-      const Eigen::Vector3f normal(foot.normal_x, foot.normal_y, foot.normal_z);
+      const ClosestPoint& closest = side.disc->closest;
+      const Eigen::Vector3f normal(closest.normal_x, closest.normal_y, closest.normal_z);
       if (!(normal.dot(outward) < 0.0f)) nearest = side.disc;
     }
     return nearest;
   };
-  if (inside) {
+  if (place == VoxelPlace::kInsideFace) {
     const std::optional<HalfDisc> nearest = curved_sides(kBehindInside);
     if (any) return nearest;
   }
@@ -169,10 +168,12 @@ std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vec
     if (!holds(map, *c)) continue;
     any = true;
     HalfDisc disc = c->disc;
-    if (const std::optional<Foot> face = grow_plane(map, disc.foot, kFewestOnGrown, true)) {
-      disc.foot = *face;
+    if (const std::optional<ClosestPoint> face =
+            grow_plane(map, disc.closest, kFewestOnGrown, PlaneStart::kFit)) {
+      disc.closest = *face;
     }
-    const Eigen::Vector3f normal(disc.foot.normal_x, disc.foot.normal_y, disc.foot.normal_z);
+    const Eigen::Vector3f normal(disc.closest.normal_x, disc.closest.normal_y,
+                                 disc.closest.normal_z);
     if (!(normal.dot(outward) < 0.0f)) return disc;
   }
   if (any) return {};

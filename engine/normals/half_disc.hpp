@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include <Eigen/Core>
@@ -10,10 +11,16 @@
 
 namespace sulcus {
 
+/// What a small ball about a voxel shows.
+enum class VoxelPlace : std::uint8_t {
+  kInsideFace,  // it lies in one face
+  kAnywhere
+};
+
 /// A face on one side of the voxel.
 struct HalfDisc {
-  Foot foot;           // of the voxel's centre on what it has grown to, map space
-  float score = 0.0f;  // less is better
+  ClosestPoint closest;  // of the voxel's centre on what it has grown to, map space
+  float score = 0.0f;    // less is better
 };
 
 /// Near an edge, the face that a voxel belongs to: of the planes through eight half-discs of 6.8
@@ -23,10 +30,10 @@ struct HalfDisc {
 /// face of an edge or corner of 50 degrees or more is further than 65 degrees from it. Nor does the
 /// face point away from `outward`, map space, what the tool knows; zero where that is nothing.
 /// Where no half-disc is plane, as on the walls of a narrow hole, it is what explains the part of a
-/// ball on one side (TiltedFitter). Where a small ball about the voxel is `inside` one face, that
+/// ball on one side (TiltedFitter). Of a voxel that is kInsideFace, that
 /// comes first, from just behind it on. None where none does, or `outward` leaves none of its kind.
 std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vector3f& coarse,
-                                          const Eigen::Vector3f& outward, bool inside,
+                                          const Eigen::Vector3f& outward, VoxelPlace place,
                                           TiltedFitter& fitter) noexcept;
 
 }  // namespace sulcus

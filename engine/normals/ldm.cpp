@@ -17,7 +17,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-/// Whether a quadric may explain the heights of a whole map, as far as it can be told without them.
+/// Whether a quadric may explain the heights of a whole map, judged without them.
 bool may_explain(float t_x, float t_y, float rim) noexcept {
   return (std::abs(t_x) + std::abs(t_y)) * rim < kMostCubic;
 }
@@ -47,10 +47,10 @@ VoxelBits find_explained(MapBatch& batch) noexcept {
   return explained;
 }
 
-/// The feet of voxels on what explains a ball about each.
+/// The closest points of voxels on what explains a ball about each.
 struct Balls {
   VoxelBits found = 0, small = 0;  // small: the voxel is near to an edge
-  std::array<Foot, MapBatch::kMaps> feet;
+  std::array<ClosestPoint, MapBatch::kMaps> closest;
 };
 
 /// The largest balls that are explained, of so many voxels, no more than kMaps.
@@ -71,8 +71,8 @@ void find_balls(MapBatch& batch, VoxelBits which, TiltedFitter& fitter, Balls& b
     fitter.fit(std::span(fits).first(count));
     std::size_t left = 0;
     for (std::size_t n = 0; n < count; ++n) {
-      if (fits[n].foot) {
-        balls.feet[of[n]] = *fits[n].foot;
+      if (fits[n].closest) {
+        balls.closest[of[n]] = *fits[n].closest;
         balls.found |= bit_of(of[n]);
         if (radius < kNearEdge) balls.small |= bit_of(of[n]);
       } else {
@@ -88,20 +88,21 @@ void find_balls(MapBatch& batch, VoxelBits which, TiltedFitter& fitter, Balls& b
 struct Flatness {
   bool planar = false, level = false;
 };
-Flatness flatness_of(float bend, float cosine, int neighbourhood) noexcept {
+Flatness flatness_of(float curvature, float cosine, int neighbourhood) noexcept {
   const float planar = kFaceCurvature / static_cast<float>(neighbourhood * neighbourhood);
-  const float least_level = bend <= kNearlyFlat * planar ? kLevelFaceCosine : kLevelCurvedCosine;
-  return {bend <= planar, cosine > least_level && has_wide_maps(neighbourhood)};
+  const float least_level =
+      curvature <= kNearlyFlat * planar ? kLevelFaceCosine : kLevelCurvedCosine;
+  return {curvature <= planar, cosine > least_level && has_wide_maps(neighbourhood)};
 }
 
 /// Whether a face has wide terraces, along an axis or a diagonal.
-bool has_near_whole_slopes(const Foot& foot) noexcept {
+bool has_near_whole_slopes(const ClosestPoint& closest) noexcept {
   const auto near = [&](float component) {
-    const float slope = std::abs(component / foot.normal_z);
+    const float slope = std::abs(component / closest.normal_z);
     const float over = slope - static_cast<float>(static_cast<int>(slope));
     return std::min(over, 1.0f - over) <= kNearWhole;
   };
-  return foot.normal_z > kLeastPlaneCosine && near(foot.normal_x) && near(foot.normal_y);
+  return closest.normal_z > kLeastPlaneCosine && near(closest.normal_x) && near(closest.normal_y);
 }
 
 /// Looks farther than the batch did for the surface of one of its voxels.
@@ -116,31 +117,33 @@ class Refinement {
         hint_(tool_hint(batch.query(k).outward, coarse_)),
         windows_(axes_.window()) {}
 
-  /// From the foot on the quadric that explains the whole map.
-  SurfaceEstimate from_map(const Foot& foot, const Flatness& flatness) noexcept {
+  /// From the closest point on the quadric that explains the whole map.
+  SurfaceEstimate from_map(const ClosestPoint& closest, const Flatness& flatness) noexcept {
     const int ns = batch_.neighbourhood();
-    std::optional<Foot> better;
+    std::optional<ClosestPoint> better;
     if (has_wide_maps(ns) && (flatness.level || flatness.planar)) {
-      better = fit_wide(flatness.level ? WideSurface::kAny : WideSurface::kFace, foot);
+      better = fit_wide(flatness.level ? WideSurface::kAny : WideSurface::kFace, closest);
     }
     if (!better && flatness.planar) {
       const int columns = (2 * ns + 1) * (2 * ns + 1);
-      better = grow_plane(batch_.map(k_), foot, columns, false);
+      better = grow_plane(batch_.map(k_), closest, columns, PlaneStart::kAsGiven);
     }
-    return checked(to_index_space(better.value_or(foot), axes_));
+    return checked(to_index_space(better.value_or(closest), axes_));
   }
-  /// From the foot on what explains a ball that is not small; where a face may be, on that.
-  SurfaceEstimate from_ball(const Foot& foot) noexcept {
-    if (!has_wide_maps(batch_.neighbourhood()) || !has_near_whole_slopes(foot)) {
-      return checked(to_index_space(foot, axes_));
+  /// From the closest point on what explains a ball that is not small; where a face may be, on
+  /// that.
+  SurfaceEstimate from_ball(const ClosestPoint& closest) noexcept {
+    if (!has_wide_maps(batch_.neighbourhood()) || !has_near_whole_slopes(closest)) {
+      return checked(to_index_space(closest, axes_));
     }
     HeightMap map;
     trace_wide_map(map);
-    return checked(to_index_space(face_over(map, foot).value_or(foot), axes_));
+    return checked(to_index_space(extended_plane(map, closest).value_or(closest), axes_));
   }
   /// Near an edge, where a small ball, or none, is explained.
-  SurfaceEstimate near_edge(const std::optional<Foot>& ball) noexcept {
-    if (const auto face = nearest_face(ball.has_value())) return checked(*face);
+  SurfaceEstimate near_edge(const std::optional<ClosestPoint>& ball) noexcept {
+    if (const auto face = nearest_face(ball ? VoxelPlace::kInsideFace : VoxelPlace::kAnywhere))
+      return checked(*face);
     // Where nothing fits, as on the floor of a fissure, the coarse normal errs least.
     return checked(ball ? to_index_space(*ball, axes_) : last_resort(coarse_, hint_, 0));
   }
@@ -153,12 +156,12 @@ class Refinement {
     trace_wide(batch_.workpiece(), batch_.query(k_).voxel, axes_, batch_.neighbourhood(),
                batch_.trace(), map);
   }
-  std::optional<Foot> fit_wide(WideSurface wanted, const Foot& first) noexcept;
-  std::optional<SurfaceEstimate> nearest_face(bool inside) noexcept;
+  std::optional<ClosestPoint> fit_wide(WideSurface wanted, const ClosestPoint& first) noexcept;
+  std::optional<SurfaceEstimate> nearest_face(VoxelPlace place) noexcept;
   /// What is not consistent gives way to the nearest face, or to the last resort.
   SurfaceEstimate checked(SurfaceEstimate estimate) noexcept {
     if (!is_consistent(estimate.normal, coarse_, hint_)) {
-      estimate = nearest_face(false).value_or(last_resort(coarse_, hint_, 0));
+      estimate = nearest_face(VoxelPlace::kAnywhere).value_or(last_resort(coarse_, hint_, 0));
     }
     estimate.windows = windows_;
     return estimate;
@@ -175,10 +178,11 @@ class Refinement {
 /// The surface of a map of stride 2: the quadric that explains it, where it is whole and that is a
 /// face, or any is wanted. Where the map is not whole, or a face may only look curved, the face
 /// near to `first` that all of it lies on.
-std::optional<Foot> Refinement::fit_wide(WideSurface wanted, const Foot& first) noexcept {
+std::optional<ClosestPoint> Refinement::fit_wide(WideSurface wanted,
+                                                 const ClosestPoint& first) noexcept {
   HeightMap map;
   trace_wide_map(map);
-  if (map.whole_rings < map.ns) return face_over(map, first);
+  if (map.whole_rings < map.ns) return extended_plane(map, first);
   const QuadricFilter& filter = quadric_filter(map.ns, map.lanes);
   ColumnQuadric surface = fit_whole(map, filter);
   const auto rim = static_cast<float>(map.ns * map.stride);
@@ -187,20 +191,19 @@ std::optional<Foot> Refinement::fit_wide(WideSurface wanted, const Foot& first) 
       !(map_kernels().map_residuals(rows_of(map), surface, left) <=
         kWideMapResidual * kWideMapResidual)) {
     if (!is_curved_at_most(kApparentCurvature, surface, first, map.ns)) return {};
-    return face_over(map, first);
+    return extended_plane(map, first);
   }
   sharpen(filter.solution, left, static_cast<float>(map.stride), surface);
-  const Foot foot = foot_of(surface);
-  if (wanted == WideSurface::kFace && !is_face(surface, foot, map.ns)) return {};
-  return foot;
+  const ClosestPoint closest = closest_point_of(surface);
+  if (wanted == WideSurface::kFace && !is_face(surface, closest, map.ns)) return {};
+  return closest;
 }
 
-/// The face nearest to the voxel that its map, or one across the second axis, has; `inside` a face,
-/// as a small ball tells.
-std::optional<SurfaceEstimate> Refinement::nearest_face(bool inside) noexcept {
+/// The face nearest to the voxel that its map, or one across the second axis, has.
+std::optional<SurfaceEstimate> Refinement::nearest_face(VoxelPlace place) noexcept {
   const auto nearest_on = [&](const HeightMap& map, const MapAxes& along) {
     return nearest_half_disc(map, to_map_space(coarse_, along).normalized(),
-                             to_map_space(hint_, along), inside, fitter_);
+                             to_map_space(hint_, along), place, fitter_);
   };
   const HeightMap& map = batch_.map(k_);
   const std::optional<HalfDisc> nearest = nearest_on(map, axes_);
@@ -216,10 +219,10 @@ std::optional<SurfaceEstimate> Refinement::nearest_face(bool inside) noexcept {
     trace_along(batch_.workpiece(), batch_.query(k_).voxel, second, batch_.trace(), other);
     const std::optional<HalfDisc> across = nearest_on(other, second);
     if (across && (!nearest || across->score < nearest->score)) {
-      return to_index_space(across->foot, second);
+      return to_index_space(across->closest, second);
     }
   }
-  if (nearest) return to_index_space(nearest->foot, axes_);
+  if (nearest) return to_index_space(nearest->closest, axes_);
   return {};
 }
 
@@ -249,19 +252,20 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
       const SurfaceGroup& group = batch.group(k);
       const int lane = MapBatch::lane(k);
       const bool is_explained = has_bit(explained, k);
-      const Flatness flatness = flatness_of(group.bend[lane], group.normal_z[lane], neighbourhood);
-      if (is_explained && !flatness.level && !flatness.planar && group.stands[lane] != 0) {
+      const Flatness flatness =
+          flatness_of(group.curvature[lane], group.normal_z[lane], neighbourhood);
+      if (is_explained && !flatness.level && !flatness.planar && group.consistent[lane] != 0) {
         estimate = {group.normal(lane), group.offset[lane], true, batch.axes(k).window()};
         continue;
       }
       Refinement refinement(batch, k, fitter);
       const bool has_ball = has_bit(balls.found, k);
       if (is_explained) {
-        estimate = refinement.from_map(group.foot(lane), flatness);
+        estimate = refinement.from_map(group.closest_point(lane), flatness);
       } else if (has_ball && !has_bit(balls.small, k)) {
-        estimate = refinement.from_ball(balls.feet[k]);
+        estimate = refinement.from_ball(balls.closest[k]);
       } else {
-        estimate = refinement.near_edge(has_ball ? std::optional(balls.feet[k]) : std::nullopt);
+        estimate = refinement.near_edge(has_ball ? std::optional(balls.closest[k]) : std::nullopt);
       }
     }
   }

@@ -13,7 +13,7 @@ namespace sulcus {
 /// walls with one setting. Further from [Kim and Park 2019, V] than `ldm_fast`:
 /// - where the map along the dominant axis is whole, and one quadric explains all its heights to
 ///   their quantisation, that is the surface; near level, and on faces, a map of every other column
-///   stands in for it (face_over where that is not whole);
+///   stands in for it (extended_plane where that is not whole);
 /// - least squares is where a fit begins: since quantisation leaves residuals spread evenly up to
 ///   a bound, not in a bell, a step towards the least sum of fourth powers follows;
 /// - where a plane explains what a quadric does, it grows over all columns of the map that lie on
@@ -27,7 +27,7 @@ namespace sulcus {
 ///   half-discs of the map, and of a map along the second axis, the one whose face passes nearest
 ///   to the voxel; where none is plane, and first of all where that ball is inside a face, what
 ///   explains the part of a ball on one side;
-/// - normal and offset are those of the foot point of the voxel's centre.
+/// - normal and offset are those of the closest point to the voxel's centre.
 /// No normal points away from the coarse one. `VoxelQuery::outward` stands in for the coarse normal
 /// where the solid around the voxel is symmetric (a lone voxel, a wall of one voxel), and vetoes:
 /// where the normal points away from it though the coarse one does not do so by 120 degrees, as
@@ -37,14 +37,5 @@ namespace sulcus {
 /// allocation. One estimate for each query, up to 16 of a leaf at a time.
 void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
                   int neighbourhood, int trace, std::span<SurfaceEstimate> estimates) noexcept;
-
-inline SurfaceEstimate estimate_ldm(
-    const Workpiece& workpiece, const Cell& voxel, int neighbourhood, int trace,
-    const Eigen::Vector3f& outward = Eigen::Vector3f::Zero()) noexcept {
-  const VoxelQuery query{voxel, outward};
-  SurfaceEstimate estimate;
-  estimate_ldm(workpiece, std::span(&query, 1), neighbourhood, trace, std::span(&estimate, 1));
-  return estimate;
-}
 
 }  // namespace sulcus

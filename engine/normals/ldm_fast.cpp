@@ -14,10 +14,10 @@ namespace {
 /// Voxels whose surfaces are faces instead of what was fitted to their maps.
 struct Faces {
   VoxelBits found = 0;
-  std::array<Foot, MapBatch::kSize> feet;
+  std::array<ClosestPoint, MapBatch::kSize> closest;
 
-  void put(std::size_t k, const Foot& foot) {
-    feet[k] = foot;
+  void put(std::size_t k, const ClosestPoint& point) {
+    closest[k] = point;
     found |= bit_of(k);
   }
 };
@@ -32,15 +32,15 @@ void find_edge_faces(MapBatch& batch, std::span<const std::size_t> traced, Faces
   for (const std::size_t k : traced) {
     const HeightMap& map = batch.map(k);
     if (map.even_rings > kRingsAtEdge || map.even_rings >= map.ns) continue;
-    const std::optional<Foot> close = close_plane(map);
+    const std::optional<ClosestPoint> close = close_plane(map);
     if (!close) continue;
     const int half = (2 * map.ns + 1) * (2 * map.ns + 1) / 2;
-    growths[count] = {&map, plane_to_grow(map, *close), half, true, {}};
+    growths[count] = {&map, plane_to_grow(map, *close), half, PlaneStart::kFit, {}};
     of[count++] = k;
   }
   grow_planes(std::span(growths).first(count));
   for (std::size_t n = 0; n < count; ++n) {
-    if (growths[n].foot) faces.put(of[n], *growths[n].foot);
+    if (growths[n].closest) faces.put(of[n], *growths[n].closest);
   }
 }
 
@@ -56,14 +56,14 @@ VoxelBits find_wide_faces(MapBatch& batch, Faces& faces) {
     const int lane = MapBatch::lane(k);
     const float most =
         group.normal_z[lane] > kLevelFaceCosine ? kFastLevelFaceCurvature : kFastFaceCurvature;
-    if (!(group.bend[lane] <= most * per)) return;
+    if (!(group.curvature[lane] <= most * per)) return;
     looked |= bit_of(k);
     HeightMap map;
     trace_wide(batch.workpiece(), batch.query(k).voxel, batch.axes(k), ns, batch.trace(), map);
     if (map.even_rings < ns) return;
     const ColumnQuadric surface = fit_whole(map, quadric_filter(ns, map.lanes));
-    const Foot foot = foot_of(surface);
-    if (is_face(surface, foot, ns)) faces.put(k, foot);
+    const ClosestPoint closest = closest_point_of(surface);
+    if (is_face(surface, closest, ns)) faces.put(k, closest);
   });
   return looked;
 }
@@ -93,7 +93,7 @@ void estimate_ldm_fast(const Workpiece& workpiece, std::span<const VoxelQuery> q
     };
     VoxelBits of_faces = 0;  // that are consistent; a surface may be where its face is not
     for_each(faces.found, [&](std::size_t k) {
-      to[k] = to_index_space(faces.feet[k], batch.axes(k));
+      to[k] = to_index_space(faces.closest[k], batch.axes(k));
       if (is_consistent(to[k].normal, batch.coarse(k), hint(k))) of_faces |= bit_of(k);
     });
     const VoxelBits of_surfaces = consistent & (batch.whole | batch.partly) & ~of_faces;

@@ -17,9 +17,9 @@ namespace sulcus {
 /// - window: a ring is rejected where a column fails, leaves |z| <= trace, or where opposite
 ///   pixels are out of line by more than 3 voxels (2 in a window of five rings or more,
 ///   most_uneven), a test blind to tilt;
-/// - weights: a taper, 1 - r^2 / (2.5 NS^2), instead of 1/r^2;
-/// - fit: a weighted quadric, corrected for what it becomes aslant, instead of a plane; the normal
-///   and the offset are those at the foot point of the voxel's centre;
+/// - window weights: 1 - r^2 / (2.5 NS^2) instead of 1/r^2;
+/// - fit: a weighted quadric, corrected for what it becomes tilted, instead of a plane; the normal
+///   and the offset are those at the closest point to the voxel's centre;
 /// - faces, from NS 4 to 7: where the quadric of a whole map is nearly flat, one of every other
 ///   column sees twice as far, and is taken if it is flat too;
 /// - edges: where no more than two rings are even, the face that the voxel's nearest columns and
@@ -30,14 +30,5 @@ namespace sulcus {
 /// estimate for each query, up to 64 of a leaf at a time.
 void estimate_ldm_fast(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
                        int neighbourhood, int trace, std::span<SurfaceEstimate> estimates) noexcept;
-
-inline SurfaceEstimate estimate_ldm_fast(
-    const Workpiece& workpiece, const Cell& voxel, int neighbourhood, int trace,
-    const Eigen::Vector3f& outward = Eigen::Vector3f::Zero()) noexcept {
-  const VoxelQuery query{voxel, outward};
-  SurfaceEstimate estimate;
-  estimate_ldm_fast(workpiece, std::span(&query, 1), neighbourhood, trace, std::span(&estimate, 1));
-  return estimate;
-}
 
 }  // namespace sulcus

@@ -33,7 +33,8 @@ inline constexpr float kMapResidual = 0.35f, kWideMapResidual = 0.6f;
 /// Largest cubic part of a surface over the columns at the rim of its map, of its quadratic part.
 inline constexpr float kMostCubic = 0.2f;
 /// Curvatures half a map out: of what is a face; of what may be one, where few terraces of a slope
-/// near a whole number look like a bend [m: random planes 0.148 -> 0.117]; of a wide map's face.
+/// near a whole number look curved [m: random planes 0.148 -> 0.117]; of a wide map's
+/// face.
 inline constexpr float kFaceCurvature = 0.2f, kApparentCurvature = 0.15f, kWideCurvature = 0.1f;
 /// A map of every other column helps where terraces are wide: on level faces, and on curved
 /// surfaces that are more level [m: sphere 0.2236 -> 0.2233, molar 1.026 -> 1.029]; a face is what

@@ -17,11 +17,12 @@ std::size_t MapBatch::take(std::size_t first, std::size_t most) noexcept {
 
 void MapBatch::take_axes() noexcept {
   std::array<std::array<std::int32_t, 3>, kSize> sums;
-  coarse_sums(workpiece_, queries_.subspan(first_, count_), windows_.data(), sums.data());
+  for (std::size_t k = 0; k < count_; ++k) windows_[k] = coarse_rows(workpiece_, query(k).voxel);
+  map_kernels().coarse(windows_.data(), count_, sums.data());
   for (std::size_t k = 0; k < count_; ++k) {
     group_of(k).put_voxel(lane(k), query(k).voxel.data(), query(k).outward.data(), sums[k].data());
   }
-  has_direction = map_kernels().aim(groups.data(), count_);
+  has_direction = map_kernels().choose_axes(groups.data(), count_);
 }
 
 void MapBatch::fit_in_tiles() noexcept {

@@ -14,7 +14,7 @@ inline constexpr int kLevel = 16;
 /// 120 / distance by its square, in integers below 128.
 inline constexpr std::array<int, 7> kCoarseWeight{0, 120, 85, 69, 60, 54, 49};
 
-/// Eight fits of maps, and the surfaces that they tell, side by side.
+/// Eight fits of maps, and their surfaces, side by side.
 struct alignas(32) SurfaceGroup {
   static constexpr int kSize = 8;
   std::int32_t sums[kQuadric][kSize]{};
@@ -28,8 +28,8 @@ struct alignas(32) SurfaceGroup {
   // The axis that the columns run along; the coarse normal, and what the tool says, index space.
   std::int32_t axis[kSize]{};
   float coarse[3][kSize]{}, tool[3][kSize]{};
-  // For `aim`: the voxel, and the sums of `coarse` about it. Filled in: where it is in a tile of
-  // its leaf, v kEdge + u and w.
+  // For `choose_axes`: the voxel, and the sums of `coarse` about it. Filled in: where it is in a
+  // tile of its leaf, v kEdge + u and w.
   std::int32_t voxel[3][kSize]{}, around[3][kSize]{}, column[kSize]{}, layer[kSize]{};
   // Of their residuals, by `group_residuals`: sums of the cubes, and the largest square.
   float cubes[kQuadric][kSize]{}, largest2[kSize]{};
@@ -39,8 +39,8 @@ struct alignas(32) SurfaceGroup {
   // The normal in index space; by `sharpen_group` whether (-1) it is consistent: points away from
   // neither the coarse one nor the tool hint.
   float index_normal[3][kSize];
-  std::int32_t stands[kSize];
-  float bend[kSize];  // of the surface across itself, a column out
+  std::int32_t consistent[kSize];
+  float curvature[kSize];  // of the surface across itself, a column out
 
   void put(int k, const QuadricSums& of, int at_centre, int above_voxel, int outward,
            const QuadricFilter& filter) {
@@ -55,12 +55,13 @@ struct alignas(32) SurfaceGroup {
     filters_[k] = &filter;
     const FilterSolution& s = filter.solution;
     weights[0][k] = s.weights, weights[1][k] = s.weights_ii;
-    solution[0][k] = s.value, solution[1][k] = s.value_bend, solution[2][k] = s.bend;
-    solution[3][k] = s.bend_across, solution[4][k] = s.slope, solution[5][k] = s.twist;
+    solution[0][k] = s.value, solution[1][k] = s.value_curvature, solution[2][k] = s.curvature;
+    solution[3][k] = s.curvature_across, solution[4][k] = s.slope, solution[5][k] = s.twist;
     const FilterAnswers& a = filter.answers;
     answers[0][k] = a.slope_x3, answers[1][k] = a.slope_xy2;
     answers[2][k] = a.value_x4, answers[3][k] = a.value_x2y2;
-    answers[4][k] = a.bend_x4, answers[5][k] = a.bend_x2y2, answers[6][k] = a.bend_y4;
+    answers[4][k] = a.curvature_x4, answers[5][k] = a.curvature_x2y2,
+    answers[6][k] = a.curvature_y4;
     answers[7][k] = a.twist_x3y;
   }
   void put_voxel(int k, const int* cell, const float* outward, const std::int32_t* sums_about) {
@@ -74,7 +75,9 @@ struct alignas(32) SurfaceGroup {
   ColumnQuadric surface(int k) const {
     return {{c[0][k], c[1][k], c[2][k], c[3][k], c[4][k], c[5][k]}, t_x[k], t_y[k], quartic[k]};
   }
-  Foot foot(int k) const { return {normal_x[k], normal_y[k], normal_z[k], offset[k]}; }
+  ClosestPoint closest_point(int k) const {
+    return {normal_x[k], normal_y[k], normal_z[k], offset[k]};
+  }
 
  private:
   std::array<const QuadricFilter*, kSize> filters_{};  // whose numbers are there already
@@ -85,7 +88,7 @@ struct MapSide {
   float x = 0.0f, y = 0.0f, behind = 0.0f;
 };
 
-/// A frame aslant over a map, axes in map space (i, j, outward), and a ball about the voxel, or the
+/// A tilted frame over a map, axes in map space (i, j, outward), and a ball about the voxel, or the
 /// part of it over a side of the map.
 struct TiltedFrame {
   std::array<float, 3> u{}, w{}, n{};
@@ -108,7 +111,7 @@ struct TiltedMoments {
   float m[5][5], z[3][3];
 };
 
-/// Up to eight fits to points in frames aslant, side by side.
+/// Up to eight fits to points in tilted frames, side by side.
 struct alignas(32) TiltedGroup {
   static constexpr int kSize = 8;
   // Frames and moments.
@@ -117,7 +120,8 @@ struct alignas(32) TiltedGroup {
   // Surfaces in units of the radius, and whether (-1) the points determine them.
   float quadric[kQuadric][kSize], plane[3][kSize];
   std::int32_t has_quadric[kSize], has_plane[kSize];
-  // Feet of the voxels' centres on `quadric`: normals in map space, and offsets in voxels.
+  // Closest points to the voxels' centres on `quadric`: normals in map space, and offsets in
+  // voxels.
   float normal[3][kSize], offset[kSize];
 
   void put_frame(int k, const TiltedFrame& frame) {
@@ -141,7 +145,9 @@ struct alignas(32) TiltedGroup {
   void put_quadric(int k, const Quadric& c) {
     for (unsigned f = 0; f < kQuadric; ++f) quadric[f][k] = c[f];
   }
-  Foot foot(int k) const { return {normal[0][k], normal[1][k], normal[2][k], offset[k]}; }
+  ClosestPoint closest_point(int k) const {
+    return {normal[0][k], normal[1][k], normal[2][k], offset[k]};
+  }
 };
 
 /// The rows of a whole map, where they lie: in the map itself, or in a tile.
@@ -180,7 +186,7 @@ struct HeightPlane {
 
 /// What a column on a plane counts when the plane is fitted again, by its residual r across it.
 enum class PlaneWeight : std::uint8_t {
-  kTaper,     // least squares under the map's taper, 1 - (i^2 + j^2) / (2.5 NS^2)
+  kWindow,    // least squares under the map's window weights, 1 - (i^2 + j^2) / (2.5 NS^2)
   kQuartic,   // a step of Newton's towards the least sum of r^4 under it, times 3
   kInterior,  // one towards the least sum of -log(bound^2 - r^2)
 };
@@ -224,7 +230,7 @@ struct MapKernels {
   /// set.
   void (*tile)(const ColumnBits::Windows& columns, HeightTile& tile) noexcept = nullptr;
   /// Cuts the map of the voxel at (u, v, w) in the leaf out of a tile: what `trace` would give,
-  /// down to the last bit. False where the tile cannot tell; then the map is not filled in.
+  /// down to the last bit. False where the tile has no answer; then the map is not filled in.
   bool (*cut)(const HeightTile& tile, int u, int v, int w, int trace,
               HeightMap& map) noexcept = nullptr;
 
@@ -237,7 +243,7 @@ struct MapKernels {
   /// Coarse normals of so many voxels, 1 to 64, in their groups, of the tool where the solid has
   /// none; the axis and sign of their maps, and where they are in their tiles. A bit for each that
   /// has a side, and for none beyond them.
-  std::uint64_t (*aim)(SurfaceGroup* groups, std::size_t voxels) noexcept = nullptr;
+  std::uint64_t (*choose_axes)(SurfaceGroup* groups, std::size_t voxels) noexcept = nullptr;
   /// Heights at the centres, from the columns of so many groups' voxels in their tiles, and which
   /// of the voxels are of the leaf that begins at `origin` and have maps of at least so many even
   /// rings.
@@ -245,15 +251,16 @@ struct MapKernels {
                       int trace, int least_rings, SurfaceGroup* groups,
                       std::size_t count) noexcept = nullptr;
 
-  /// Surfaces of stride 1 of so many groups, up to eight: their feet, normals in index space and
-  /// bends. A bit for each whose normal is consistent.
+  /// Surfaces of stride 1 of so many groups, up to eight: their closest points, normals in index
+  /// space and curvatures. A bit for each whose normal is consistent.
   std::uint64_t (*surfaces)(SurfaceGroup* groups, std::size_t count) noexcept = nullptr;
 
   /// Residuals of surfaces of stride 1 over their whole maps, as `map_residuals`; `which` has a bit
   /// for each that is asked for.
   void (*group_residuals)(const MapRows* maps, unsigned which,
                           SurfaceGroup& group) noexcept = nullptr;
-  /// Surfaces of stride 1 sharpened by their residuals, their feet and bends, and which stand.
+  /// Surfaces of stride 1 sharpened by their residuals, their closest points and curvatures, and
+  /// which are consistent.
   void (*sharpen_group)(SurfaceGroup& group) noexcept = nullptr;
 
   /// Largest (height - surface)^2 over a whole map, voxels^2, the surface without its quartic part,
@@ -294,7 +301,7 @@ struct MapKernels {
   void (*solve_quantised)(TiltedGroup& group) noexcept = nullptr;
   void (*solve_sharpened)(TiltedGroup& group) noexcept = nullptr;
   /// Of the voxels' centres on the quadrics of a group.
-  void (*tilted_feet)(TiltedGroup& group) noexcept = nullptr;
+  void (*tilted_closest_points)(TiltedGroup& group) noexcept = nullptr;
 };
 
 /// Compiled for a set; null where the processor or the build has none.

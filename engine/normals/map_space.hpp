@@ -20,18 +20,18 @@ struct MapAxes {
   int second() const { return axis == 0 ? 2 : axis - 1; }
 };
 
-/// A direction of index space, told in map space, and back.
+/// A direction of index space in map space, and back.
 inline Eigen::Vector3f to_map_space(const Eigen::Vector3f& v, const MapAxes& axes) noexcept {
   return {v[axes.first()], v[axes.second()], static_cast<float>(axes.sign) * v[axes.axis]};
 }
-inline SurfaceEstimate to_index_space(const Foot& foot, const MapAxes& axes) noexcept {
-  const float x = foot.normal_x, y = foot.normal_y;
-  const float z = static_cast<float>(axes.sign) * foot.normal_z;
-  // By cases, not by index: what is written number by number cannot be read as one at once.
+inline SurfaceEstimate to_index_space(const ClosestPoint& closest, const MapAxes& axes) noexcept {
+  const float x = closest.normal_x, y = closest.normal_y;
+  const float z = static_cast<float>(axes.sign) * closest.normal_z;
+  // By cases, not by index: element-wise stores would block store forwarding.
   const Eigen::Vector3f normal = axes.axis == 0   ? Eigen::Vector3f(z, x, y)
                                  : axes.axis == 1 ? Eigen::Vector3f(y, z, x)
                                                   : Eigen::Vector3f(x, y, z);
-  return {normal, foot.offset, true, axes.window()};
+  return {normal, closest.offset, true, axes.window()};
 }
 
 }  // namespace sulcus

@@ -22,11 +22,11 @@ QuadricFilter make_filter(int rings, int lanes) {
   QuadricFilter filter;
   filter.rings = rings;
   filter.lanes = lanes;
-  const Taper taper = taper_of(rings);
+  const WindowWeight window_weight = window_weight_of(rings);
   const auto for_pixels = [&](const auto& each) {
     for (int j = -rings; j <= rings; ++j) {
       for (int i = -rings; i <= rings; ++i) {
-        each(i, j, static_cast<double>(taper.centre - taper.fall * (i * i + j * j)),
+        each(i, j, static_cast<double>(window_weight.centre - window_weight.fall * (i * i + j * j)),
              static_cast<std::size_t>((rings + j) * lanes + lanes / 2 + i));
       }
     }

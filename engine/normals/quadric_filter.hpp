@@ -8,8 +8,8 @@
 
 namespace sulcus {
 
-/// Weighted least-squares quadric of the innermost rings of a map: what stands before and behind
-/// the weighted sums over its heights [eqs. 3 and 4, with a taper and the square lattice's own
+/// Weighted least-squares quadric of the innermost rings of a map: weights and inverse
+/// normal matrix of the fit [eqs. 3 and 4, with window weights and the square lattice's own
 /// moments]. Weights and powers are whole numbers, so that the sums are exact in any order.
 struct QuadricFilter {
   int rings = 0, lanes = 0;
@@ -22,17 +22,17 @@ struct QuadricFilter {
 
 /// Weights 1 - r^2 / (2.5 rings^2) as whole numbers, `centre` - `fall` r^2. (Of 11 rings they are
 /// rounded, so that weight times i^2 fits 16 bits.)
-struct Taper {
+struct WindowWeight {
   int centre, fall;
 };
-constexpr Taper taper_of(int rings) {
-  return rings % 2 == 1 && rings < 11 ? Taper{5 * rings * rings, 2}
-                                      : Taper{5 * rings * rings / 2, 1};
+constexpr WindowWeight window_weight_of(int rings) {
+  return rings % 2 == 1 && rings < 11 ? WindowWeight{5 * rings * rings, 2}
+                                      : WindowWeight{5 * rings * rings / 2, 1};
 }
 
-/// Filter for the innermost `rings` of a map of so many lanes, weights as taper_of says; with one
-/// ring a plane, since a quadric would interpolate the quantisation of the centre.
-/// 1 <= rings <= kMaxNeighbourhood. All are made on first use, see prepare_normals.
+/// Filter for the innermost `rings` of a map of so many lanes, weights as window_weight_of says;
+/// with one ring a plane, since a quadric would interpolate the quantisation of the centre. 1 <=
+/// rings <= kMaxNeighbourhood. All are made on first use, see prepare_normals.
 const QuadricFilter& quadric_filter(int rings, int lanes) noexcept;
 
 }  // namespace sulcus

@@ -9,7 +9,6 @@
 #include "engine/normals/grown_plane.hpp"
 #include "engine/normals/ldm_tuning.hpp"
 #include "engine/normals/map_kernels.hpp"
-#include "engine/normals/plane_solution.hpp"
 
 namespace sulcus {
 
@@ -41,7 +40,7 @@ bool explains(const Quadric& c, const TiltedPoints& points, const TiltedFrame& f
 
 }  // namespace
 
-std::optional<Foot> close_plane(const HeightMap& map) noexcept {
+std::optional<ClosestPoint> close_plane(const HeightMap& map) noexcept {
   PlaneSums sums;
   map_kernels().close_sums(map, sums);
   if (sums.n < kFewestClose) return {};
@@ -49,7 +48,7 @@ std::optional<Foot> close_plane(const HeightMap& map) noexcept {
   if (!twice) return {};
   const float slope_x = 0.5f * twice->c1, slope_y = 0.5f * twice->c2;
   const float cosine = 1.0f / std::sqrt(1.0f + slope_x * slope_x + slope_y * slope_y);
-  return Foot{-slope_x * cosine, -slope_y * cosine, cosine, 0.5f * twice->c0 * cosine};
+  return ClosestPoint{-slope_x * cosine, -slope_y * cosine, cosine, 0.5f * twice->c0 * cosine};
 }
 
 void TiltedFitter::gather(std::span<const TiltedFit> fits) noexcept {
@@ -101,25 +100,26 @@ void TiltedFitter::sharpen(std::span<const Found> found) noexcept {
 
 void TiltedFitter::fit(std::span<TiltedFit> fits) noexcept {
   for (std::size_t first = 0; first < fits.size(); first += points_.size()) {
-    fit_eight(fits.subspan(first, std::min(points_.size(), fits.size() - first)));
+    fit_group(fits.subspan(first, std::min(points_.size(), fits.size() - first)));
   }
 }
 
-void TiltedFitter::fit_eight(std::span<TiltedFit> fits) noexcept {
+void TiltedFitter::fit_group(std::span<TiltedFit> fits) noexcept {
   gather(fits);
   map_kernels().solve_quantised(group_);
   std::array<Found, TiltedGroup::kSize> found{};
   for (std::size_t k = 0; k < fits.size(); ++k) found[k] = judge(k);
   sharpen(std::span(found).first(fits.size()));
-  map_kernels().tilted_feet(group_);
+  map_kernels().tilted_closest_points(group_);
   for (std::size_t k = 0; k < fits.size(); ++k) {
     TiltedFit& fit = fits[k];
-    fit.foot.reset();
+    fit.closest.reset();
     if (found[k] == Found::kNothing) continue;
-    fit.foot = group_.foot(static_cast<int>(k));
+    fit.closest = group_.closest_point(static_cast<int>(k));
     if (found[k] != Found::kFlat) continue;
     const auto least = static_cast<int>(kLeastShareGrown * static_cast<float>(points_[k].count));
-    if (const auto face = grow_plane(*fit.map, *fit.foot, least, true)) fit.foot = face;
+    if (const auto face = grow_plane(*fit.map, *fit.closest, least, PlaneStart::kFit))
+      fit.closest = face;
   }
 }
 

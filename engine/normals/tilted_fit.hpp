@@ -13,9 +13,9 @@
 
 namespace sulcus {
 
-/// The foot of the voxel's centre on the least-squares plane of the map's points within 3.6 voxels
-/// of it; none where they are fewer than five or in line.
-std::optional<Foot> close_plane(const HeightMap& map) noexcept;
+/// The closest point to the voxel's centre on the least-squares plane of the map's points
+/// within 3.6 voxels of it; none where they are fewer than five or in line.
+std::optional<ClosestPoint> close_plane(const HeightMap& map) noexcept;
 
 /// A fit that is asked for, and what came of it.
 struct TiltedFit {
@@ -23,7 +23,7 @@ struct TiltedFit {
   Eigen::Vector3f normal;          // third axis of the frame, unit, map space
   float radius = 0.0f;             // voxels
   MapSide side;
-  std::optional<Foot> foot;
+  std::optional<ClosestPoint> closest;
 };
 
 /// Fits tilted surfaces, TiltedGroup::kSize of them side by side.
@@ -38,7 +38,7 @@ class TiltedFitter {
  private:
   enum class Found : std::uint8_t { kNothing, kFlat, kCurved };
 
-  void fit_eight(std::span<TiltedFit> fits) noexcept;  // or fewer
+  void fit_group(std::span<TiltedFit> fits) noexcept;  // or fewer
   void gather(std::span<const TiltedFit> fits) noexcept;
   /// Whether what was solved for a fit explains its points; a plane is put in its quadric's place.
   Found judge(std::size_t k) noexcept;

@@ -22,7 +22,8 @@ ColumnQuadric fit_whole(const HeightMap& map, const QuadricFilter& filter) noexc
                         static_cast<float>(map.stride));
 }
 
-std::optional<Foot> face_over(const HeightMap& wide, const Foot& first) noexcept {
+std::optional<ClosestPoint> extended_plane(const HeightMap& wide,
+                                           const ClosestPoint& first) noexcept {
   const auto rows = static_cast<std::size_t>(2 * wide.ns + 1);
   int found = 0;  // unlike std::count's 64 bits, an int is added up in vectors
   for (const signed char height :
@@ -31,14 +32,14 @@ std::optional<Foot> face_over(const HeightMap& wide, const Foot& first) noexcept
   }
   if (static_cast<float>(found) < kLeastShareFound * static_cast<float>(rows * rows)) return {};
   if (first.normal_z < kLeastPlaneCosine) return {};
-  // Most that is no face can be told from where it begins.
+  // Most that is no face shows near its first plane.
   const HeightPlane near = plane_through(first, wide.stride, kMostOffFirstPlane);
   PlaneLook look;
   map_kernels().look_at_plane(wide, near, look);
   if (look.count < found) return {};
-  PlaneGrowth growth{&wide, near, found, true, {}};
+  PlaneGrowth growth{&wide, near, found, PlaneStart::kFit, {}};
   grow_planes({&growth, 1});
-  return growth.foot;
+  return growth.closest;
 }
 
 }  // namespace sulcus

@@ -19,19 +19,20 @@ ColumnQuadric fit_whole(const HeightMap& map, const QuadricFilter& filter) noexc
 
 /// Whether a wide map's surface departs from a plane by at most so much across itself, half a map
 /// out.
-inline bool is_curved_at_most(float most, const ColumnQuadric& surface, const Foot& foot,
+inline bool is_curved_at_most(float most, const ColumnQuadric& surface, const ClosestPoint& closest,
                               int neighbourhood) {
-  const float bends =
+  const float curvatures =
       std::abs(surface.c[3]) + std::abs(surface.c[4]) + std::abs(surface.c[5]);  // a column out
-  return bends * foot.normal_z <= most / static_cast<float>(neighbourhood * neighbourhood);
+  return curvatures * closest.normal_z <= most / static_cast<float>(neighbourhood * neighbourhood);
 }
-inline bool is_face(const ColumnQuadric& surface, const Foot& foot, int neighbourhood) {
-  return is_curved_at_most(kWideCurvature, surface, foot, neighbourhood);
+inline bool is_face(const ColumnQuadric& surface, const ClosestPoint& closest, int neighbourhood) {
+  return is_curved_at_most(kWideCurvature, surface, closest, neighbourhood);
 }
 
 /// The face that all columns of a wide map lie on that were found, from a plane near to it: those
 /// of a steep one leave the trace, so that its map is not whole. None where there is none, or where
 /// less than 0.6 of the columns were found.
-std::optional<Foot> face_over(const HeightMap& wide, const Foot& first) noexcept;
+std::optional<ClosestPoint> extended_plane(const HeightMap& wide,
+                                           const ClosestPoint& first) noexcept;
 
 }  // namespace sulcus

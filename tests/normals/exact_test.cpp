@@ -93,14 +93,14 @@ TEST(Exact, TiltedPlanesAreWithinADegreeUnlessTheStepsAreLong) {
 }
 
 TEST(Exact, TheFilterLeavesOutWhatBelongsToAnotherFace) {
-  // A box aslant; 3 to 6 voxels from its edges every cube of 13 reaches around one.
+  // A box tilted; 3 to 6 voxels from its edges every cube of 13 reaches around one.
   const Vector3d centre(39.7, 40.1, 39.9);
-  const Eigen::Matrix3d aslant = (Eigen::AngleAxisd(0.41, Vector3d(0.3, -0.5, 0.8).normalized()) *
+  const Eigen::Matrix3d tilted = (Eigen::AngleAxisd(0.41, Vector3d(0.3, -0.5, 0.8).normalized()) *
                                   Eigen::AngleAxisd(0.67, Vector3d(0.9, 0.2, -0.3).normalized()))
                                      .toRotationMatrix();
   constexpr double kHalf = 20.0;
   const auto in_box = [&](const Cell& c) -> Vector3d {
-    return aslant.transpose() * (c.cast<double>() - centre);
+    return tilted.transpose() * (c.cast<double>() - centre);
   };
   const Workpiece workpiece(test::make_model(
       {80, 80, 80}, 1e-4, [&](const Cell& c) { return in_box(c).cwiseAbs().maxCoeff() <= kHalf; }));
@@ -114,7 +114,7 @@ TEST(Exact, TheFilterLeavesOutWhatBelongsToAnotherFace) {
     const Vector3d p = in_box(c);
     Eigen::Index face = 0;
     p.cwiseAbs().maxCoeff(&face);
-    return test::SurfaceTruth{(p[face] > 0 ? 1.0 : -1.0) * aslant.col(face), 0.0};
+    return test::SurfaceTruth{(p[face] > 0 ? 1.0 : -1.0) * tilted.col(face), 0.0};
   };
   const NormalErrors e = test::measure_errors(
       some(cells, 5), [&](const Cell& c) { return exact(workpiece, c); }, truth);

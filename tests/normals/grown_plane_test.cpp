@@ -37,18 +37,18 @@ HeightMap map_of(double c0, double c1, double c2, int edge) {
 
 Vector3d normal_of(double c1, double c2) { return Vector3d(-c1, -c2, 1.0).normalized(); }
 
-Foot foot_of(const Vector3d& normal, double offset) {
+ClosestPoint closest_point_of(const Vector3d& normal, double offset) {
   return {static_cast<float>(normal.x()), static_cast<float>(normal.y()),
           static_cast<float>(normal.z()), static_cast<float>(offset)};
 }
 
 /// A plane two degrees and a tenth of a voxel off.
-Foot roughly(double c0, double c1, double c2) {
+ClosestPoint roughly(double c0, double c1, double c2) {
   const Vector3d normal = normal_of(c1, c2);
   const Vector3d off = Eigen::AngleAxisd(2.0 * std::numbers::pi / 180.0,
                                          normal.cross(Vector3d(0.3, -0.7, 0.2)).normalized()) *
                        normal;
-  return foot_of(off, c0 * normal.z() + 0.1);
+  return closest_point_of(off, c0 * normal.z() + 0.1);
 }
 
 template <class Each>
@@ -65,7 +65,8 @@ TEST(GrownPlane, ReachesUpToTheEdgeAndNotBeyond) {
     double sum = 0.0, offsets = 0.0;
     int planes = 0;
     for_planes([&](double c0, double c1, double c2) {
-      const auto face = grow_plane(map_of(c0, c1, c2, edge), roughly(c0, c1, c2), 40, true);
+      const auto face =
+          grow_plane(map_of(c0, c1, c2, edge), roughly(c0, c1, c2), 40, PlaneStart::kFit);
       ASSERT_TRUE(face) << c0 << " " << c1 << " " << c2;
       const Vector3d normal(face->normal_x, face->normal_y, face->normal_z);
       EXPECT_NEAR(normal.norm(), 1.0, 1e-5);
@@ -91,9 +92,9 @@ TEST(GrownPlane, OverEveryOtherColumnItIsTheSamePlaneSeenFarther) {
     for (const bool is_wide : {false, true}) {
       const HeightMap& map = is_wide ? wide : map_of(c0, c1, c2, kNs);
       const HeightPlane first = plane_through(roughly(c0, c1, c2), map.stride, 0.8f);
-      PlaneGrowth growth{&map, first, 150, true, {}};  // of 169 columns
+      PlaneGrowth growth{&map, first, 150, PlaneStart::kFit, {}};  // of 169 columns
       grow_planes({&growth, 1});
-      const std::optional<Foot>& face = growth.foot;
+      const std::optional<ClosestPoint>& face = growth.closest;
       ASSERT_TRUE(face) << c0 << " " << c1 << " " << c2;
       const Vector3d normal(face->normal_x, face->normal_y, face->normal_z);
       EXPECT_NEAR(normal.norm(), 1.0, 1e-5);
@@ -118,7 +119,7 @@ TEST(GrownPlane, ThoseThatGrowTogetherAreThoseThatGrowAlone) {
     growths.push_back({&maps[k],
                        plane_to_grow(maps[k], roughly(0.3, slope, -0.4)),
                        static_cast<int>(k % 120),
-                       k % 3 != 0,
+                       k % 3 != 0 ? PlaneStart::kFit : PlaneStart::kAsGiven,
                        {}});
   }
   int grown = 0, none = 0;
@@ -127,13 +128,13 @@ TEST(GrownPlane, ThoseThatGrowTogetherAreThoseThatGrowAlone) {
     for (std::size_t k = first; k < first + kMostGrowths; ++k) {
       PlaneGrowth alone = growths[k];
       grow_planes({&alone, 1});
-      ASSERT_EQ(alone.foot.has_value(), growths[k].foot.has_value());
-      (alone.foot ? grown : none) += 1;
-      if (!alone.foot) continue;
-      EXPECT_EQ(alone.foot->normal_x, growths[k].foot->normal_x);
-      EXPECT_EQ(alone.foot->normal_y, growths[k].foot->normal_y);
-      EXPECT_EQ(alone.foot->normal_z, growths[k].foot->normal_z);
-      EXPECT_EQ(alone.foot->offset, growths[k].foot->offset);
+      ASSERT_EQ(alone.closest.has_value(), growths[k].closest.has_value());
+      (alone.closest ? grown : none) += 1;
+      if (!alone.closest) continue;
+      EXPECT_EQ(alone.closest->normal_x, growths[k].closest->normal_x);
+      EXPECT_EQ(alone.closest->normal_y, growths[k].closest->normal_y);
+      EXPECT_EQ(alone.closest->normal_z, growths[k].closest->normal_z);
+      EXPECT_EQ(alone.closest->offset, growths[k].closest->offset);
     }
   }
   EXPECT_GT(grown, 20);
@@ -142,16 +143,18 @@ TEST(GrownPlane, ThoseThatGrowTogetherAreThoseThatGrowAlone) {
 
 TEST(GrownPlane, NeedsItsColumns) {
   const HeightMap map = map_of(0.4, 0.3, -0.2, 2);
-  const Foot first = roughly(0.4, 0.3, -0.2);
+  const ClosestPoint first = roughly(0.4, 0.3, -0.2);
   // Nine columns of thirteen are on the face, and some that have only begun to fall off.
-  EXPECT_TRUE(grow_plane(map, first, 117, true));
-  EXPECT_FALSE(grow_plane(map, first, 140, true));
-  EXPECT_FALSE(grow_plane(map, foot_of(normal_of(0.3, -0.2), 9.0), 1, true)) << "nothing on it";
+  EXPECT_TRUE(grow_plane(map, first, 117, PlaneStart::kFit));
+  EXPECT_FALSE(grow_plane(map, first, 140, PlaneStart::kFit));
+  EXPECT_FALSE(grow_plane(map, closest_point_of(normal_of(0.3, -0.2), 9.0), 1, PlaneStart::kFit))
+      << "nothing on it";
 }
 
 TEST(GrownPlane, WallsAlongTheColumnsHaveNone) {
   const HeightMap map = map_of(0.4, 0.0, 0.0, kNs);
-  EXPECT_FALSE(grow_plane(map, foot_of(Vector3d(0.99, 0.0, 0.141).normalized(), 0.3), 1, true));
+  EXPECT_FALSE(grow_plane(map, closest_point_of(Vector3d(0.99, 0.0, 0.141).normalized(), 0.3), 1,
+                          PlaneStart::kFit));
 }
 
 }  // namespace

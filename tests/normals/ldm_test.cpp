@@ -12,6 +12,8 @@
 namespace sulcus {
 namespace {
 
+using test::estimate_ldm, test::estimate_ldm_fast;
+
 using Eigen::Vector3d;
 
 constexpr int kNs = 6, kTrace = 12;
@@ -74,7 +76,7 @@ TEST(Ldm, TheToolVetoesTheWrongFaceOfAnEdgeButNotTheFarSideOfAWall) {
 }
 
 TEST(Ldm, FacesHoldUpToTheEdge) {
-  // A block aslant: 2 to 10 voxels from an edge, where a centred window sees two faces.
+  // A block tilted: 2 to 10 voxels from an edge, where a centred window sees two faces.
   const Eigen::Matrix3d turn =
       (Eigen::AngleAxisd(0.5, Vector3d::UnitY()) * Eigen::AngleAxisd(0.3, Vector3d::UnitX()))
           .toRotationMatrix();
@@ -109,7 +111,7 @@ TEST(Ldm, FacesHoldUpToTheEdge) {
 }
 
 TEST(Ldm, WallsOfANarrowHoleHoldUpToItsRim) {
-  // A hole of 9 voxels' radius, aslant through a plate: near its rims no half-disc is plane.
+  // A hole of 9 voxels' radius, tilted through a plate: near its rims no half-disc is plane.
   const Vector3d middle(32.2, 31.7, 32.3), axis = Vector3d(0.25, -0.4, 0.88).normalized();
   const Vector3d across = axis.unitOrthogonal();
   constexpr double kRadius = 9.0, kHalf = 17.0;
@@ -150,8 +152,8 @@ struct FaceErrors {
   double mean_deg() const { return sum_deg / count; }
 };
 template <class Estimate>
-void add_face(const Vector3d& aslant, const Estimate& estimate, FaceErrors& errors) {
-  const Vector3d normal = aslant.normalized();
+void add_face(const Vector3d& tilted, const Estimate& estimate, FaceErrors& errors) {
+  const Vector3d normal = tilted.normalized();
   const Workpiece workpiece(test::half_space({64, 64, 64}, 1e-4, normal, {31.6, 32.3, 32.1}));
   for (const Cell& c : test::surface_cells(workpiece)) {
     if ((c.array() < 18).any() || (c.array() > 45).any()) continue;  // the grid cuts maps off
@@ -180,11 +182,11 @@ TEST(Ldm, FacesAreSeenFartherThanTheMapReaches) {
 
 TEST(Ldm, FacesAlongDiagonalsOfTheGridAreSeenFarther) {
   // Steps of one voxel a column, and in 13 columns one or two that break the pattern: a quadric
-  // takes these for a bend, and wide maps go out of the trace.
-  for (const Vector3d& aslant : {Vector3d(0.72, -0.69, 0.055), Vector3d(0.591, 0.582, 0.559)}) {
+  // takes these for a curvature, and wide maps go out of the trace.
+  for (const Vector3d& tilted : {Vector3d(0.72, -0.69, 0.055), Vector3d(0.591, 0.582, 0.559)}) {
     FaceErrors errors;
     add_face(
-        aslant, [](const Workpiece& w, const Cell& c) { return estimate_ldm(w, c, kNs, kTrace); },
+        tilted, [](const Workpiece& w, const Cell& c) { return estimate_ldm(w, c, kNs, kTrace); },
         errors);
     std::printf("ldm, a face along a diagonal: mean %.3f deg, %d voxels\n", errors.mean_deg(),
                 errors.count);

@@ -11,6 +11,8 @@
 namespace sulcus {
 namespace {
 
+using test::estimate_ldm, test::estimate_ldm_fast;
+
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 using test::NormalErrors;

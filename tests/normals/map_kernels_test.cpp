@@ -105,7 +105,7 @@ TEST_P(MapKernelsTest, FitsAndResidualsAreTheSameBitForBit) {
       ASSERT_EQ(p, q);
       // The second way: column by column.
       double most = 0.0, cubes = 0.0, across = 0.0;
-      const Taper taper = taper_of(ns);
+      const WindowWeight window_weight = window_weight_of(ns);
       for (int j = -ns; j <= ns; ++j) {
         for (int i = -ns; i <= ns; ++i) {
           const double x = i, y = j;
@@ -114,7 +114,7 @@ TEST_P(MapKernelsTest, FitsAndResidualsAreTheSameBitForBit) {
           const double z =
               c[0] + c[1] * x + c[2] * y + z2 * (1 + surface.t_x * x + surface.t_y * y);
           const double r = sign * map.at(i, j) + 0.5 - z;
-          const double weight = taper.centre - taper.fall * (i * i + j * j);
+          const double weight = window_weight.centre - window_weight.fall * (i * i + j * j);
           most = std::max(most, std::abs(r));
           cubes += weight * r * r * r;
           across += weight * i * j * r * r * r;
@@ -279,7 +279,7 @@ TEST_P(MapKernelsTest, StepsOfAPlaneAreTheColumnsOnItAndTheSameBitForBit) {
       ASSERT_EQ(look.residuals.largest, same_look.residuals.largest);
       ASSERT_EQ(look.residuals.sum_squares, same_look.residuals.sum_squares);
       for (const PlaneWeight kind :
-           {PlaneWeight::kTaper, PlaneWeight::kQuartic, PlaneWeight::kInterior}) {
+           {PlaneWeight::kWindow, PlaneWeight::kQuartic, PlaneWeight::kInterior}) {
         PlaneSums a, b;
         plain_->plane_step(map, plane, kind, kBound, a);
         fast_->plane_step(map, plane, kind, kBound, b);
@@ -292,11 +292,11 @@ TEST_P(MapKernelsTest, StepsOfAPlaneAreTheColumnsOnItAndTheSameBitForBit) {
             const double r = (sign * map.at(i, j) + 0.5 - 0.4 - 0.3 * i + 0.2 * j) * 0.94;
             if (map.at(i, j) == HeightMap::kNone || std::abs(r) > plane.slack) continue;
             ++count;
-            const double taper = 1.0 - (i * i + j * j) / (2.5 * ns * ns);
+            const double window_weight = 1.0 - (i * i + j * j) / (2.5 * ns * ns);
             const double inside = kBound * kBound - r * r;
-            const double weight = kind == PlaneWeight::kTaper ? taper
+            const double weight = kind == PlaneWeight::kWindow ? window_weight
                                   : kind == PlaneWeight::kQuartic
-                                      ? taper * r * r
+                                      ? window_weight * r * r
                                       : (kBound * kBound + r * r) / (inside * inside);
             weights += weight;
             crossed += weight * i * j;

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A rod aslant, curved one way only: not among the shapes that the table was made from.
+/// A rod tilted, curved one way only: not among the shapes that the table was made from.
 class Rod {
  public:
   Rod(const Vector3d& axis, double radius)

@@ -14,6 +14,8 @@
 namespace sulcus {
 namespace {
 
+using test::estimate_ldm, test::estimate_ldm_fast;
+
 TEST(NormalMethod, TheNamedMethodIsTakenWithItsSettings) {
   const Workpiece workpiece(test::two_balls());
   const auto expected = [&](NormalMethod method, const Cell& c) {

@@ -34,11 +34,11 @@ TEST(ColumnQuadric, AQuadricAslantIsRecoveredFromItsHeights) {
   const Eigen::Vector3d truth(std::sin(tilt), 0.0, std::cos(tilt));
   ColumnQuadric plain;
   plain.c = fitted;
-  const auto error_deg = [&](const Foot& foot) {
-    return test::angle_deg({foot.normal_x, foot.normal_y, foot.normal_z}, truth);
+  const auto error_deg = [&](const ClosestPoint& closest) {
+    return test::angle_deg({closest.normal_x, closest.normal_y, closest.normal_z}, truth);
   };
-  const double before = error_deg(foot_of(plain));
-  const double after = error_deg(foot_of(column_quadric(fitted, filter.answers, 1.0f)));
+  const double before = error_deg(closest_point_of(plain));
+  const double after = error_deg(closest_point_of(column_quadric(fitted, filter.answers, 1.0f)));
   EXPECT_GT(before, 0.8);
   EXPECT_LT(after, 0.2);
 }

@@ -39,16 +39,16 @@ TEST_P(SurfaceGroupTest, SurfacesOfAGroupAreThoseOfEachOfIts) {
     const ColumnQuadric one =
         column_quadric(quadric_of(sums[k], k - 3, 2 * k - 5, k % 2 == 0 ? 1 : -1, filter.solution),
                        filter.answers, 1.0f);
-    const Foot foot = foot_of(one);
+    const ClosestPoint closest = closest_point_of(one);
     for (const SurfaceGroup* group : {&a, &b}) {
       EXPECT_EQ(group->surface(k).c, one.c);
       EXPECT_EQ(group->surface(k).t_x, one.t_x);
       EXPECT_EQ(group->surface(k).t_y, one.t_y);
       EXPECT_EQ(group->surface(k).quartic, one.quartic);
-      EXPECT_EQ(group->foot(k).normal_x, foot.normal_x);
-      EXPECT_EQ(group->foot(k).normal_y, foot.normal_y);
-      EXPECT_EQ(group->foot(k).normal_z, foot.normal_z);
-      EXPECT_EQ(group->foot(k).offset, foot.offset);
+      EXPECT_EQ(group->closest_point(k).normal_x, closest.normal_x);
+      EXPECT_EQ(group->closest_point(k).normal_y, closest.normal_y);
+      EXPECT_EQ(group->closest_point(k).normal_z, closest.normal_z);
+      EXPECT_EQ(group->closest_point(k).offset, closest.offset);
     }
     before.push_back(one);
     for (std::size_t f = 0; f < kQuadric; ++f) {
@@ -63,14 +63,14 @@ TEST_P(SurfaceGroupTest, SurfacesOfAGroupAreThoseOfEachOfIts) {
     sharpen(filter_of(k).solution, cubes[k], 1.0f, one);
     for (const SurfaceGroup* group : {&a, &b}) {
       EXPECT_EQ(group->surface(k).c, one.c);
-      EXPECT_EQ(group->foot(k).normal_x, foot_of(one).normal_x);
-      EXPECT_EQ(group->foot(k).offset, foot_of(one).offset);
-      EXPECT_EQ(group->bend[k], bend_of(one));
+      EXPECT_EQ(group->closest_point(k).normal_x, closest_point_of(one).normal_x);
+      EXPECT_EQ(group->closest_point(k).offset, closest_point_of(one).offset);
+      EXPECT_EQ(group->curvature[k], curvature_of(one));
     }
   }
 }
 
-TEST_P(SurfaceGroupTest, FeetOfGroupsAreThoseOfTheirSurfaces) {
+TEST_P(SurfaceGroupTest, ClosestPointsOfGroupsAreThoseOfTheirSurfaces) {
   std::array<SurfaceGroup, 3> a;
   std::array<ColumnQuadric, 24> quadrics;
   for (int n = 0; n < 24; ++n) {
@@ -98,7 +98,7 @@ TEST_P(SurfaceGroupTest, FeetOfGroupsAreThoseOfTheirSurfaces) {
     const int k = n % 8;
     const ColumnQuadric& quadric = quadrics[static_cast<std::size_t>(n)];
     const MapAxes axes{n % 3, n % 2 == 0 ? 1 : -1};
-    const Vector3f normal = to_index_space(foot_of(quadric), axes).normal;
+    const Vector3f normal = to_index_space(closest_point_of(quadric), axes).normal;
     const Vector3f coarse(a[e].coarse[0][k], a[e].coarse[1][k], a[e].coarse[2][k]);
     const Vector3f tool(a[e].tool[0][k], a[e].tool[1][k], a[e].tool[2][k]);
     // No hint beyond 120 degrees from the coarse normal; away from neither that nor the hint.
@@ -108,8 +108,8 @@ TEST_P(SurfaceGroupTest, FeetOfGroupsAreThoseOfTheirSurfaces) {
     count += is_one ? 1 : 0;
     for (const auto* groups : {&a, &b}) {
       EXPECT_EQ((*groups)[e].normal(k), normal) << n;
-      EXPECT_EQ((*groups)[e].offset[k], foot_of(quadric).offset) << n;
-      EXPECT_EQ((*groups)[e].bend[k], bend_of(quadric)) << n;
+      EXPECT_EQ((*groups)[e].offset[k], closest_point_of(quadric).offset) << n;
+      EXPECT_EQ((*groups)[e].curvature[k], curvature_of(quadric)) << n;
     }
   }
   EXPECT_GT(count, 3);
@@ -186,13 +186,13 @@ TEST_P(SurfaceGroupTest, VoxelsAreAimedAwayFromTheSolidAroundThem) {
           groups[k / 8].put_voxel(static_cast<int>(k % 8), c.data(), says.data(), sums.data());
         }
       }
-      const std::uint64_t with_side = plain_->aim(plain, 64);
-      ASSERT_EQ(fast_->aim(fast, 64), with_side);
+      const std::uint64_t with_side = plain_->choose_axes(plain, 64);
+      ASSERT_EQ(fast_->choose_axes(fast, 64), with_side);
       // Lanes beyond so many voxels have no side, whatever they hold.
       for (const std::size_t voxels : {std::size_t{1}, std::size_t{13}}) {
         const std::uint64_t of_these = with_side & ~std::uint64_t{0} >> (64 - voxels);
-        ASSERT_EQ(plain_->aim(plain, voxels), of_these);
-        ASSERT_EQ(fast_->aim(fast, voxels), of_these);
+        ASSERT_EQ(plain_->choose_axes(plain, voxels), of_these);
+        ASSERT_EQ(fast_->choose_axes(fast, voxels), of_these);
       }
       for (std::size_t k = 0; k < 64; ++k) {
         const Cell& c = cells[first + k];
@@ -335,8 +335,8 @@ TEST_P(SurfaceGroupTest, MapsInTilesAreThoseThatAreTracedVoxelByVoxel) {
           groups[k / 8].put_voxel(static_cast<int>(k % 8), c.data(), tool.data(), sums.data());
         }
       }
-      plain_->aim(plain, 64);
-      fast_->aim(fast, 64);
+      plain_->choose_axes(plain, 64);
+      fast_->choose_axes(fast, 64);
       for (std::size_t k = 0; k < 64; ++k) {
         const SurfaceGroup& g = plain[k / 8];
         axes[k] = {g.axis[k % 8], g.sign[k % 8] > 0.0f ? 1 : -1};

@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3f;
 using Vector6d = Eigen::Matrix<double, kQuadric, 1>;
 
-/// Points in frames aslant, and fits to them, eight side by side.
+/// Points in frames tilted, and fits to them, eight side by side.
 class TiltedFitTest : public test::MapKernelsFixture {};
 INSTANTIATE_TEST_SUITE_P(Sets, TiltedFitTest, test::fast_sets(), test::set_of);
 
@@ -139,8 +139,8 @@ TEST_P(TiltedFitTest, EightAreSolvedSideBySideAndTheSameBitForBit) {
 
   plain_->solve_quantised(group);
   fast_->solve_quantised(same);
-  plain_->tilted_feet(group);
-  fast_->tilted_feet(same);
+  plain_->tilted_closest_points(group);
+  fast_->tilted_closest_points(same);
   for (int k = 0; k < TiltedGroup::kSize; ++k) {
     ASSERT_EQ(same.has_plane[k], group.has_plane[k]) << k;
     if (k == kLine || k == kNothing) continue;
@@ -178,10 +178,10 @@ TEST_P(TiltedFitTest, EightAreSolvedSideBySideAndTheSameBitForBit) {
     const Eigen::Vector3d plane = matrix.topLeftCorner<3, 3>().ldlt().solve(right.head<3>());
     for (int f = 0; f < kQuadric; ++f) ASSERT_NEAR(group.quadric[f][k], quadric[f], 2e-5) << k;
     for (int f = 0; f < 3; ++f) ASSERT_NEAR(group.plane[f][k], plane[f], 2e-5) << k;
-    // And the foot on it, turned by the frame.
+    // And the closest point on it, turned by the frame.
     ColumnQuadric surface;
     surface.c = group.quadric_at(k);
-    const Foot tilted = foot_of(surface);
+    const ClosestPoint tilted = closest_point_of(surface);
     for (int a = 0; a < 3; ++a) {
       ASSERT_NEAR(group.normal[a][k],
                   tilted.normal_x * group.u[a][k] + tilted.normal_y * group.w[a][k] +
@@ -213,15 +213,15 @@ TEST_P(TiltedFitTest, FitsAskedForTogetherAreThoseAskedForOneByOne) {
     fitter.fit(fewer);
     const auto expect_alone = [&](const TiltedFit& fit) {
       TiltedFit one = fit;
-      one.foot.reset();
+      one.closest.reset();
       TiltedFitter().fit({&one, 1});
-      ASSERT_EQ(one.foot.has_value(), fit.foot.has_value());
-      (one.foot ? found : nothing) += 1;
-      if (!one.foot) return;
-      ASSERT_EQ(one.foot->normal_x, fit.foot->normal_x);
-      ASSERT_EQ(one.foot->normal_y, fit.foot->normal_y);
-      ASSERT_EQ(one.foot->normal_z, fit.foot->normal_z);
-      ASSERT_EQ(one.foot->offset, fit.foot->offset);
+      ASSERT_EQ(one.closest.has_value(), fit.closest.has_value());
+      (one.closest ? found : nothing) += 1;
+      if (!one.closest) return;
+      ASSERT_EQ(one.closest->normal_x, fit.closest->normal_x);
+      ASSERT_EQ(one.closest->normal_y, fit.closest->normal_y);
+      ASSERT_EQ(one.closest->normal_z, fit.closest->normal_z);
+      ASSERT_EQ(one.closest->offset, fit.closest->offset);
     };
     for (const TiltedFit& fit : fits) expect_alone(fit);
     for (const TiltedFit& fit : fewer) expect_alone(fit);
@@ -254,29 +254,30 @@ TEST(TiltedFitter, FindsTheBallAndThePlaneThatHeightsAreOf) {
     // 35 degrees down a ball of 20 voxels, about as high as the voxel.
     const double turn = 2.4 * k, radius = 20.0;
     const Eigen::Vector3d normal(0.57 * std::cos(turn), 0.57 * std::sin(turn), 0.82);
-    const Eigen::Vector3d foot = Eigen::Vector3d(0.0, 0.0, 0.1 + 0.013 * k);
-    const Eigen::Vector3d centre = foot - radius * normal.normalized();
+    const Eigen::Vector3d closest = Eigen::Vector3d(0.0, 0.0, 0.1 + 0.013 * k);
+    const Eigen::Vector3d centre = closest - radius * normal.normalized();
     const HeightMap on_ball = map_over([&](double x, double y) {
       const double across2 = std::pow(x - centre.x(), 2) + std::pow(y - centre.y(), 2);
       return across2 < radius * radius ? centre.z() + std::sqrt(radius * radius - across2) : -30.0;
     });
     const HeightMap on_plane = map_over([&](double x, double y) {
-      return foot.z() - (x * normal.x() + y * normal.y()) / normal.z();
+      return closest.z() - (x * normal.x() + y * normal.y()) / normal.z();
     });
     const Vector3f tilt = (normal + Eigen::Vector3d(0.1, -0.05, 0.0)).normalized().cast<float>();
     std::array<TiltedFit, 2> fits{TiltedFit{&on_ball, tilt, 5.8f, {}, {}},
                                   TiltedFit{&on_plane, tilt, 7.6f, {}, {}}};
     fitter.fit(fits);
     for (const TiltedFit& fit : fits) {
-      ASSERT_TRUE(fit.foot) << k;
-      const Eigen::Vector3d found(fit.foot->normal_x, fit.foot->normal_y, fit.foot->normal_z);
+      ASSERT_TRUE(fit.closest) << k;
+      const Eigen::Vector3d found(fit.closest->normal_x, fit.closest->normal_y,
+                                  fit.closest->normal_z);
       EXPECT_NEAR(found.norm(), 1.0, 1e-5);
       const Eigen::Vector3d truth =
           &fit == &fits[0] ? Eigen::Vector3d(-centre) : Eigen::Vector3d(normal);
       (&fit == &fits[0] ? ball_deg : plane_deg) += test::angle_deg(found, truth.normalized());
       const double distance =
-          &fit == &fits[0] ? radius - centre.norm() : foot.dot(normal.normalized());
-      EXPECT_NEAR(fit.foot->offset, distance, 0.25) << k;
+          &fit == &fits[0] ? radius - centre.norm() : closest.dot(normal.normalized());
+      EXPECT_NEAR(fit.closest->offset, distance, 0.25) << k;
     }
   }
   std::printf("fits in tilted frames: ball %.3f deg, plane %.3f\n", ball_deg / kTimes,

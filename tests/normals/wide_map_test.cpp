@@ -35,8 +35,8 @@ HeightMap wide_of(const Vector3d& slopes, int edge, int trace) {
   return map;
 }
 
-/// The plane's own foot, turned by so many degrees.
-Foot near(const Vector3d& slopes, double off_deg) {
+/// The plane's own closest point, turned by so many degrees.
+ClosestPoint near(const Vector3d& slopes, double off_deg) {
   Vector3d normal = Vector3d(-slopes.x(), -slopes.y(), 1.0).normalized();
   const double offset = 0.3 * normal.z();
   normal =
@@ -45,8 +45,8 @@ Foot near(const Vector3d& slopes, double off_deg) {
           static_cast<float>(normal.z()), static_cast<float>(offset)};
 }
 
-double error_deg(const Foot& foot, const Vector3d& slopes) {
-  return test::angle_deg(Vector3d(foot.normal_x, foot.normal_y, foot.normal_z),
+double error_deg(const ClosestPoint& closest, const Vector3d& slopes) {
+  return test::angle_deg(Vector3d(closest.normal_x, closest.normal_y, closest.normal_z),
                          Vector3d(-slopes.x(), -slopes.y(), 1.0).normalized());
 }
 
@@ -55,7 +55,8 @@ constexpr int kNoEdge = 100;
 TEST(FaceOver, IsTheFaceThatAllFoundColumnsLieOn) {
   // The second leaves the trace at its corners, so that its map is not whole.
   for (const Vector3d& slopes : {Vector3d(0.31, -0.22, 0), Vector3d(0.96, 0.076, 0)}) {
-    const std::optional<Foot> face = face_over(wide_of(slopes, kNoEdge, 12), near(slopes, 2.0));
+    const std::optional<ClosestPoint> face =
+        extended_plane(wide_of(slopes, kNoEdge, 12), near(slopes, 2.0));
     ASSERT_TRUE(face);
     EXPECT_LT(error_deg(*face, slopes), 0.3);
     EXPECT_NEAR(face->offset, near(slopes, 0.0).offset, 0.1);
@@ -65,7 +66,7 @@ TEST(FaceOver, IsTheFaceThatAllFoundColumnsLieOn) {
 TEST(FaceOver, IsNoneWhereOneColumnLiesOffIt) {
   const Vector3d slopes(0.31, -0.22, 0);
   for (const int edge : {11, 8, 3}) {
-    EXPECT_FALSE(face_over(wide_of(slopes, edge, 12), near(slopes, 1.0))) << edge;
+    EXPECT_FALSE(extended_plane(wide_of(slopes, edge, 12), near(slopes, 1.0))) << edge;
   }
 }
 
@@ -73,14 +74,14 @@ TEST(FaceOver, IsNoneOfFewColumns) {
   // Along the diagonal of the cube three quarters of the columns are in the trace, of a steeper
   // face fewer than half.
   const Vector3d diagonal(1.04, 0.98, 0), steep(1.9, 1.9, 0);
-  EXPECT_TRUE(face_over(wide_of(diagonal, kNoEdge, 12), near(diagonal, 0.5)));
-  EXPECT_FALSE(face_over(wide_of(steep, kNoEdge, 12), near(steep, 0.5)));
+  EXPECT_TRUE(extended_plane(wide_of(diagonal, kNoEdge, 12), near(diagonal, 0.5)));
+  EXPECT_FALSE(extended_plane(wide_of(steep, kNoEdge, 12), near(steep, 0.5)));
 }
 
 TEST(FaceOver, IsNoneOfAFirstPlaneThatIsFarOffOrAlongTheColumns) {
   const Vector3d slopes(0.31, -0.22, 0);
-  EXPECT_FALSE(face_over(wide_of(slopes, kNoEdge, 12), near(slopes, 12.0)));
-  EXPECT_FALSE(face_over(wide_of(slopes, kNoEdge, 12), {0.99f, 0.0f, 0.14f, 0.0f}));
+  EXPECT_FALSE(extended_plane(wide_of(slopes, kNoEdge, 12), near(slopes, 12.0)));
+  EXPECT_FALSE(extended_plane(wide_of(slopes, kNoEdge, 12), {0.99f, 0.0f, 0.14f, 0.0f}));
 }
 
 }  // namespace

@@ -68,9 +68,9 @@ class MapKernelsFixture : public ::testing::TestWithParam<InstructionSet> {
   }
 
   /// Of a surface across itself, a column out.
-  static float bend_of(const ColumnQuadric& surface) {
+  static float curvature_of(const ColumnQuadric& surface) {
     return (std::abs(surface.c[3]) + std::abs(surface.c[4]) + std::abs(surface.c[5])) *
-           foot_of(surface).normal_z;
+           closest_point_of(surface).normal_z;
   }
 
   const MapKernels* const plain_ = map_kernels_of(InstructionSet::kPlain);

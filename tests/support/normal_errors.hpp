@@ -9,11 +9,31 @@
 #include <Eigen/Core>
 #include <gtest/gtest.h>
 
+#include "engine/normals/ldm.hpp"
+#include "engine/normals/ldm_fast.hpp"
 #include "engine/normals/surface_estimate.hpp"
 #include "engine/volume/workpiece.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace sulcus::test {
+
+/// Of one voxel alone, what the methods say of many.
+inline SurfaceEstimate estimate_ldm(const Workpiece& workpiece, const Cell& voxel,
+                                    int neighbourhood, int trace,
+                                    const Eigen::Vector3f& outward = Eigen::Vector3f::Zero()) {
+  const VoxelQuery query{voxel, outward};
+  SurfaceEstimate estimate;
+  sulcus::estimate_ldm(workpiece, {&query, 1}, neighbourhood, trace, {&estimate, 1});
+  return estimate;
+}
+inline SurfaceEstimate estimate_ldm_fast(const Workpiece& workpiece, const Cell& voxel,
+                                         int neighbourhood, int trace,
+                                         const Eigen::Vector3f& outward = Eigen::Vector3f::Zero()) {
+  const VoxelQuery query{voxel, outward};
+  SurfaceEstimate estimate;
+  sulcus::estimate_ldm_fast(workpiece, {&query, 1}, neighbourhood, trace, {&estimate, 1});
+  return estimate;
+}
 
 /// How far estimates are from the truth, over some surface voxels.
 struct NormalErrors {

@@ -22,7 +22,7 @@ constexpr MapKernels kernel_table(const char* name, const MapKernels& own) {
           .tile = own.tile,
           .cut = own.cut,
           .fit = own.fit,
-          .aim = aim,
+          .choose_axes = choose_axes,
           .look_up = look_up,
           .surfaces = surfaces_of,
           .group_residuals = group_residuals,
@@ -40,7 +40,7 @@ constexpr MapKernels kernel_table(const char* name, const MapKernels& own) {
           .sharpen_points = sharpen_points,
           .solve_quantised = solve_quantised,
           .solve_sharpened = solve_sharpened,
-          .tilted_feet = tilted_feet};
+          .tilted_closest_points = tilted_closest_points};
 }
 
 }  // namespace

@@ -97,7 +97,7 @@ inline void plane_step(const HeightMap& map, const HeightPlane& plane, PlaneWeig
   const auto ns = static_cast<float>(map.ns);
   const float fall = 1.0f / (2.5f * ns * ns), bound2 = bound * bound;
   switch (kind) {
-    case PlaneWeight::kTaper:
+    case PlaneWeight::kWindow:
       return sum_plane(
           map, plane,
           [=](const RowLanes& r, const RowLanes&, const RowLanes& distance2) {

@@ -1,6 +1,6 @@
-// Surfaces of eight maps side by side, their feet, and what they leave of the heights: loops of
-// map_kernels.hpp in single precision, written once and compiled for each instruction set by the
-// files that include this; the bits do not depend on the set (simd.hpp).
+// Surfaces of eight maps side by side, their closest points, and what they leave of the heights:
+// loops of map_kernels.hpp in single precision, written once and compiled for each instruction set
+// by the files that include this; the bits do not depend on the set (simd.hpp).
 
 #pragma once
 
@@ -38,8 +38,8 @@ inline Lanes dot(const Vectors& a, const Vectors& b) {
 }
 
 /// The normals in index space (to_index_space), by lane.
-inline Vectors store_normals(const FootOf<Lanes>& foot, SurfaceGroup& g) {
-  const Lanes u = foot.normal_x, v = foot.normal_y, w = load(g.sign) * foot.normal_z;
+inline Vectors store_normals(const ClosestPointOf<Lanes>& closest, SurfaceGroup& g) {
+  const Lanes u = closest.normal_x, v = closest.normal_y, w = load(g.sign) * closest.normal_z;
   const IntLanes axis = load(g.axis), along_x = axis == 0, along_y = axis == 1;
   const Vectors normal{along_x   ? w
                        : along_y ? v
@@ -54,8 +54,8 @@ inline Vectors store_normals(const FootOf<Lanes>& foot, SurfaceGroup& g) {
   return normal;
 }
 
-/// What the tool has to say of each (heard).
-inline Vectors tools_heard(const Vectors& coarse, const SurfaceGroup& g) {
+/// The tool hint of each (tool_hint).
+inline Vectors tool_hints(const Vectors& coarse, const SurfaceGroup& g) {
   Vectors tool = load3(g.tool);
   const Lanes along = dot(coarse, tool);
   const IntLanes far_side =
@@ -64,10 +64,10 @@ inline Vectors tools_heard(const Vectors& coarse, const SurfaceGroup& g) {
   return tool;
 }
 
-/// Which normals stand.
-inline IntLanes standing(const Vectors& normal, const SurfaceGroup& g) {
+/// Which normals are consistent (is_consistent).
+inline IntLanes consistent(const Vectors& normal, const SurfaceGroup& g) {
   const Vectors coarse = load3(g.coarse);
-  const Lanes tool = dot(normal, tools_heard(coarse, g));
+  const Lanes tool = dot(normal, tool_hints(coarse, g));
   return (dot(normal, coarse) > 0.0f) & ~(tool < 0.0f);
 }
 
@@ -81,9 +81,9 @@ inline std::uint64_t bits_of_groups(SurfaceGroup* groups, std::size_t count, con
   return bits;
 }
 
-inline std::uint64_t aim(SurfaceGroup* groups, std::size_t voxels) noexcept {
+inline std::uint64_t choose_axes(SurfaceGroup* groups, std::size_t voxels) noexcept {
   const std::size_t count = (voxels + SurfaceGroup::kSize - 1) / SurfaceGroup::kSize;
-  const std::uint64_t sided = bits_of_groups(groups, count, [](SurfaceGroup& g) {
+  const std::uint64_t has_side = bits_of_groups(groups, count, [](SurfaceGroup& g) {
     const IntLanes x = load(g.around[0]), y = load(g.around[1]), z = load(g.around[2]);
     const IntLanes solid = (x | y | z) != 0;
     const auto or_tool = [&](const IntLanes& sum, const float* tool) {
@@ -108,7 +108,7 @@ inline std::uint64_t aim(SurfaceGroup* groups, std::size_t voxels) noexcept {
     store(by_axis(i, j, k), g.layer);
     return (out[0] != 0.0f) | (out[1] != 0.0f) | (out[2] != 0.0f);
   });
-  return sided & ~std::uint64_t{0} >> (64 - voxels);  // the last eight may not be full
+  return has_side & ~std::uint64_t{0} >> (64 - voxels);  // the last group may not be full
 }
 
 inline TileMaps look_up(const HeightTile::Column* columns, const std::int32_t* origin, int ns,
@@ -140,15 +140,15 @@ inline TileMaps look_up(const HeightTile::Column* columns, const std::int32_t* o
   return maps;
 }
 
-/// Stores surfaces and their feet. Returns which normals are consistent.
+/// Stores surfaces and their closest points. Returns which normals are consistent.
 inline IntLanes store_surfaces(const ColumnQuadricOf<Lanes>& q, SurfaceGroup& g) {
   for (unsigned f = 0; f < kQuadric; ++f) store(q.c[f], g.c[f]);
   store(q.t_x, g.t_x), store(q.t_y, g.t_y), store(q.quartic, g.quartic);
-  const FootOf<Lanes> foot = foot_of(q, square_root);
-  store(foot.normal_x, g.normal_x), store(foot.normal_y, g.normal_y);
-  store(foot.normal_z, g.normal_z), store(foot.offset, g.offset);
-  store((abs(q.c[3]) + abs(q.c[4]) + abs(q.c[5])) * foot.normal_z, g.bend);
-  return standing(store_normals(foot, g), g);
+  const ClosestPointOf<Lanes> closest = closest_point_of(q, square_root);
+  store(closest.normal_x, g.normal_x), store(closest.normal_y, g.normal_y);
+  store(closest.normal_z, g.normal_z), store(closest.offset, g.offset);
+  store((abs(q.c[3]) + abs(q.c[4]) + abs(q.c[5])) * closest.normal_z, g.curvature);
+  return consistent(store_normals(closest, g), g);
 }
 
 inline std::uint64_t surfaces_of(SurfaceGroup* groups, std::size_t count) noexcept {
@@ -161,43 +161,29 @@ inline void sharpen_group(SurfaceGroup& g) noexcept {
   ResidualCubesOf<Lanes> cubes;
   for (unsigned f = 0; f < kQuadric; ++f) q.c[f] = load(g.c[f]), cubes[f] = load(g.cubes[f]);
   sharpen(solutions_of(g), cubes, 1.0f, q);
-  store(store_surfaces(q, g), g.stands);
+  store(store_surfaces(q, g), g.consistent);
 }
 
 /// The filters' weights, centre - fall (i^2 + j^2), of all rings of a map: of row +j or -j, by
 /// lane, the middle one at kMaxLanes / 2; zero beyond the map.
-struct TaperTable {
+struct WindowWeightTable {
   alignas(64) float weight[kMaxNeighbourhood + 1][kMaxNeighbourhood + 1][HeightMap::kMaxLanes];
 };
-constexpr TaperTable make_tapers() {
-  TaperTable table{};
+constexpr WindowWeightTable make_window_weights() {
+  WindowWeightTable table{};
   for (int ns = 1; ns <= kMaxNeighbourhood; ++ns) {
     for (int j = 0; j <= ns; ++j) {
       for (int i = -ns; i <= ns; ++i) {
-        table.weight[ns][j][HeightMap::kMaxLanes / 2 + i] =
-            static_cast<float>(taper_of(ns).centre - taper_of(ns).fall * (i * i + j * j));
+        table.weight[ns][j][HeightMap::kMaxLanes / 2 + i] = static_cast<float>(
+            window_weight_of(ns).centre - window_weight_of(ns).fall * (i * i + j * j));
       }
     }
   }
   return table;
 }
-constexpr TaperTable kTapers = make_tapers();
+constexpr WindowWeightTable kWindowWeights = make_window_weights();
 
-/// y and its square, of the rows.
-struct RowPowers {
-  float y[kMaxNeighbourhood + 1], square[kMaxNeighbourhood + 1];
-};
-constexpr RowPowers make_row_powers() {
-  RowPowers powers{};
-  for (int v = 0; v <= kMaxNeighbourhood; ++v) {
-    powers.y[v] = static_cast<float>(v);
-    powers.square[v] = static_cast<float>(v * v);
-  }
-  return powers;
-}
-constexpr RowPowers kRowPowers = make_row_powers();
-
-/// A surface turned inward and told in columns, as stored heights are compared with it: the
+/// A surface turned inward, in units of columns, as stored heights are compared with it: the
 /// coefficients, and those of x, y and y^3 beyond second order.
 template <class Number>
 struct InwardOf {
@@ -237,17 +223,18 @@ template <bool kNarrow>
     const RowLanes a0 = s.c[0] + s.c[1] * x + z2 * t, a1 = s.c[2] + twist * t + z2 * s.ty,
                    a2 = s.c[5] * t + twist * s.ty;
     const signed char* const row = map.middle + at;
-    const auto* weights = &kTapers.weight[ns][0][HeightMap::kMaxLanes / 2 - middle + at];
+    const auto* weights = &kWindowWeights.weight[ns][0][HeightMap::kMaxLanes / 2 - middle + at];
     RowLanes most2{};
     const auto cube_at = [&](const signed char* heights_at, const RowLanes& surface_at) {
       const RowLanes r = heights_above(heights_at, map.level) - surface_at, r2 = r * r;
       most2 = larger(most2, r2);
       return r2 * r;
     };
-    RowLanes cube0 = load_row(weights) * cube_at(row, a0), cube1{}, cube2{};
+    RowLanes cube0 = load_row(weights) * cube_at(row, a0), cube1{}, cube2{}, y{};
     // Rows +j and -j together: what is even in y, and what is odd.
     for (int v = 1; v <= ns; ++v) {
-      const RowLanes y = RowLanes{} + kRowPowers.y[v], yy = RowLanes{} + kRowPowers.square[v];
+      y += 1.0f;
+      const RowLanes yy = y * y;
       const RowLanes even = a2 * yy + a0, odd = (a1 + s.cubic * yy) * y;
       const RowLanes above = cube_at(row + v * map.pitch, even + odd);
       const RowLanes below = cube_at(row - v * map.pitch, even - odd);

@@ -72,7 +72,7 @@ inline void row_moments(const TileWords& words, int ns, RowMoments& moments) {
 /// map one row before: a row leaves, j becomes j - 1, a row comes.
 inline void tile_sums(const RowMoments& rows, HeightTile& tile) {
   const int ns = tile.ns;
-  const Taper taper = taper_of(ns);
+  const WindowWeight window_weight = window_weight_of(ns);
   ColumnSums m[5][5];
   const auto row = [&](int a, int r) {
     return load_sums(rows.of[a][r], rows.of[a][r + kSumStride]);
@@ -91,7 +91,7 @@ inline void tile_sums(const RowMoments& rows, HeightTile& tile) {
   }
   for (int v = 0;; ++v) {
     const auto put = [&](int f, ColumnSums main, ColumnSums ii, ColumnSums jj) {
-      store_sums(taper.centre * main - taper.fall * (ii + jj), tile.sums[v][f],
+      store_sums(window_weight.centre * main - window_weight.fall * (ii + jj), tile.sums[v][f],
                  tile.sums[v + kSumStride][f]);
     };
     put(0, m[0][0], m[2][0], m[0][2]);

@@ -1,5 +1,6 @@
-// Eight fits of quadrics and planes to points in frames aslant, side by side, and their feet: loops
-// of map_kernels.hpp, as surface_group.hpp. One alone waits for its own divisions most of the time.
+// Eight fits of quadrics and planes to points in frames tilted, side by side, and their closest
+// points: loops of map_kernels.hpp, as surface_group.hpp. One alone waits for its own divisions
+// most of the time.
 
 #pragma once
 
@@ -142,10 +143,10 @@ inline void solve_quantised(TiltedGroup& g) noexcept {
 }
 inline void solve_sharpened(TiltedGroup& g) noexcept { solve_quadrics(equations_of<false>(g), g); }
 
-inline void tilted_feet(TiltedGroup& g) noexcept {
+inline void tilted_closest_points(TiltedGroup& g) noexcept {
   ColumnQuadricOf<Lanes> surface{};  // in units of the radius
   for (unsigned f = 0; f < kQuadric; ++f) surface.c[f] = load(g.quadric[f]);
-  const FootOf<Lanes> tilted = foot_of(surface, square_root);
+  const ClosestPointOf<Lanes> tilted = closest_point_of(surface, square_root);
   for (unsigned a = 0; a < 3; ++a) {
     store(tilted.normal_x * load(g.u[a]) + tilted.normal_y * load(g.w[a]) +
               tilted.normal_z * load(g.n[a]),

@@ -1,4 +1,4 @@
-// The points of a map in a ball, in a frame aslant, and sums over them: loops of map_kernels.hpp,
+// The points of a map in a ball, in a frame tilted, and sums over them: loops of map_kernels.hpp,
 // as surface_group.hpp.
 
 #pragma once
@@ -51,7 +51,7 @@ class PointWriter {
   int count_ = 0;
 };
 
-template <bool kSided>
+template <bool kHasSide>
 inline void gather(const HeightMap& map, const TiltedFrame& frame, TiltedPoints& points) {
   const float radius = frame.radius, unit = 1.0f / radius;
   const int reach = radius < static_cast<float>(map.ns) ? static_cast<int>(radius) : map.ns;
@@ -88,7 +88,7 @@ inline void gather(const HeightMap& map, const TiltedFrame& frame, TiltedPoints&
       const RowLanes r2 = xx + yy + z * z;
       // kNone is far out of every ball.
       RowMask in = at_most(r2, limit);
-      if constexpr (kSided) in = and_(in, at_most(behind, y * side.y));
+      if constexpr (kHasSide) in = and_(in, at_most(behind, y * side.y));
       writer.append(in, 1.0f - r2 * fall, x_u + y_u + z_unit * u2, x_w + y_w + z_unit * w2,
                     x_n + y_n + z_unit * n2);
     }
@@ -97,12 +97,12 @@ inline void gather(const HeightMap& map, const TiltedFrame& frame, TiltedPoints&
 }
 inline void gather_points(const HeightMap& map, const TiltedFrame& frame,
                           TiltedPoints& points) noexcept {
-  const bool sided = frame.side.x != 0.0f || frame.side.y != 0.0f;
-  sided ? gather<true>(map, frame, points) : gather<false>(map, frame, points);
+  const bool has_side = frame.side.x != 0.0f || frame.side.y != 0.0f;
+  has_side ? gather<true>(map, frame, points) : gather<false>(map, frame, points);
 }
 
 /// Sixteen sums side by side, over points that are taken sixteen at a time: all at once, or those
-/// of the first eights and of the second ones. `from` is 0, then 8.
+/// of the first eight of each sixteen and of the second. `from` is 0, then 8.
 template <std::size_t kSums, class Add>
 inline std::array<float, kSums> sum_points(const TiltedPoints& points, const Add& add) {
   std::array<Lanes, kSums> total;
