@@ -236,7 +236,7 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
     count = batch.take(first, MapBatch::kMaps);
     VoxelBits rest = batch.has_direction & ~batch.in_tile;
     for (const std::size_t k : batch.trace_some(rest)) batch.fit_traced(k);
-    batch.find_surfaces();
+    batch.find_surfaces(SurfaceParts::kAll);
     const VoxelBits explained = find_explained(batch);
     Balls balls;
     find_balls(batch, batch.has_direction & ~explained, fitter, balls);

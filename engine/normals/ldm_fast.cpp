@@ -84,7 +84,7 @@ void estimate_ldm_fast(const Workpiece& workpiece, std::span<const VoxelQuery> q
         if (!has_bit(faces.found, k)) batch.fit_traced(k);
       }
     }
-    const VoxelBits consistent = batch.find_surfaces();
+    const VoxelBits consistent = batch.find_surfaces(SurfaceParts::kClosestPoints);
     const VoxelBits wide = find_wide_faces(batch, faces);
 
     SurfaceEstimate* const to = estimates.data() + first;

@@ -51,9 +51,10 @@ class MapBatch {
   std::span<const std::size_t> trace_some(VoxelBits& rest) noexcept;
   /// Fits the window of a map that was traced, where it has one.
   void fit_traced(std::size_t k) noexcept;
-  /// Surfaces of all fits. Returns those whose normals are consistent (is_consistent).
-  VoxelBits find_surfaces() noexcept {
-    return map_kernels().surfaces(groups.data(), group_count());
+  /// Surfaces of all fits, the quadrics too with kAll. Returns those whose normals are consistent
+  /// (is_consistent).
+  VoxelBits find_surfaces(SurfaceParts parts) noexcept {
+    return map_kernels().surfaces(groups.data(), group_count(), parts);
   }
 
   const Workpiece& workpiece() const { return workpiece_; }

@@ -83,6 +83,9 @@ struct alignas(32) SurfaceGroup {
   std::array<const QuadricFilter*, kSize> filters_{};  // whose numbers are there already
 };
 
+/// What is stored of the surfaces of a group.
+enum class SurfaceParts : std::uint8_t { kClosestPoints, kAll };
+
 /// A side of a map: columns with i x + j y >= -behind, (x, y) a unit vector; all where it is zero.
 struct MapSide {
   float x = 0.0f, y = 0.0f, behind = 0.0f;
@@ -252,8 +255,10 @@ struct MapKernels {
                       std::size_t count) noexcept = nullptr;
 
   /// Surfaces of stride 1 of so many groups, up to eight: their closest points, normals in index
-  /// space and curvatures. A bit for each whose normal is consistent.
-  std::uint64_t (*surfaces)(SurfaceGroup* groups, std::size_t count) noexcept = nullptr;
+  /// space and curvatures, and the quadrics themselves with kAll. A bit for each whose normal is
+  /// consistent.
+  std::uint64_t (*surfaces)(SurfaceGroup* groups, std::size_t count,
+                            SurfaceParts parts) noexcept = nullptr;
 
   /// Residuals of surfaces of stride 1 over their whole maps, as `map_residuals`; `which` has a bit
   /// for each that is asked for.

@@ -30,8 +30,8 @@ TEST_P(SurfaceGroupTest, SurfacesOfAGroupAreThoseOfEachOfIts) {
     a.put(k, sums[k], k - 3, 2 * k - 5, k % 2 == 0 ? 1 : -1, filter_of(k));
   }
   SurfaceGroup b = a;
-  plain_->surfaces(&a, 1);
-  fast_->surfaces(&b, 1);
+  plain_->surfaces(&a, 1, SurfaceParts::kAll);
+  fast_->surfaces(&b, 1, SurfaceParts::kAll);
   std::vector<ResidualCubes> cubes(SurfaceGroup::kSize);
   std::vector<ColumnQuadric> before;
   for (int k = 0; k < SurfaceGroup::kSize; ++k) {
@@ -90,8 +90,9 @@ TEST_P(SurfaceGroupTest, ClosestPointsOfGroupsAreThoseOfTheirSurfaces) {
     }
   }
   std::array<SurfaceGroup, 3> b = a;
-  const std::uint64_t consistent = plain_->surfaces(a.data(), a.size());
-  ASSERT_EQ(fast_->surfaces(b.data(), b.size()), consistent);
+  const std::uint64_t consistent =
+      plain_->surfaces(a.data(), a.size(), SurfaceParts::kClosestPoints);
+  ASSERT_EQ(fast_->surfaces(b.data(), b.size(), SurfaceParts::kClosestPoints), consistent);
   int count = 0;
   for (int n = 0; n < 24; ++n) {
     const auto e = static_cast<std::size_t>(n / 8);
@@ -132,7 +133,7 @@ TEST_P(SurfaceGroupTest, ResidualsOfAGroupAreThoseOfEachOfItsMaps) {
       a.put(k, sums, map.at(0, 0), map.at(0, 0), sign, filter);
       rows[static_cast<std::size_t>(k)] = rows_of(map);
     }
-    plain_->surfaces(&a, 1);
+    plain_->surfaces(&a, 1, SurfaceParts::kAll);
     b = a;
     plain_->group_residuals(rows.data(), kWhich, a);
     fast_->group_residuals(rows.data(), kWhich, b);

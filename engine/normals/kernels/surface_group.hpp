@@ -140,10 +140,8 @@ inline TileMaps look_up(const HeightTile::Column* columns, const std::int32_t* o
   return maps;
 }
 
-/// Stores surfaces and their closest points. Returns which normals are consistent.
-inline IntLanes store_surfaces(const ColumnQuadricOf<Lanes>& q, SurfaceGroup& g) {
-  for (unsigned f = 0; f < kQuadric; ++f) store(q.c[f], g.c[f]);
-  store(q.t_x, g.t_x), store(q.t_y, g.t_y), store(q.quartic, g.quartic);
+/// Stores surfaces' closest points. Returns which normals are consistent.
+inline IntLanes store_closest(const ColumnQuadricOf<Lanes>& q, SurfaceGroup& g) {
   const ClosestPointOf<Lanes> closest = closest_point_of(q, square_root);
   store(closest.normal_x, g.normal_x), store(closest.normal_y, g.normal_y);
   store(closest.normal_z, g.normal_z), store(closest.offset, g.offset);
@@ -151,9 +149,18 @@ inline IntLanes store_surfaces(const ColumnQuadricOf<Lanes>& q, SurfaceGroup& g)
   return consistent(store_normals(closest, g), g);
 }
 
-inline std::uint64_t surfaces_of(SurfaceGroup* groups, std::size_t count) noexcept {
-  return bits_of_groups(groups, count,
-                        [](SurfaceGroup& g) { return store_surfaces(quadrics_of(g), g); });
+inline void store_quadrics(const ColumnQuadricOf<Lanes>& q, SurfaceGroup& g) {
+  for (unsigned f = 0; f < kQuadric; ++f) store(q.c[f], g.c[f]);
+  store(q.t_x, g.t_x), store(q.t_y, g.t_y), store(q.quartic, g.quartic);
+}
+
+inline std::uint64_t surfaces_of(SurfaceGroup* groups, std::size_t count,
+                                 SurfaceParts parts) noexcept {
+  return bits_of_groups(groups, count, [parts](SurfaceGroup& g) {
+    const ColumnQuadricOf<Lanes> q = quadrics_of(g);
+    if (parts == SurfaceParts::kAll) store_quadrics(q, g);
+    return store_closest(q, g);
+  });
 }
 
 inline void sharpen_group(SurfaceGroup& g) noexcept {
@@ -161,7 +168,8 @@ inline void sharpen_group(SurfaceGroup& g) noexcept {
   ResidualCubesOf<Lanes> cubes;
   for (unsigned f = 0; f < kQuadric; ++f) q.c[f] = load(g.c[f]), cubes[f] = load(g.cubes[f]);
   sharpen(solutions_of(g), cubes, 1.0f, q);
-  store(store_surfaces(q, g), g.consistent);
+  store_quadrics(q, g);
+  store(store_closest(q, g), g.consistent);
 }
 
 /// The filters' weights, centre - fall (i^2 + j^2), of all rings of a map: of row +j or -j, by
