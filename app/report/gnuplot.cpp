@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -35,15 +36,36 @@ bool is_whole_png(const std::string& file) {
          std::string_view(last.data(), last.size()) == kEnd;
 }
 
+/// Runs gnuplot with these arguments, the picture on its standard output. False, and no file, where
+/// it cannot be run or refuses what it is told. What it says of a script goes nowhere.
+bool run_gnuplot(const std::string& file_png, std::vector<std::string> arguments, int input) {
+  WholeFile picture(file_png);
+  const Stream output(std::fopen(picture.beside().c_str(), "wb"), std::fclose);
+  if (!output) picture.fail_incomplete();
+  // -d: without the user's own settings.
+  arguments.insert(arguments.begin(), {"gnuplot", "-d"});
+  int status = 0;
+  try {
+    ChildProcess gnuplot(arguments, {input, fileno(output.get()), -1});
+    status = gnuplot.wait();
+  } catch (const std::runtime_error&) {  // it is not there
+    return false;
+  }
+  constexpr int kSignalled = 128;  // by SIGXFSZ, where a file may not grow
+  if (status > kSignalled || (status == 0 && !is_whole_png(picture.beside()))) {
+    picture.fail_incomplete("gnuplot left it in part");
+  }
+  if (status != 0) return false;
+  picture.finish();
+  return true;
+}
+
 }  // namespace
 
 bool draw_with_gnuplot(const std::string& file_png, int width, int height,
                        const std::function<void(std::FILE* gnuplot)>& write) {
-  WholeFile picture(file_png);
   // By a file: gnuplot reads a pipe byte by byte.
   const Stream script(std::tmpfile(), std::fclose);
-  const Stream output(std::fopen(picture.beside().c_str(), "wb"), std::fclose);
-  if (!output) picture.fail_incomplete();
   if (!script) refuse_script(file_png);
   // The picture comes out of its standard output, so that no path stands in the script.
   std::fprintf(script.get(),
@@ -57,21 +79,14 @@ bool draw_with_gnuplot(const std::string& file_png, int width, int height,
       ::lseek(fileno(script.get()), 0, SEEK_SET) != 0) {
     refuse_script(file_png);
   }
-  int status = 0;
-  try {
-    // -d: without the user's own settings. What it says of a script goes nowhere.
-    ChildProcess gnuplot({"gnuplot", "-d", "-"}, {fileno(script.get()), fileno(output.get()), -1});
-    status = gnuplot.wait();
-  } catch (const std::runtime_error&) {  // it is not there
-    return false;
-  }
-  constexpr int kSignalled = 128;  // by SIGXFSZ, where a file may not grow
-  if (status > kSignalled || (status == 0 && !is_whole_png(picture.beside()))) {
-    picture.fail_incomplete("gnuplot left it in part");
-  }
-  if (status != 0) return false;
-  picture.finish();
-  return true;
+  return run_gnuplot(file_png, {"-"}, fileno(script.get()));
+}
+
+bool draw_with_gnuplot(const std::string& file_png, const std::string& script,
+                       const std::vector<std::string>& arguments) {
+  std::vector<std::string> all{"-c", script};
+  all.insert(all.end(), arguments.begin(), arguments.end());
+  return run_gnuplot(file_png, std::move(all), -1);
 }
 
 }  // namespace sulcus

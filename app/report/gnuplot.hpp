@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace sulcus {
 
@@ -13,5 +14,10 @@ namespace sulcus {
 /// std::runtime_error where the picture cannot be written whole.
 bool draw_with_gnuplot(const std::string& file_png, int width, int height,
                        const std::function<void(std::FILE* script)>& write);
+
+/// The same of a script's file, which draws one picture on its standard output. `arguments`: what
+/// it reads as ARG1, ARG2, ...; they are data, and no text of the script.
+bool draw_with_gnuplot(const std::string& file_png, const std::string& script,
+                       const std::vector<std::string>& arguments);
 
 }  // namespace sulcus

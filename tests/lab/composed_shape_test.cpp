@@ -43,10 +43,10 @@ TEST(ComposedShape, FootIsTheNearestPointOfTheSurface) {
     const Vector3d p = random_point(random, 10.0);
     if (shape.value(p) > -0.05) continue;
     ++tested;
-    const ComposedShape::Foot foot = shape.foot(p);
-    const double distance = (foot.point - p).norm();
-    EXPECT_NEAR(shape.value(foot.point), 0.0, 1e-9);
-    EXPECT_NEAR((foot.point - p).dot(foot.normal), distance, 1e-9) << "straight out";
+    const ComposedShape::ClosestPoint closest = shape.closest_point(p);
+    const double distance = (closest.point - p).norm();
+    EXPECT_NEAR(shape.value(closest.point), 0.0, 1e-9);
+    EXPECT_NEAR((closest.point - p).dot(closest.normal), distance, 1e-9) << "straight out";
     // Nothing within that distance is outside of the solid.
     for (int n = 0; n < 200; ++n) {
       const Vector3d d = random_point(random, 1.0);
@@ -57,9 +57,9 @@ TEST(ComposedShape, FootIsTheNearestPointOfTheSurface) {
 }
 
 TEST(ComposedShape, FootFollowsAFunctionThatIsNoDistance) {
-  // An ellipsoid; the foot of a point on the longest axis near its end, worked out by hand: for
-  // a = 8, b = 4 the centre of curvature there is at 8 - 16/8 = 6, and beyond it the end is
-  // nearest.
+  // An ellipsoid; the closest point to a point on the longest axis near its end, worked out by
+  // hand: for a = 8, b = 4 the centre of curvature there is at 8 - 16/8 = 6, and beyond it the end
+  // is nearest.
   const Vector3d axes(8, 4, 4);
   Side side;
   side.value = [=](const Vector3d& p) { return 4.0 * (p.cwiseQuotient(axes).norm() - 1.0); };
@@ -68,23 +68,23 @@ TEST(ComposedShape, FootFollowsAFunctionThatIsNoDistance) {
     return 4.0 / q.norm() * q.cwiseQuotient(axes);
   };
   const ComposedShape shape({side}, bounds(8));
-  const ComposedShape::Foot end = shape.foot({6.8, 0, 0});
+  const ComposedShape::ClosestPoint end = shape.closest_point({6.8, 0, 0});
   EXPECT_NEAR((end.point - Vector3d(8, 0, 0)).norm(), 0.0, 1e-6);
-  const ComposedShape::Foot foot = shape.foot({5.0, 2.5, 0.3});
-  EXPECT_NEAR(shape.value(foot.point), 0.0, 1e-9);
-  const Vector3d out = foot.point - Vector3d(5.0, 2.5, 0.3);
-  EXPECT_LT(out.cross(foot.normal).norm(), 1e-3 * out.norm());
+  const ComposedShape::ClosestPoint closest = shape.closest_point({5.0, 2.5, 0.3});
+  EXPECT_NEAR(shape.value(closest.point), 0.0, 1e-9);
+  const Vector3d out = closest.point - Vector3d(5.0, 2.5, 0.3);
+  EXPECT_LT(out.cross(closest.normal).norm(), 1e-3 * out.norm());
 }
 
 TEST(ComposedShape, EdgeDistanceIsToWhereTwoSidesMeet) {
   const ComposedShape shape(
       {half_space({5, 0, 0}, Vector3d::UnitX()), half_space({0, 5, 0}, Vector3d::UnitY())},
       bounds(5));
-  const ComposedShape::Foot foot = shape.foot({4.5, 2.0, 1.0});
-  EXPECT_EQ(foot.side, 0u);
-  ASSERT_TRUE(shape.edge_distance(foot, 10.0));
-  EXPECT_NEAR(*shape.edge_distance(foot, 10.0), 3.0, 1e-9);
-  EXPECT_FALSE(shape.edge_distance(foot, 2.9));
+  const ComposedShape::ClosestPoint closest = shape.closest_point({4.5, 2.0, 1.0});
+  EXPECT_EQ(closest.side, 0u);
+  ASSERT_TRUE(shape.edge_distance(closest, 10.0));
+  EXPECT_NEAR(*shape.edge_distance(closest, 10.0), 3.0, 1e-9);
+  EXPECT_FALSE(shape.edge_distance(closest, 2.9));
 }
 
 TEST(ComposedShape, NoEdgeWhereAThirdSideTookItAway) {
@@ -93,10 +93,10 @@ TEST(ComposedShape, NoEdgeWhereAThirdSideTookItAway) {
       {half_space({5, 0, 0}, Vector3d::UnitX()), half_space({0, 5, 0}, Vector3d::UnitY()),
        half_space({2, 2, 0}, Vector3d(1, 1, 0).normalized())},
       bounds(5));
-  const ComposedShape::Foot foot{{5, -1, 0}, Vector3d::UnitX(), 0};
-  ASSERT_TRUE(shape.edge_distance(foot, 10.0));
-  EXPECT_NEAR(*shape.edge_distance(foot, 10.0), 0.0, 1e-9) << "the third side passes there";
-  const ComposedShape::Foot below{{5, -4, 0}, Vector3d::UnitX(), 0};
+  const ComposedShape::ClosestPoint closest{{5, -1, 0}, Vector3d::UnitX(), 0};
+  ASSERT_TRUE(shape.edge_distance(closest, 10.0));
+  EXPECT_NEAR(*shape.edge_distance(closest, 10.0), 0.0, 1e-9) << "the third side passes there";
+  const ComposedShape::ClosestPoint below{{5, -4, 0}, Vector3d::UnitX(), 0};
   EXPECT_NEAR(*shape.edge_distance(below, 10.0), 3.0, 1e-9) << "not 9, to the second side";
 }
 

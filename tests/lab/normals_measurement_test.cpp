@@ -8,7 +8,6 @@
 
 #include "engine/core/error.hpp"
 #include "tests/support/shapes.hpp"
-#include "tools/sulcus_lab/normals/cost_chart.hpp"
 #include "tools/sulcus_lab/truth/error_stats.hpp"
 
 namespace sulcus::lab {
@@ -53,12 +52,12 @@ TEST(ErrorStats, MeanNinetyFifthAndGreatest) {
 
 TEST(ErrorStats, TheToolStandsInForWhatIsMissingOrOpposed) {
   const Vector3d up = Vector3d::UnitZ();
-  const SurfaceEstimate none, down{{0, 0, -1}, 0.5f, true}, aslant{{0.6f, 0, 0.8f}, 0.5f, true};
+  const SurfaceEstimate none, down{{0, 0, -1}, 0.5f, true}, tilted{{0.6f, 0, 0.8f}, 0.5f, true};
   EXPECT_FALSE(with_tool_direction(none, std::nullopt).defined);
   EXPECT_EQ(with_tool_direction(none, up).normal, Eigen::Vector3f(0, 0, 1));
   EXPECT_EQ(with_tool_direction(down, up).normal, Eigen::Vector3f(0, 0, 1));
   EXPECT_EQ(with_tool_direction(down, std::nullopt).normal, down.normal);
-  EXPECT_EQ(with_tool_direction(aslant, up).normal, aslant.normal);
+  EXPECT_EQ(with_tool_direction(tilted, up).normal, tilted.normal);
 }
 
 TEST(ErrorStats, AnglesInDegreesToTheTruthOrToEitherSign) {
@@ -146,7 +145,7 @@ TEST(NormalMethods, NamesAndUsualNeighbourhoods) {
   for (const MethodInfo& info : all_methods()) EXPECT_EQ(info_of(info.method).name, info.name);
 }
 
-TEST(CostChart, GrowthIsTheSlopeOfTheLogarithms) {
+TEST(Cost, GrowthIsTheSlopeOfTheLogarithms) {
   std::vector<CostRow> costs;
   for (const int ns : {1, 2, 4, 6}) {
     const double n = 2.0 * ns + 1.0;

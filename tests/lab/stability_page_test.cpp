@@ -1,17 +1,12 @@
 #include "tools/sulcus_lab/stability/stability_page.hpp"
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <regex>
 #include <set>
 
 #include <gtest/gtest.h>
 
-#include "tests/support/scratch_folder.hpp"
 #include "tools/sulcus_lab/stability/cases/case_texts.hpp"
-#include "tools/sulcus_lab/stability/stability_charts.hpp"
 
 namespace sulcus::lab {
 namespace {
@@ -224,82 +219,6 @@ TEST(StabilityPage, IsOneWellFormedFileWithoutScripts) {
   EXPECT_EQ(page.find("<script"), std::string::npos);
   EXPECT_EQ(page.find("http"), std::string::npos);
   EXPECT_NE(page.find("<p>Built with &lt;care&gt; &amp; so on.</p>"), std::string::npos);
-}
-
-// The charts: that gnuplot takes what it is given, also at the ends of what can be measured.
-
-ForceTrace trace(ContactMethod method, std::string label, std::size_t ticks, bool with_depth) {
-  ForceTrace t;
-  t.case_name = "thin_wall";
-  t.method = method;
-  t.label = std::move(label);
-  for (std::size_t i = 0; i < ticks; ++i) {
-    t.force_N.push_back(0.001f * static_cast<float>(i) *
-                        (method == ContactMethod::kNone ? -50 : 1));
-    if (with_depth) t.depth_mm.push_back(0.0001f * static_cast<float>(i));
-  }
-  return t;
-}
-
-class StabilityCharts : public ::testing::Test {
- protected:
-  /// Whether it was drawn, by a picture larger than an empty frame's.
-  bool drawn(bool success) const { return success && std::filesystem::file_size(file_) > 5000; }
-  ScratchFolder folder_;
-  std::string file_ = folder_.path("chart.png");
-};
-
-TEST_F(StabilityCharts, ForcesAreDrawnTogetherAndInFrames) {
-  std::vector<ForceTrace> few, many;
-  for (const char* label : {"a", "b", "\"quoted\" \\ one", "d"}) {
-    few.push_back(trace(ContactMethod::kCoupling, label, 300, true));
-    many.push_back(trace(ContactMethod::kCoupling, label, 5000, false));
-    many.push_back(trace(ContactMethod::kNone, label, 5000, true));
-  }
-  EXPECT_TRUE(drawn(draw_force_traces(few, file_)));
-  EXPECT_TRUE(drawn(draw_force_traces(many, file_)));
-}
-
-TEST_F(StabilityCharts, ForcesThatAreAllNothingOrMissingAreDrawnToo) {
-  std::vector<ForceTrace> traces{trace(ContactMethod::kCoupling, "none", 0, false)};
-  traces.push_back(traces[0]);
-  traces[1].force_N.assign(100, 0.0f);
-  EXPECT_TRUE(drawn(draw_force_traces(traces, file_)));
-  traces[1].force_N.assign(100, std::nanf(""));
-  EXPECT_TRUE(drawn(draw_force_traces(traces, file_)));
-  EXPECT_FALSE(draw_force_traces({}, file_));
-}
-
-TEST_F(StabilityCharts, TheOthersAreDrawnWithMissingAndEndlessValues) {
-  const double nan = std::nan("");
-  const FrontierPoint frontier[] = {{ContactMethod::kCoupling, 10, 0.3, HUGE_VAL},
-                                    {ContactMethod::kCoupling, 1000, 0.3, 0.7},
-                                    {ContactMethod::kCount, 10, nan, 1.5},
-                                    {ContactMethod::kCount, 1000, 3.0, nan}};
-  EXPECT_TRUE(drawn(draw_frontier(frontier, file_)));
-  const DampingPoint damping[] = {
-      {"coupling", 0, HUGE_VAL}, {"coupling", 40, 0.0}, {"light hand", 0, 1.0}};
-  EXPECT_TRUE(drawn(draw_damping(damping, file_)));
-  const SpeedErrorPoint speed[] = {{ContactMethod::kCoupling, 30, 0.0},
-                                   {ContactMethod::kNone, 20, 9.0}};
-  EXPECT_TRUE(drawn(draw_speed_error(speed, file_)));
-  EXPECT_FALSE(draw_frontier({}, file_));
-  EXPECT_FALSE(draw_damping({}, file_));
-  EXPECT_FALSE(draw_speed_error({}, file_));
-}
-
-TEST_F(StabilityCharts, AnErrorOfNothingLiesOnTheFramesEdge) {
-  const auto picture = [&](const std::vector<SpeedErrorPoint>& points) {
-    EXPECT_TRUE(draw_speed_error(points, file_));
-    std::ifstream in(file_, std::ios::binary);
-    return std::string(std::istreambuf_iterator<char>(in), {});
-  };
-  const std::vector<SpeedErrorPoint> without{{ContactMethod::kCoupling, 20, 9.0},
-                                             {ContactMethod::kCoupling, 30, 9.0}};
-  std::vector<SpeedErrorPoint> with = without;
-  with.push_back({ContactMethod::kCoupling, 20, 0.0});  // the first, so that no line is broken
-  EXPECT_EQ(picture(without), picture(without)) << "or nothing follows from what differs";
-  EXPECT_NE(picture(without), picture(with));
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/shapes.hpp"
-#include "tools/sulcus_lab/stability/clinical_pushes.hpp"
+#include "tools/sulcus_lab/stability/cases/cases.hpp"
 #include "tools/sulcus_lab/stability/pushes.hpp"
 #include "tools/sulcus_lab/stability/random_pushes.hpp"
 
@@ -38,7 +38,7 @@ TEST(StabilityPushes, ACoupledPressIsHeldAndFeltAsStiffAsTheCoupling) {
 
 TEST(StabilityPushes, ClinicalOnesAreHeldAndFeltInTheirShortForm) {
   int judged = 0;
-  for (const StabilityRow& row : clinical_pushes(true).rows) {
+  for (const StabilityRow& row : run_case("clinical_pushes", {.methods = {}, .brief = true}).rows) {
     judged += row.limit ? 1 : 0;
     EXPECT_TRUE(row.pass()) << row.quantity << " " << row.value;
   }
@@ -47,7 +47,8 @@ TEST(StabilityPushes, ClinicalOnesAreHeldAndFeltInTheirShortForm) {
 
 TEST(StabilityPushes, OnesOffTheAxisTurnTheHandleAsItsSpringHolds) {
   int judged = 0;
-  for (const StabilityRow& row : pressed_off_axis(true).rows) {
+  for (const StabilityRow& row :
+       run_case("pressed_off_axis", {.methods = {}, .brief = true}).rows) {
     judged += row.limit ? 1 : 0;
     EXPECT_TRUE(row.pass()) << row.quantity << " " << row.value;
     if (row.quantity == "turned_deg") {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/sulcus_lab/log_slope.hpp"
+#include "tools/sulcus_lab/statistics.hpp"
 
 namespace sulcus::lab {
 namespace {
@@ -88,14 +88,6 @@ TEST(TickRows, LinesHoldWhatTheirHeadersSay) {
   EXPECT_EQ(columns(found_line(made)), columns(kFoundHeader));
   EXPECT_EQ(columns(sweep_line({})), columns(kSweepColumns));
   for (const std::string& line : floor_lines({})) EXPECT_EQ(columns(line), columns(kFloorHeader));
-}
-
-TEST(TickRows, GrowthIsFittedBySetting) {
-  const std::vector<TickRow> rows{row(NormalMethod::kLdm, TickCache::kFresh, 100, 10, 0),
-                                  row(NormalMethod::kLdm, TickCache::kKept, 100, 7, 0),
-                                  row(NormalMethod::kLdm, TickCache::kFresh, 10000, 100, 0)};
-  EXPECT_NEAR(growth_exponent(rows, rows[0].setting), 0.5, 1e-12);
-  EXPECT_TRUE(std::isnan(growth_exponent(rows, rows[1].setting)));
 }
 
 TEST(LogSlope, LeavesOutWhatHasNoLogarithm) {

@@ -8,13 +8,7 @@
 #include "app/build_info.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/stop.hpp"
-#include "tools/sulcus_lab/frames/frames_command.hpp"
-#include "tools/sulcus_lab/normals/normals_command.hpp"
-#include "tools/sulcus_lab/pareto/pareto_command.hpp"
-#include "tools/sulcus_lab/recordings/recordings_command.hpp"
-#include "tools/sulcus_lab/stability/stability_command.hpp"
-#include "tools/sulcus_lab/table1/table1_command.hpp"
-#include "tools/sulcus_lab/ticks/ticks_command.hpp"
+#include "tools/sulcus_lab/commands.hpp"
 
 int main(int argc, char** argv) {
   sulcus::watch_for_stop();

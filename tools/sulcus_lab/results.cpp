@@ -1,14 +1,38 @@
 #include "tools/sulcus_lab/results.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <stdexcept>
 
 #include <unistd.h>
 
+#include "app/report/gnuplot.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/user_text.hpp"
 
 namespace sulcus::lab {
+
+std::string with_number(const char* form, double number) {
+  char text[128];
+  std::snprintf(text, sizeof text, form, number);
+  return text;
+}
+
+std::string number_cell(const char* form, double value) {
+  return std::isfinite(value) ? with_number(form, value) : "";
+}
+
+std::string text_cell(std::string text) {
+  std::replace(text.begin(), text.end(), '"', '\'');
+  return '"' + for_terminal(text) + '"';
+}
+
+std::string spaced_name(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
 
 ProgressLine::ProgressLine() : on_terminal_(isatty(STDERR_FILENO) == 1) {}
 
@@ -38,12 +62,18 @@ std::string Results::table(const std::string& name) {
   return files_.back();
 }
 
-void Results::drawn(const std::string& path, const std::string& name, bool success) {
-  if (success) {
-    files_.push_back(path);
+bool Results::draw(const std::string& chart, const std::string& picture,
+                   const std::string& subject) {
+  const std::string file = folder_ + "/" + picture + ".png";
+  const bool drawn = draw_with_gnuplot(file, SULCUS_LAB_CHARTS "/" + chart + ".gp",
+                                       {std::filesystem::absolute(folder_).string(), subject});
+  if (drawn) {
+    files_.push_back(file);
   } else {
-    std::fprintf(stderr, "sulcus-lab: %s was not drawn: gnuplot could not be run\n", name.c_str());
+    std::fprintf(stderr, "sulcus-lab: %s.png was not drawn: gnuplot could not be run\n",
+                 picture.c_str());
   }
+  return drawn;
 }
 
 void Results::print() const {

@@ -7,6 +7,15 @@
 
 namespace sulcus::lab {
 
+/// A number in a form of printf's.
+std::string with_number(const char* form, double number);
+/// The same; empty where it is not finite, as of what was not measured.
+std::string number_cell(const char* form, double value);
+/// A text as a cell, quoted. Double quotes in it become single ones: gnuplot knows no others.
+std::string text_cell(std::string text);
+/// A name of the command line as words.
+std::string spaced_name(std::string name);
+
 /// One line on a terminal that is written over; nothing in a pipe.
 class ProgressLine {
  public:
@@ -36,20 +45,17 @@ class Results {
  public:
   explicit Results(std::string folder);
 
+  std::string path(const std::string& name) const { return folder_ + "/" + name; }
   /// Path of a table, which is listed.
   std::string table(const std::string& name);
-  /// `draw(path)` draws a picture, which is listed; a line says so where it returns false.
-  template <class Draw>
-  void picture(const std::string& name, const Draw& draw) {
-    const std::string path = folder_ + "/" + name;
-    drawn(path, name, draw(path));
-  }
+  /// PICTURE.png, drawn by charts/CHART.gp from the tables that are there, and listed where that
+  /// came about; else a line says so. `subject`: the script's second argument. Whether it was
+  /// drawn.
+  bool draw(const std::string& chart, const std::string& picture, const std::string& subject = "");
   /// The files that were written, one a line.
   void print() const;
 
  private:
-  void drawn(const std::string& path, const std::string& name, bool success);
-
   std::string folder_;
   std::vector<std::string> files_;
 };

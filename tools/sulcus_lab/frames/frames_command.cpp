@@ -1,5 +1,3 @@
-#include "tools/sulcus_lab/frames/frames_command.hpp"
-
 #include <algorithm>
 #include <cstdio>
 #include <memory>
@@ -18,8 +16,9 @@
 #include "engine/scene/scene_file.hpp"
 #include "engine/scene/trajectory.hpp"
 #include "haptics/device/device.hpp"
+#include "tools/sulcus_lab/commands.hpp"
 #include "tools/sulcus_lab/results.hpp"
-#include "tools/sulcus_lab/samples.hpp"
+#include "tools/sulcus_lab/statistics.hpp"
 
 namespace sulcus::lab {
 

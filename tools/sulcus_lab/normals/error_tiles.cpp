@@ -7,16 +7,15 @@
 
 #include <Eigen/Geometry>
 
-#include "engine/core/user_text.hpp"
-#include "tools/sulcus_lab/chart.hpp"
+#include "tools/sulcus_lab/results.hpp"
 #include "tools/sulcus_lab/truth/error_stats.hpp"
 
 namespace sulcus::lab {
 
 namespace {
 
-constexpr int kTile = 160;  // pixels along an edge
-constexpr int kLargestColumn = 6;
+constexpr int kTile = 160;       // pixels along an edge
+constexpr int kLargestTile = 6;  // neighbourhood
 constexpr int kNothing = -1;
 
 /// Which voxel each pixel shows, seen orthographically: kTile x kTile places in the shape's list of
@@ -58,118 +57,58 @@ std::vector<int> visible_voxels(const TruthShape& shape) {
   return pixels;
 }
 
-/// Data block of one tile: x, y, error; pixels without one are left out.
-std::string tile_data(const std::vector<int>& pixels, const std::vector<float>& errors_deg) {
-  std::string text;
-  for (int y = 0; y < kTile; ++y) {
-    for (int x = 0; x < kTile; ++x) {
-      const int voxel = pixels[static_cast<std::size_t>(y * kTile + x)];
-      const float error = voxel == kNothing ? std::numeric_limits<float>::quiet_NaN()
-                                            : errors_deg[static_cast<std::size_t>(voxel)];
-      text += number_for_gnuplot(static_cast<double>(error)) + (x + 1 < kTile ? " " : "\n");
-    }
-  }
-  return text;
+/// The voxels that are seen, as places in the shape's list.
+std::vector<int> distinct(std::vector<int> pixels) {
+  std::sort(pixels.begin(), pixels.end());
+  pixels.erase(std::unique(pixels.begin(), pixels.end()), pixels.end());
+  std::erase(pixels, kNothing);
+  return pixels;
 }
 
 }  // namespace
 
-bool draw_error_tiles(const TruthShape& shape, std::span<const MethodRun> runs,
-                      const std::string& file_png) {
+bool write_error_tiles(const TruthShape& shape, std::span<const MethodRun> runs,
+                       const std::string& file_csv) {
+  std::vector<MethodRun> tiles(runs.begin(), runs.end());
+  std::erase_if(tiles, [](const MethodRun& run) { return run.neighbourhood > kLargestTile; });
+  if (tiles.empty()) return false;
   const std::vector<int> pixels = visible_voxels(shape);
-  std::vector<int> shown(pixels);
-  std::sort(shown.begin(), shown.end());
-  shown.erase(std::unique(shown.begin(), shown.end()), shown.end());
-  std::erase(shown, kNothing);
+  const std::vector<int> shown = distinct(pixels);
 
   const Workpiece workpiece{VoxelModel(shape.model)};
-  const bool with_cloud = std::any_of(
-      runs.begin(), runs.end(), [](const MethodRun& r) { return !info_of(r.method).finds_sign; });
+  const bool with_cloud = std::any_of(tiles.begin(), tiles.end(), [](const MethodRun& run) {
+    return !info_of(run.method).finds_sign;
+  });
   const NormalMethods methods(workpiece, with_cloud, shape.tool_direction);
   std::vector<Cell> cells;
   cells.reserve(shown.size());
   for (const int v : shown) cells.push_back(shape.voxels[static_cast<std::size_t>(v)].cell);
   const VoxelSample sample = methods.sample(std::move(cells));
 
-  std::vector<Method> lines;
-  std::vector<int> columns;
-  for (const MethodRun& run : runs) {
-    if (run.neighbourhood > kLargestColumn) continue;
-    if (std::find(lines.begin(), lines.end(), run.method) == lines.end())
-      lines.push_back(run.method);
-    if (std::find(columns.begin(), columns.end(), run.neighbourhood) == columns.end()) {
-      columns.push_back(run.neighbourhood);
-    }
-  }
-  if (lines.empty()) return true;  // nothing of that size was asked for
-  std::sort(columns.begin(), columns.end());
-
-  std::string data, plots;
+  std::string header = "x,y";
+  std::vector<std::string> cells_of(shape.voxels.size());  // of a line, by voxel
   std::vector<SurfaceEstimate> estimates;
-  std::vector<float> errors(shape.voxels.size());
-  for (std::size_t line = 0; line < lines.size(); ++line) {
-    for (std::size_t column = 0; column < columns.size(); ++column) {
-      const bool measured = std::any_of(runs.begin(), runs.end(), [&](const MethodRun& r) {
-        return r.method == lines[line] && r.neighbourhood == columns[column];
-      });
-      if (!measured) continue;
-      methods.estimate(lines[line], columns[column], sample, estimates);
-      for (std::size_t v = 0; v < shown.size(); ++v) {
-        const auto voxel = static_cast<std::size_t>(shown[v]);
-        const TruthVoxel& truth = shape.voxels[voxel];
-        if (!info_of(lines[line]).finds_sign) estimates[v] = turned_outward(estimates[v], truth);
-        // Undefined shows as the worst there is.
-        errors[voxel] = error_deg(estimates[v], truth, shape).value_or(180.0f);
-      }
-      const std::string name = "$t" + std::to_string(line) + "_" + std::to_string(columns[column]);
-      data += name + " << EOD\n" + tile_data(pixels, errors) + "EOD\n";
-      const auto x0 = static_cast<double>(column) * kTile;
-      const auto y0 = static_cast<double>(lines.size() - 1 - line) * kTile;
-      plots += name + " matrix using ($1+" + number_for_gnuplot(x0) + "):($2+" +
-               number_for_gnuplot(y0) + "):($3 < 0.1 ? 0.1 : $3) with image notitle, ";
+  for (const MethodRun& tile : tiles) {
+    header.append(",").append(info_of(tile.method).name).append("_");
+    header += std::to_string(tile.neighbourhood);
+    methods.estimate(tile.method, tile.neighbourhood, sample, estimates);
+    for (std::size_t v = 0; v < shown.size(); ++v) {
+      const auto voxel = static_cast<std::size_t>(shown[v]);
+      const TruthVoxel& truth = shape.voxels[voxel];
+      if (!info_of(tile.method).finds_sign) estimates[v] = turned_outward(estimates[v], truth);
+      // Undefined shows as the worst there is.
+      const float error = error_deg(estimates[v], truth, shape).value_or(180.0f);
+      cells_of[voxel] += number_cell(",%.6g", static_cast<double>(error));
     }
   }
-
-  std::string labels;
-  for (std::size_t column = 0; column < columns.size(); ++column) {
-    labels += "set label 'NS = " + std::to_string(columns[column]) + "' at " +
-              number_for_gnuplot((static_cast<double>(column) + 0.5) * kTile) + "," +
-              number_for_gnuplot(static_cast<double>(lines.size()) * kTile + 12) +
-              " center font 'sans,13' tc rgb '#111111'\n";
+  CsvFile csv(file_csv, header);
+  std::string beside;
+  for (std::size_t t = 0; t < tiles.size(); ++t) beside += ",nan";
+  for (std::size_t p = 0; p < pixels.size(); ++p) {
+    csv.write(std::to_string(p % kTile) + "," + std::to_string(p / kTile) +
+              (pixels[p] == kNothing ? beside : cells_of[static_cast<std::size_t>(pixels[p])]));
   }
-  for (std::size_t line = 0; line < lines.size(); ++line) {
-    labels += "set label '" + std::string(info_of(lines[line]).name) + "' at -8," +
-              number_for_gnuplot((static_cast<double>(lines.size() - 1 - line) + 0.5) * kTile) +
-              " right font 'sans,13' tc rgb '#111111'\n";
-  }
-  const int width = static_cast<int>(columns.size()) * kTile;
-  const int height = static_cast<int>(lines.size()) * kTile;
-  const int left = 175, right = 110, top = 70, bottom = 15;
-  const auto fraction = [](int part, int whole) {
-    return number_for_gnuplot(static_cast<double>(part) / static_cast<double>(whole));
-  };
-  const int full_width = width + left + right, full_height = height + top + bottom;
-  const std::string commands =
-      data + "set title " +
-      for_gnuplot("Error of the normals on the " + spaced_name(shape.name) + ", degrees") +
-      " offset 0,1.6 font 'sans,15' tc rgb '#111111'\n" + labels +
-      "unset border\nunset tics\nset key off\n"
-      "set lmargin at screen " +
-      fraction(left, full_width) + "\n" + "set rmargin at screen " +
-      fraction(left + width, full_width) + "\n" + "set bmargin at screen " +
-      fraction(bottom, full_height) + "\n" + "set tmargin at screen " +
-      fraction(bottom + height, full_height) + "\n" +
-      "set xrange [-0.5:" + number_for_gnuplot(width - 0.5) + "]\n" +
-      "set yrange [-0.5:" + number_for_gnuplot(height - 0.5) + "]\n" +
-      // Viridis, light for little: equal steps for every eye, and grey prints keep the order.
-      "set palette defined (0 '#fde725', 1 '#a0da39', 2 '#4ac16d', 3 '#1fa187', 4 '#277f8e',"
-      " 5 '#365c8d', 6 '#46327e', 7 '#440154')\n"
-      "set logscale cb\nset cbrange [0.1:90]\n"
-      "set cbtics ('0.1' 0.1, '0.2' 0.2, '0.5' 0.5, '1' 1, '2' 2, '5' 5, '10' 10, '20' 20,"
-      " '45' 45, '90' 90) tc rgb '#111111'\n"
-      "plot " +
-      plots + "NaN notitle\n";
-  return draw_chart(commands, full_width, full_height, file_png);
+  return true;
 }
 
 }  // namespace sulcus::lab

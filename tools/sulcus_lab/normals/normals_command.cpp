@@ -1,5 +1,3 @@
-#include "tools/sulcus_lab/normals/normals_command.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,9 +9,8 @@
 #include "engine/core/error.hpp"
 #include "engine/import/volumes/medical_volume.hpp"
 #include "engine/normals/ldm.hpp"
-#include "tools/sulcus_lab/normals/cost_chart.hpp"
+#include "tools/sulcus_lab/commands.hpp"
 #include "tools/sulcus_lab/normals/error_tiles.hpp"
-#include "tools/sulcus_lab/normals/normals_charts.hpp"
 #include "tools/sulcus_lab/normals/normals_measurement.hpp"
 #include "tools/sulcus_lab/results.hpp"
 #include "tools/sulcus_lab/truth/truth_file.hpp"
@@ -21,6 +18,15 @@
 namespace sulcus::lab {
 
 namespace {
+
+/// The neighbourhood that the paper settles on: of it a table is printed, and charts mark it.
+constexpr int kMarkedNeighbourhood = 6;
+
+/// What was measured on one shape.
+struct ShapeResult {
+  std::string shape;
+  std::vector<NormalsRow> rows;
+};
 
 struct NormalsOptions {
   std::string shape, volume, truth, folder = "out/lab/normals";
@@ -61,34 +67,27 @@ std::vector<MethodRun> runs_of(const NormalsOptions& options) {
   return runs;
 }
 
-std::string number(const char* format, double value) {
-  if (!std::isfinite(value)) return "";  // not measured
-  char text[32];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
 /// With one shape zones are named as they are, with several after their shape.
-std::string zone_label(const ShapeResult& result, const NormalsRow& row, bool several) {
-  if (!several) return row.zone;
-  return row.zone == "all" ? result.shape : result.shape + "/" + row.zone;
+std::string zone_label(const std::string& shape, const std::string& zone, bool several) {
+  if (!several) return zone;
+  return zone == "all" ? shape : shape + "/" + zone;
 }
 
 /// What both tables begin a row with.
 std::string key_of(const ShapeResult& result, const NormalsRow& row, bool several) {
   return std::string(info_of(row.method).name) + "," + std::to_string(row.neighbourhood) + "," +
-         zone_label(result, row, several) + "," + std::to_string(row.voxels) + ",";
+         zone_label(result.shape, row.zone, several) + "," + std::to_string(row.voxels) + ",";
 }
 
 std::string csv_line(const ShapeResult& result, const NormalsRow& row, bool several) {
-  return key_of(result, row, several) + number("%.4f", row.mean_deg) + "," +
-         number("%.4f", row.p95_deg) + "," + number("%.3f", row.max_deg) + "," +
-         std::to_string(row.undefined) + "," + number("%.1f", row.ns_per_normal) + "," +
-         number("%.3f", row.ratio_to_ldm);
+  return key_of(result, row, several) + number_cell("%.4f", row.mean_deg) + "," +
+         number_cell("%.4f", row.p95_deg) + "," + number_cell("%.3f", row.max_deg) + "," +
+         std::to_string(row.undefined) + "," + number_cell("%.1f", row.ns_per_normal) + "," +
+         number_cell("%.3f", row.ratio_to_ldm);
 }
 
 std::string tool_csv_line(const ShapeResult& result, const NormalsRow& row, bool several) {
-  return key_of(result, row, several) + number("%.3f", *row.max_with_tool_deg);
+  return key_of(result, row, several) + number_cell("%.3f", *row.max_with_tool_deg);
 }
 
 /// Mean errors and times at the marked neighbourhood, or the largest measured below it.
@@ -105,8 +104,9 @@ void print_table(const ShapeResult& result, bool several) {
     for (const NormalsRow& row : result.rows) {
       if (row.method != info.method || row.neighbourhood != ns) continue;
       std::printf("%-26s %-16s %9.3f %9.2f %9.2f %9zu %10.1f\n",
-                  zone_label(result, row, several).c_str(), std::string(info.name).c_str(),
-                  row.mean_deg, row.p95_deg, row.max_deg, row.undefined, row.ns_per_normal);
+                  zone_label(result.shape, row.zone, several).c_str(),
+                  std::string(info.name).c_str(), row.mean_deg, row.p95_deg, row.max_deg,
+                  row.undefined, row.ns_per_normal);
     }
   }
   std::printf("\n");
@@ -138,15 +138,55 @@ void print_growth(const std::string& shape, const std::vector<CostRow>& costs) {
 }
 
 void write_cost(const ShapeResult& result, Results& outputs) {
-  const std::vector<CostRow> costs = costs_of(result);
+  const std::vector<CostRow> costs = costs_of(result.rows);
   CsvFile csv(outputs.table("cost.csv"), "method,ns,readouts,ns_per_normal");
   for (const CostRow& cost : costs) {
     csv.write(std::string(info_of(cost.method).name) + "," + std::to_string(cost.neighbourhood) +
-              "," + number("%.0f", cost.readouts) + "," + number("%.1f", cost.ns_per_normal));
+              "," + number_cell("%.0f", cost.readouts) + "," +
+              number_cell("%.1f", cost.ns_per_normal));
   }
   print_growth(result.shape, costs);
-  outputs.picture("cost.png",
-                  [&](const std::string& file) { return draw_cost(costs, result.shape, file); });
+}
+
+std::string panel_title(const std::string& shape, const std::string& zone) {
+  if (zone == "all") return spaced_name(shape);
+  if (zone == "near") return spaced_name(shape) + ", 2 to 10 voxels from an edge";
+  if (zone == "edge") return spaced_name(shape) + ", under 2 voxels from an edge";
+  if (zone.starts_with(shape + "_")) {
+    return spaced_name(shape) + ", " + zone.substr(shape.size() + 1) +
+           (zone.ends_with("_1") ? " voxel thick" : " voxels thick");
+  }
+  return spaced_name(shape) + ", " + spaced_name(zone);
+}
+
+/// The zones of a shape that the chart of all has a panel for: each, or the whole where there are
+/// none.
+std::vector<std::string> panels_of(const ShapeResult& result) {
+  std::vector<std::string> zones;
+  for (const NormalsRow& row : result.rows) {
+    if (row.zone != "all" && std::ranges::find(zones, row.zone) == zones.end()) {
+      zones.push_back(row.zone);
+    }
+  }
+  // Upright faces are no test: every method is exact on them.
+  if (zones.empty() || result.shape == "cube") zones = {"all"};
+  return zones;
+}
+
+/// The charts, with what each draws: normals_charts.csv, by the zones of normals.csv.
+void draw_charts(const std::vector<ShapeResult>& results, Results& outputs) {
+  const bool several = results.size() > 1;
+  CsvFile csv(outputs.table("normals_charts.csv"), "chart,zone,title");
+  const auto add = [&](const char* chart, const ShapeResult& result, const std::string& zone) {
+    csv.write(std::string(chart) + "," + zone_label(result.shape, zone, several) + "," +
+              text_cell(panel_title(result.shape, zone)));
+  };
+  for (const ShapeResult& result : results) {
+    for (const std::string& zone : panels_of(result)) add("normals", result, zone);
+  }
+  add("speed_accuracy", preferred(results, "molar"), "all");
+  add("cost", preferred(results, "sphere"), "all");
+  for (const char* chart : {"normals", "speed_accuracy", "cost"}) outputs.draw(chart, chart);
 }
 
 void normals(const NormalsOptions& options) {
@@ -182,19 +222,17 @@ void normals(const NormalsOptions& options) {
     }
     if (from_file.empty() && is_pictured(name)) {
       progress.say(name + ": picture");
-      outputs.picture("errors_" + name + ".png", [&](const std::string& file) {
-        return draw_error_tiles(parts.front(), runs, file);
-      });
+      const std::string tiles = "errors_" + name;
+      if (write_error_tiles(parts.front(), runs, outputs.path(tiles + ".csv"))) {
+        outputs.table(tiles + ".csv");
+        outputs.draw("errors", tiles, name);
+      }
     }
     progress.clear();
     print_table(results.back(), several);
   }
-  outputs.picture("normals.png",
-                  [&](const std::string& file) { return draw_speed_accuracy(results, file); });
-  outputs.picture("speed_accuracy.png", [&](const std::string& file) {
-    return draw_speed_accuracy_of(preferred(results, "molar"), file);
-  });
   write_cost(preferred(results, "sphere"), outputs);
+  draw_charts(results, outputs);
   outputs.print();
 }
 
@@ -229,9 +267,11 @@ void add_normals_command(CLI::App& program) {
       "Writes into the folder:\n"
       "  normals.csv         errors in degrees and nanoseconds per normal, by method, NS and zone\n"
       "  normals_tool.csv    largest error of the ldm methods where the tool hint is given\n"
+      "  normals_charts.csv  chart,zone,title: what the next three charts draw\n"
       "  normals.png         error against time, a panel for each shape or zone\n"
       "  speed_accuracy.png  the same of one shape: the molar, or the only one\n"
       "  cost.csv, cost.png  places read and time against 2 NS + 1: the sphere, or the only shape\n"
+      "  errors_SHAPE.csv    x,y,METHOD_NS..: degrees at each pixel of a tile\n"
       "  errors_SHAPE.png    the error in colour, of the sphere and the cubes\n"
       "Times are thread CPU time, best of three. Slow methods are measured on a part of the "
       "voxels.\n"

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "engine/core/realtime.hpp"
+#include "tools/sulcus_lab/statistics.hpp"
 #include "tools/sulcus_lab/truth/error_stats.hpp"
 
 namespace sulcus::lab {
@@ -256,6 +258,27 @@ std::vector<NormalsRow> measure_normals(std::span<const TruthShape> parts,
   }
   set_ratios(rows);
   return rows;
+}
+
+std::vector<CostRow> costs_of(std::span<const NormalsRow> rows) {
+  std::vector<CostRow> costs;
+  for (const NormalsRow& row : rows) {
+    if (row.zone != "all") continue;
+    costs.push_back({row.method, row.neighbourhood, readouts(row.method, row.neighbourhood),
+                     row.ns_per_normal});
+  }
+  return costs;
+}
+
+CostGrowth growth_of(Method method, const std::vector<CostRow>& costs) {
+  std::vector<std::pair<double, double>> times, reads;
+  for (const CostRow& cost : costs) {
+    if (cost.method != method) continue;
+    const double edge = 2.0 * cost.neighbourhood + 1.0;
+    times.emplace_back(edge, cost.ns_per_normal);
+    reads.emplace_back(edge, cost.readouts);
+  }
+  return {log_slope(times), log_slope(reads)};
 }
 
 }  // namespace sulcus::lab

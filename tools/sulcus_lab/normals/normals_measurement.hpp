@@ -49,4 +49,20 @@ std::vector<NormalsRow> measure_normals(std::span<const TruthShape> parts,
                                         std::span<const MethodRun> runs,
                                         const std::function<void(const std::string&)>& progress);
 
+/// Cost of one normal on a shape.
+struct CostRow {
+  Method method;
+  int neighbourhood;
+  double readouts, ns_per_normal;
+};
+std::vector<CostRow> costs_of(std::span<const NormalsRow> rows_of_a_shape);
+
+/// Exponents p of c n^p, n = 2 NS + 1, that fit a method's times and readouts best (least squares
+/// of the logarithms); NaN with fewer than two neighbourhoods
+/// [Kim and Park 2019, VI-C: n^2 against n^3].
+struct CostGrowth {
+  double time, readouts;
+};
+CostGrowth growth_of(Method method, const std::vector<CostRow>& costs);
+
 }  // namespace sulcus::lab

@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// Beyond the 0.87 voxel that a foot point may lie off its voxel's centre, for coarse fields.
+/// Beyond the 0.87 voxel that a closest point may lie off its voxel's centre, for coarse fields.
 constexpr double kReach = 1.5;  // voxels
 
 const TrueContact* find(const std::vector<TrueContact>& contacts, std::uint32_t voxel) {
@@ -70,9 +70,9 @@ void for_each_crossing(const ComposedShape& shape, Vector3d start, int axis, dou
 
 }  // namespace
 
-const ComposedShape::Foot& KnownSurface::foot(const Cell& voxel) {
-  const auto [at, is_new] = feet_.try_emplace(workpiece_.grid().linear(voxel));
-  if (is_new) at->second = shape_.foot(workpiece_.grid().centre_world(voxel));
+const ComposedShape::ClosestPoint& KnownSurface::closest_point(const Cell& voxel) {
+  const auto [at, is_new] = known_.try_emplace(workpiece_.grid().linear(voxel));
+  if (is_new) at->second = shape_.closest_point(workpiece_.grid().centre_world(voxel));
   return at->second;
 }
 
@@ -85,10 +85,10 @@ TrueForce true_force(KnownSurface& surface, const Burr& burr, const Pose& world_
     float offset_m;
   };
   const auto known = [&](const Cell& cell) {
-    const ComposedShape::Foot& foot = surface.foot(cell);
+    const ComposedShape::ClosestPoint& closest = surface.closest_point(cell);
     const Vector3d centre_world = workpiece.grid().centre_world(cell);
-    return Known{foot.normal.cast<float>(),
-                 static_cast<float>((foot.point - centre_world).dot(foot.normal))};
+    return Known{closest.normal.cast<float>(),
+                 static_cast<float>((closest.point - centre_world).dot(closest.normal))};
   };
   const std::vector<TissueSettings> tissues(1);
   const ContactResult result = evaluate_known(workpiece, {burr, world_from_tool, tissues, settings},
@@ -98,7 +98,7 @@ TrueForce true_force(KnownSurface& surface, const Burr& burr, const Pose& world_
   truth.force_N = result.wrench.force_N;
   for (const Contact contact : scratch.contacts) {
     truth.contacts.push_back(
-        {contact.key(), surface.foot(contact.cell).normal, contact.normal_force_N});
+        {contact.key(), surface.closest_point(contact.cell).normal, contact.normal_force_N});
     truth.deepest_m = std::max(truth.deepest_m, static_cast<double>(contact.depth_m));
     if (contact.normal_force_N > 0.0) {
       truth.box_world.extend(workpiece.grid().centre_world(contact.cell));
@@ -124,7 +124,7 @@ NetForceErrors net_force_errors(KnownSurface& surface, const TrueForce& truth,
   for (const Contact& contact : contacts) {
     const Vector3d normal = contact.normal.cast<double>();
     const TrueContact* known = find(truth.contacts, contact.key());
-    const Vector3d true_normal = known ? known->normal : surface.foot(contact.cell).normal;
+    const Vector3d true_normal = known ? known->normal : surface.closest_point(contact.cell).normal;
     straight += contact.normal_force_N * true_normal;
     if (!known || known->normal_force_N == 0.0) continue;
     turned += known->normal_force_N * normal;

@@ -19,11 +19,11 @@ namespace sulcus::lab {
 /// What a contact's voxel has in truth.
 struct TrueContact {
   std::uint32_t voxel = 0;                           // voxel_key
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // at the foot point, outward, unit
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // at the closest point, outward, unit
   double normal_force_N = 0.0;                       // K w d, scaled; 0: takes no part
 };
 
-/// A workpiece whose surface is known: the voxels of `shape`, both in the scene's space. Foot
+/// A workpiece whose surface is known: the voxels of `shape`, both in the scene's space. Closest
 /// points are found when they are first asked for and kept. Not for several threads.
 class KnownSurface {
  public:
@@ -34,20 +34,20 @@ class KnownSurface {
   const Workpiece& workpiece() const { return workpiece_; }
   const ComposedShape& shape() const { return shape_; }
   /// The nearest point of the surface to a voxel's centre.
-  const ComposedShape::Foot& foot(const Cell& voxel);
+  const ComposedShape::ClosestPoint& closest_point(const Cell& voxel);
 
  private:
   const Workpiece& workpiece_;
   const ComposedShape& shape_;
-  std::unordered_map<std::uint32_t, ComposedShape::Foot> feet_;
+  std::unordered_map<std::uint32_t, ComposedShape::ClosestPoint> known_;
 };
 
-/// The contact of one pose as it would be with the analytic normals and foot points: the same
+/// The contact of one pose as it would be with the analytic normals and closest points: the same
 /// voxels, and depths, weights and scaling by the engine's own law under `smooth`.
 struct TrueForce {
   std::vector<TrueContact> contacts;  // by voxel, rising
   Eigen::Vector3d force_N = Eigen::Vector3d::Zero();
-  double deepest_m = 0.0;         // of the foot points, into the burr
+  double deepest_m = 0.0;         // of the closest points, into the burr
   Eigen::AlignedBox3d box_world;  // around the voxels that take part, two of them wider
 };
 /// `burr` brings the distance field that depths are measured in.

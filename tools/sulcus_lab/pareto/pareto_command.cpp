@@ -1,5 +1,3 @@
-#include "tools/sulcus_lab/pareto/pareto_command.hpp"
-
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -12,7 +10,7 @@
 #include "engine/core/units.hpp"
 #include "engine/shapes/molar.hpp"
 #include "engine/shapes/voxelise_implicit.hpp"
-#include "tools/sulcus_lab/pareto/pareto_chart.hpp"
+#include "tools/sulcus_lab/commands.hpp"
 #include "tools/sulcus_lab/pareto/pareto_measurement.hpp"
 #include "tools/sulcus_lab/results.hpp"
 
@@ -128,11 +126,7 @@ void pareto(const std::string& folder) {
   const Voxelisation voxelisation = voxelisation_error(surface, fine, poses);
 
   std::vector<Burr> burrs;
-  std::vector<std::string> field_names;
-  for (const int samples : kFields) {
-    burrs.push_back(burr_with(samples));
-    field_names.push_back(field_name(samples));
-  }
+  for (const int samples : kFields) burrs.push_back(burr_with(samples));
   const std::vector<ParetoRow> rows =
       measure_pareto(surface, burrs, poses, pareto_settings(burrs.size()), progress);
   line.clear();
@@ -141,8 +135,7 @@ void pareto(const std::string& folder) {
               "method,ns,field_samples,tick_us,normals_us,force_error_pct,normal_error_deg,"
               "on_front,directions_error_pct,own_weights_error_pct");
   for (const ParetoRow& row : rows) csv.write(csv_line(row, burrs[row.setting.field]));
-  results.picture("pareto.png",
-                  [&](const std::string& file) { return draw_pareto(rows, field_names, file); });
+  results.draw("pareto", "pareto");
   print(rows, voxelisation);
   results.print();
 }

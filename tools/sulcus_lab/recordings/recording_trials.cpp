@@ -22,7 +22,7 @@
 #include "engine/core/error.hpp"
 #include "engine/core/realtime.hpp"
 #include "engine/core/stop.hpp"
-#include "tools/sulcus_lab/samples.hpp"
+#include "tools/sulcus_lab/statistics.hpp"
 
 extern char** environ;  // NOLINT(readability-redundant-declaration): not in every header
 
@@ -179,11 +179,11 @@ struct Damaged {
     }
   }
   std::vector<TrialRow> rows(const std::string& trial) const {
-    return {{trial, "files", static_cast<double>(whole + shorter + refused), {}},
-            {trial, "read in whole", static_cast<double>(whole), {}},
-            {trial, "shorter", static_cast<double>(shorter), {}},
-            {trial, "refused with a line", static_cast<double>(refused), {}},
-            {trial, "wrong", static_cast<double>(wrong), 0.0}};
+    return {{trial, "files", whole + shorter + refused},
+            {trial, "read in whole", whole},
+            {trial, "shorter", shorter},
+            {trial, "refused with a line", refused},
+            {trial, "wrong", wrong, 0.0}};
   }
 };
 
@@ -191,8 +191,9 @@ std::vector<char> bytes_of(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }
-void write_bytes(const std::string& file, const std::vector<char>& bytes, std::size_t count) {
-  std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(count));
+void write_bytes(const std::string& file, const std::vector<char>& bytes) {
+  std::ofstream(file, std::ios::binary)
+      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
 /// From the last time a file was written.
@@ -289,16 +290,16 @@ std::vector<TrialRow> trial_of_kills(const TrialSetting& setting) {
   }
   const auto late = std::ranges::count_if(
       missing_ms, [](float ms) { return static_cast<double>(ms) > kMostMissing_ms; });
-  return {{"kills", "killed", static_cast<double>(killed), {}},
-          {"kills", "ended before", static_cast<double>(ended), {}},
-          {"kills", "with rows", static_cast<double>(with_rows), {}},
-          {"kills", "not opened", static_cast<double>(not_opened), 0.0},
-          {"kills", "other than undisturbed", static_cast<double>(wrong), 0.0},
-          {"kills", "not repaired", static_cast<double>(not_repaired), 0.0},
-          {"kills", "since_written_ms median", quantile(since_written_ms, 0.5), {}},
-          {"kills", "since_written_ms largest", quantile(since_written_ms, 1.0), {}},
-          {"kills", "missing over 100 ms", static_cast<double>(late), {}},
-          {"kills", "missing_ms median", quantile(missing_ms, 0.5), {}},
+  return {{"kills", "killed", killed},
+          {"kills", "ended before", ended},
+          {"kills", "with rows", with_rows},
+          {"kills", "not opened", not_opened, 0.0},
+          {"kills", "other than undisturbed", wrong, 0.0},
+          {"kills", "not repaired", not_repaired, 0.0},
+          {"kills", "since_written_ms median", quantile(since_written_ms, 0.5)},
+          {"kills", "since_written_ms largest", quantile(since_written_ms, 1.0)},
+          {"kills", "missing over 100 ms", late},
+          {"kills", "missing_ms median", quantile(missing_ms, 0.5)},
           {"kills", "missing_ms largest", quantile(missing_ms, 1.0), kMostMissing_ms}};
 }
 
@@ -326,18 +327,17 @@ std::vector<Sample> samples(const TrialSetting& setting, const std::string& name
   throw std::runtime_error(folder + ": no run could be killed while it recorded");
 }
 
-}  // namespace
-
-std::vector<TrialRow> trial_of_cuts(const TrialSetting& setting) {
+/// Damages each sample that many times, from its bytes into a file, as long as `damage` can, and
+/// reads what there is then.
+template <class Damage>
+std::vector<TrialRow> trial_of_damage(const TrialSetting& setting, const std::string& name,
+                                      int times, const Damage& damage) {
   std::vector<TrialRow> rows;
-  for (const Sample& sample : samples(setting, "cuts")) {
-    const std::vector<char> bytes = bytes_of(sample.file);
-    const std::string file = setting.folder + "/cut.h5";
-    write_bytes(file, bytes, bytes.size());
+  for (const Sample& sample : samples(setting, name)) {
+    std::vector<char> bytes = bytes_of(sample.file);
+    const std::string file = setting.folder + "/" + name + ".h5";
     Damaged damaged;
-    const int most = std::min(setting.cut_bytes, static_cast<int>(bytes.size()));
-    for (int cut = 1; cut <= most; ++cut) {
-      fs::resize_file(file, bytes.size() - static_cast<std::size_t>(cut));
+    for (int time = 0; time < times && damage(file, bytes, time); ++time) {
       damaged.read(file, sample.truth);
     }
     for (TrialRow& row : damaged.rows(sample.name)) rows.push_back(std::move(row));
@@ -345,24 +345,30 @@ std::vector<TrialRow> trial_of_cuts(const TrialSetting& setting) {
   return rows;
 }
 
+}  // namespace
+
+std::vector<TrialRow> trial_of_cuts(const TrialSetting& setting) {
+  const auto cut = [](const std::string& file, const std::vector<char>& bytes, int time) {
+    if (time == 0) write_bytes(file, bytes);
+    const auto cut_bytes = static_cast<std::size_t>(time) + 1;
+    if (cut_bytes <= bytes.size()) fs::resize_file(file, bytes.size() - cut_bytes);
+    return cut_bytes <= bytes.size();
+  };
+  return trial_of_damage(setting, "cuts", setting.cut_bytes, cut);
+}
+
 std::vector<TrialRow> trial_of_flips(const TrialSetting& setting) {
-  std::vector<TrialRow> rows;
-  for (const Sample& sample : samples(setting, "flips")) {
-    std::vector<char> bytes = bytes_of(sample.file);
-    const std::string file = setting.folder + "/flipped.h5";
-    std::mt19937 random(2);
-    Damaged damaged;
-    for (int flip = 0; flip < setting.flips; ++flip) {
-      const std::size_t at = random() % bytes.size();
-      const char bit = static_cast<char>(1 << random() % 8);
-      bytes[at] ^= bit;
-      write_bytes(file, bytes, bytes.size());
-      bytes[at] ^= bit;
-      damaged.read(file, sample.truth);
-    }
-    for (TrialRow& row : damaged.rows(sample.name)) rows.push_back(std::move(row));
-  }
-  return rows;
+  std::mt19937 random;
+  const auto flip = [&](const std::string& file, std::vector<char>& bytes, int time) {
+    if (time == 0) random.seed(2);
+    const std::size_t at = random() % bytes.size();
+    const char bit = static_cast<char>(1 << random() % 8);
+    bytes[at] ^= bit;
+    write_bytes(file, bytes);
+    bytes[at] ^= bit;
+    return true;
+  };
+  return trial_of_damage(setting, "flips", setting.flips, flip);
 }
 
 std::vector<TrialRow> trial_of_going_back(const TrialSetting& setting) {
@@ -384,11 +390,11 @@ std::vector<TrialRow> trial_of_going_back(const TrialSetting& setting) {
     state.seek_row(row);
     other_than_on += hashes() != on[row];
   }
-  return {{"back", "ticks", static_cast<double>(on.size()), {}},
-          {"back", "removed voxels", static_cast<double>(run.reader.edit_count()), {}},
-          {"back", "hashes recorded", static_cast<double>(run.reader.state_hashes().size()), {}},
-          {"back", "other than recorded", static_cast<double>(other_than_recorded), 0.0},
-          {"back", "other than on the way on", static_cast<double>(other_than_on), 0.0}};
+  return {{"back", "ticks", on.size()},
+          {"back", "removed voxels", run.reader.edit_count()},
+          {"back", "hashes recorded", run.reader.state_hashes().size()},
+          {"back", "other than recorded", other_than_recorded, 0.0},
+          {"back", "other than on the way on", other_than_on, 0.0}};
 }
 
 std::vector<TrialRow> trial_of_reach(const TrialSetting& setting, const std::string& scene) {
@@ -408,11 +414,11 @@ std::vector<TrialRow> trial_of_reach(const TrialSetting& setting, const std::str
     state.seek_row(random() % run.rows.size());
     reach_ms.push_back(1e-6f * static_cast<float>(steady_ns() - before));
   }
-  return {{"reach", "ticks", static_cast<double>(run.rows.size()), {}},
-          {"reach", "file_MB", 1e-6 * static_cast<double>(fs::file_size(file)), {}},
-          {"reach", "open_ms", open_ms, {}},
-          {"reach", "seek_ms median", quantile(reach_ms, 0.5), {}},
-          {"reach", "seek_ms p99", quantile(reach_ms, 0.99), {}},
+  return {{"reach", "ticks", run.rows.size()},
+          {"reach", "file_MB", 1e-6 * static_cast<double>(fs::file_size(file))},
+          {"reach", "open_ms", open_ms},
+          {"reach", "seek_ms median", quantile(reach_ms, 0.5)},
+          {"reach", "seek_ms p99", quantile(reach_ms, 0.99)},
           {"reach", "seek_ms largest", quantile(reach_ms, 1.0), kMost_ms}};
 }
 
@@ -472,14 +478,13 @@ std::vector<TrialRow> trial_of_soak(const TrialSetting& setting, const std::stri
   for (std::size_t first = 0; first < reader.tick_count(); first += kRows) {
     for (const TickRecord& row : reader.ticks(first, kRows)) faults |= row.faults;
   }
-  return {{"soak", "minutes", lasted, {}},
-          {"soak", "ticks", static_cast<double>(reader.tick_count()), {}},
-          {"soak", "removed voxels", static_cast<double>(reader.edit_count()), {}},
-          {"soak", "exit status beside that of SIGINT", static_cast<double>(status - 128 - SIGINT),
-           0.0},
-          {"soak", "fault bits", static_cast<double>(faults), 0.0},
-          {"soak", "resident_MiB after a minute", first_MiB, {}},
-          {"soak", "resident_MiB after half of it", half_MiB, {}},
+  return {{"soak", "minutes", lasted},
+          {"soak", "ticks", reader.tick_count()},
+          {"soak", "removed voxels", reader.edit_count()},
+          {"soak", "exit status beside that of SIGINT", status - 128 - SIGINT, 0.0},
+          {"soak", "fault bits", faults, 0.0},
+          {"soak", "resident_MiB after a minute", first_MiB},
+          {"soak", "resident_MiB after half of it", half_MiB},
           {"soak", "resident_MiB largest", most_MiB, kMostGrowth * first_MiB}};
 }
 

@@ -3,14 +3,23 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace sulcus::lab {
 
 /// One line of recordings.csv.
 struct TrialRow {
+  template <class Value>
+  TrialRow(std::string trial_name, std::string quantity_name, Value value_of,
+           std::optional<double> most_of = {})
+      : trial(std::move(trial_name)),
+        quantity(std::move(quantity_name)),
+        value(static_cast<double>(value_of)),
+        most(most_of) {}
+
   std::string trial, quantity;
-  double value = 0.0;
+  double value;
   std::optional<double> most;  // none: reported only
   bool pass() const { return !most || value <= *most; }
 };

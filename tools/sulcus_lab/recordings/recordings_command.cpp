@@ -1,5 +1,3 @@
-#include "tools/sulcus_lab/recordings/recordings_command.hpp"
-
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -9,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/sulcus_lab/commands.hpp"
 #include "tools/sulcus_lab/recordings/recording_trials.hpp"
 #include "tools/sulcus_lab/results.hpp"
 

@@ -1,5 +1,3 @@
-#include "tools/sulcus_lab/stability/clinical_pushes.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +11,7 @@
 #include "engine/core/units.hpp"
 #include "engine/import/build_workpiece.hpp"
 #include "engine/scene/device_presets.hpp"
+#include "tools/sulcus_lab/stability/cases/cases.hpp"
 #include "tools/sulcus_lab/stability/pushes.hpp"
 
 namespace sulcus::lab {
@@ -181,27 +180,31 @@ std::vector<Task> tasks_of(const std::vector<Place>& places, bool brief) {
   // A burr that cuts may hang on a slope for a second before it slips: the judged end is after.
   constexpr double kSlide_s = 1.0;
   std::vector<Task> tasks;
-  for (const Place& place : places) {
-    for (const char* device : {"omni", "touch"}) {
-      for (const std::string_view hand : kHandPresetNames) {
-        for (const int delay : {1, 0}) {
-          for (const double force_N : {0.5, 1.0, 2.0}) {
-            for (const bool cutting : {false, true}) {
-              Push push = push_at(place);
-              push.device = device;
-              push.hand = hand;
-              push.delay = delay;
-              push.force_N = force_N;
-              push.cutting = cutting;
-              if (cutting && place.slides) push.duration_s += kSlide_s;
-              tasks.push_back({&place, push, {}});
-            }
-          }
-          if (brief) break;
-        }
-        if (brief) break;
+  std::vector<Push> loops;  // in brief the first
+  for (const char* device : {"omni", "touch"}) {
+    for (const std::string_view hand : kHandPresetNames) {
+      for (const int delay : {1, 0}) {
+        Push& push = loops.emplace_back();
+        push.device = device;
+        push.hand = hand;
+        push.delay = delay;
       }
-      if (brief) break;
+    }
+  }
+  if (brief) loops.resize(1);
+  for (const Place& place : places) {
+    for (const Push& loop : loops) {
+      for (const double force_N : {0.5, 1.0, 2.0}) {
+        for (const bool cutting : {false, true}) {
+          Push push = loop;
+          push.into = -place.site->out;
+          push.axis = place.axis;
+          push.force_N = force_N;
+          push.cutting = cutting;
+          if (cutting && place.slides) push.duration_s += kSlide_s;
+          tasks.push_back({&place, push, {}});
+        }
+      }
     }
   }
   return tasks;
@@ -221,83 +224,95 @@ double share_between(const Task& light, const Task& hard) {
   return felt_N / way_m / device_preset(hard.push.device).stiffness_N_per_m;
 }
 
-}  // namespace
+/// What is told of a place's runs, with the spindle stopped or cutting.
+struct Worst {
+  double runs = 0.0, not_held = 0.0, unstable = 0.0, step_N = 0.0;
+  double rms = 0.0, share = HUGE_VAL, whole_share = HUGE_VAL;
+  const Task *of_rms = nullptr, *of_share = nullptr, *of_whole = nullptr;
+};
 
-// Felt stiffness from 1 N up, twice: from first contact on, which of the burrs that slide first
-// tells how far, and is only told, and from the push of 1 N to that of 2.
-CaseResult clinical_pushes(bool brief) {
-  constexpr double kLeastShare = 0.9;
-  const std::vector<Site> all_sites = sites(brief);
-  const std::vector<Place> places = places_of(all_sites, brief ? 2 : kHeads.size());
-  std::vector<Task> tasks = tasks_of(places, brief);
-  tbb::parallel_for(std::size_t{0}, tasks.size(),
-                    [&](std::size_t i) { tasks[i].result = run(tasks[i].push, *tasks[i].place); });
-
-  CaseResult result;
-  for (const Place& place : places) {
-    for (const bool cutting : {false, true}) {
-      double runs = 0.0, not_held = 0.0, unstable = 0.0, step_N = 0.0;
-      double rms = 0.0, share = HUGE_VAL, whole_share = HUGE_VAL;
-      const Task *worst_rms = nullptr, *worst_share = nullptr, *worst_whole = nullptr;
-      const Task* of_1_N = nullptr;  // with the same device, hand and delay
-      for (const Task& task : tasks) {
-        if (task.place != &place || task.push.cutting != cutting) continue;
-        const PushResult& r = task.result;
-        ++runs;
-        not_held += !is_held(task);
-        unstable += !r.stable();
-        step_N = std::max(step_N, r.step_N);
-        if (!worst_rms || r.rms_m / r.resolution_m > rms) {
-          rms = r.rms_m / r.resolution_m;
-          worst_rms = &task;
-        }
-        if (task.push.force_N < 1.0) continue;
-        const double whole =
-            r.stiffness_N_per_m / device_preset(task.push.device).stiffness_N_per_m;
-        if (whole < whole_share) {
-          whole_share = whole;
-          worst_whole = &task;
-        }
-        if (task.push.force_N == 1.0) {
-          of_1_N = &task;
-        } else if (const double between = share_between(*of_1_N, task); between < share) {
-          share = between;
-          worst_share = &task;
-        }
-      }
-      StabilityRow row;
-      row.case_name = "clinical_pushes";
-      row.burr_mm = 2e3 * place.head->radius_m;
-      const std::string where = place.name() + (cutting ? ", cutting" : "") + ": ";
-      const auto add = [&](const char* quantity, double value, std::optional<double> limit,
-                           bool at_least, const Task* of) {
-        row.quantity = where + quantity;
-        row.value = value;
-        row.limit = limit;
-        row.at_least = at_least;
-        row.device = of ? of->push.device : "";
-        row.hand = of ? of->push.hand : "";
-        row.delay = of ? of->push.delay : 0;
-        row.push_N = of ? of->push.force_N : 0.0;
-        result.rows.push_back(row);
-      };
-      add("runs", runs, {}, false, nullptr);
-      add("not held", not_held, 0.0, false, nullptr);
-      add("unstable", unstable, 0.0, false, nullptr);
-      add("rms of the handle over one resolution", rms, 1.0, false, worst_rms);
-      if (!cutting) {
-        add("felt share of the coupling", whole_share,
-            place.slides ? std::nullopt : std::optional(kLeastShare), true, worst_whole);
-        add("felt share of the coupling from 1 to 2 N", share, kLeastShare, true, worst_share);
-      }
-      add("force_step_N", step_N, {}, false, nullptr);
+Worst worst_of(const std::vector<Task>& tasks, const Place& place, bool cutting) {
+  Worst worst;
+  const Task* of_1_N = nullptr;  // with the same device, hand and delay
+  for (const Task& task : tasks) {
+    if (task.place != &place || task.push.cutting != cutting) continue;
+    const PushResult& r = task.result;
+    ++worst.runs;
+    worst.not_held += !is_held(task);
+    worst.unstable += !r.stable();
+    worst.step_N = std::max(worst.step_N, r.step_N);
+    if (!worst.of_rms || r.rms_m / r.resolution_m > worst.rms) {
+      worst.rms = r.rms_m / r.resolution_m;
+      worst.of_rms = &task;
+    }
+    if (task.push.force_N < 1.0) continue;
+    const double whole = r.stiffness_N_per_m / device_preset(task.push.device).stiffness_N_per_m;
+    if (whole < worst.whole_share) {
+      worst.whole_share = whole;
+      worst.of_whole = &task;
+    }
+    if (task.push.force_N == 1.0) {
+      of_1_N = &task;
+    } else if (const double between = share_between(*of_1_N, task); between < worst.share) {
+      worst.share = between;
+      worst.of_share = &task;
     }
   }
-  return result;
+  return worst;
 }
 
-CaseResult pressed_off_axis(bool brief) {
-  CaseResult result;
+/// Says of a row in which run it was.
+void say_run(StabilityRow& row, const Push& push) {
+  row.device = push.device;
+  row.hand = push.hand;
+  row.delay = push.delay;
+  row.push_N = push.force_N;
+}
+
+}  // namespace
+
+/// What dentists press with, held: 0.5, 1 and 2 N on flat faces at four tilts and at three sites of
+/// the molar's sulcus, with round burrs and with a fissure and a flame burr on their tips and
+/// sides, devices omni and touch, all hands, delay 0 and 1, spindle stopped and cutting; rows for
+/// each burr and place with the worst of its settings, which stands in the row. At the sites of the
+/// sulcus a burr is pressed where it comes to lie, and also beside that, from where it slides
+/// there. Felt stiffness from 1 N up, twice: from first contact on, which of the burrs that slide
+/// first tells how far, and is only told, and from the push of 1 N to that of 2. In brief: one
+/// device, hand and delay, two burrs, a face and a site.
+void clinical_pushes(CaseTrial& trial) {
+  constexpr double kLeastShare = 0.9;
+  const std::vector<Site> all_sites = sites(trial.brief);
+  const std::vector<Place> places = places_of(all_sites, trial.brief ? 2 : kHeads.size());
+  std::vector<Task> tasks = tasks_of(places, trial.brief);
+  tbb::parallel_for(std::size_t{0}, tasks.size(),
+                    [&](std::size_t i) { tasks[i].result = run(tasks[i].push, *tasks[i].place); });
+  for (const Place& place : places) {
+    for (const bool cutting : {false, true}) {
+      const Worst worst = worst_of(tasks, place, cutting);
+      const std::string where = place.name() + (cutting ? ", cutting" : "") + ": ";
+      const auto add = [&](const char* quantity, double value, const RowLimit& limit,
+                           const Task* of = nullptr) {
+        StabilityRow& row = trial.add(where + quantity, "", value, limit);
+        row.burr_mm = 2e3 * place.head->radius_m;
+        if (of) say_run(row, of->push);
+      };
+      add("runs", worst.runs, {});
+      add("not held", worst.not_held, at_most(0.0));
+      add("unstable", worst.unstable, at_most(0.0));
+      add("rms of the handle over one resolution", worst.rms, at_most(1.0), worst.of_rms);
+      if (!cutting) {
+        add("felt share of the coupling", worst.whole_share,
+            place.slides ? at_least({}) : at_least(kLeastShare), worst.of_whole);
+        add("felt share of the coupling from 1 to 2 N", worst.share, at_least(kLeastShare),
+            worst.of_share);
+      }
+      add("force_step_N", worst.step_N, {});
+    }
+  }
+}
+
+/// A tilted burr turns the handle of a device that renders torques.
+void pressed_off_axis(CaseTrial& trial) {
   constexpr int kCells = 192;  // the handle's end turns with the burr, which then slides along
   const Site face = face_at(kFirstTilt_deg, kCells);
   Place place = place_over(face, kHeads[0]);
@@ -311,31 +326,22 @@ CaseResult pressed_off_axis(bool brief) {
         push.delay = delay;
         push.force_N = force_N;
         const PushResult r = run(push, place);
-        StabilityRow row;
-        row.case_name = "pressed_off_axis";
-        row.device = push.device;
-        row.hand = hand;
-        row.delay = delay;
-        row.push_N = force_N;
-        const auto add = [&](const char* quantity, double value, std::optional<double> limit) {
-          row.quantity = quantity;
-          row.value = value;
-          row.limit = limit;
-          result.rows.push_back(row);
+        const auto add = [&](const char* quantity, double value, const RowLimit& limit = {}) {
+          say_run(trial.add(quantity, "", value, limit), push);
         };
         const DeviceSettings& device = device_preset(push.device);
         const double held_Nm = HandSettings{}.turning_stiffness_Nm_per_rad * r.turn;
-        add("turned_deg", r.turn / kDegree, {});
+        add("turned_deg", r.turn / kDegree);
         add("torque against the hand's spring_percent",
-            100.0 * std::abs(held_Nm - r.torque_Nm) / std::max(1e-9, r.torque_Nm), 5.0);
-        add("rms of the turn over one resolution", r.turn_rms / device.angle_resolution, 1.0);
-        add("rms of the handle over one resolution", r.rms_m / r.resolution_m, 1.0);
-        add("popped through", !r.reached || r.popped, 0.0);
+            100.0 * std::abs(held_Nm - r.torque_Nm) / std::max(1e-9, r.torque_Nm), at_most(5.0));
+        add("rms of the turn over one resolution", r.turn_rms / device.angle_resolution,
+            at_most(1.0));
+        add("rms of the handle over one resolution", r.rms_m / r.resolution_m, at_most(1.0));
+        add("popped through", !r.reached || r.popped, at_most(0.0));
       }
     }
-    if (brief) break;
+    if (trial.brief) break;
   }
-  return result;
 }
 
 }  // namespace sulcus::lab

@@ -40,7 +40,7 @@ Scene face_scene(ContactMethod method, const DeviceSettings& device) {
   return scene;
 }
 
-StabilityRow in_loop(StabilityRow row, const Held& held, double push_N) {
+StabilityRow& in_loop(StabilityRow& row, const Held& held, double push_N) {
   row.device = held.device;
   row.hand = held.hand;
   row.delay = held.delay_ticks;

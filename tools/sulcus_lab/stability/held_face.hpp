@@ -28,8 +28,8 @@ std::string face_text();
 /// The face under a method, in a device's loop; the coupling as the device's maker recommends.
 Scene face_scene(ContactMethod method, const DeviceSettings& device);
 
-/// The same row, of a run in such a loop.
-StabilityRow in_loop(StabilityRow row, const Held& held, double push_N = 0.0);
+/// Says of a row that its run was in such a loop. The row.
+StabilityRow& in_loop(StabilityRow& row, const Held& held, double push_N = 0.0);
 
 /// The hand's far end: along corners of the tip, at a speed.
 Trajectory hand_along(const std::vector<Eigen::Vector3d>& corners_m, double speed_m_per_s);

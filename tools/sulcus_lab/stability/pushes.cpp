@@ -6,7 +6,7 @@
 #include "engine/scene/trajectory.hpp"
 #include "haptics/device/simulated_device.hpp"
 #include "haptics/tool_motion.hpp"
-#include "tools/sulcus_lab/stability/series.hpp"
+#include "tools/sulcus_lab/statistics.hpp"
 
 namespace sulcus::lab {
 
@@ -39,6 +39,63 @@ double first_contact_m(const Push& push, const std::string& text, const Eigen::V
   return HUGE_VAL;
 }
 
+/// The hand's far end: at 20 mm/s until it is where the wanted force will hold it, so that in the
+/// end its spring takes no part in the press, and the force is the push.
+struct Hand {
+  Trajectory way;
+  double touch_s;
+};
+Hand hand_of(const Push& push, const Scene& scene, const Eigen::Vector3d& start_m,
+             double contact_m) {
+  const double felt_N_per_m = scene.coupling
+                                  ? scene.coupling->stiffness_N_per_m
+                                  : scene.tissues.front().stiffness_N_per_m *
+                                        (push.method == ContactMethod::kNone ? 20.0 : 1.0);
+  const double in_m = push.force_N / felt_N_per_m;
+  const double lead_m = std::min(1e-3, 0.5 * contact_m);
+  const Eigen::Quaterniond turn = orientation_along(push.axis);
+  const Eigen::Vector3d from = start_m + (contact_m - lead_m) * push.into;
+  const Eigen::Vector3d touch = start_m + contact_m * push.into;
+  const double touch_s = lead_m / kApproach_m_per_s;
+  std::vector<TimedPose> way{{0.0, {from, turn}}, {touch_s, {touch, turn}}};
+  // Friction leaves the handle short of where its spring would bring it: first a little too far.
+  const double contact_s = touch_s + kBeyond_m / kApproach_m_per_s;
+  way.push_back({contact_s, {touch + kBeyond_m * push.into, turn}});
+  way.push_back({contact_s + kRamp_s, {touch + in_m * push.into, turn}});
+  return {Trajectory(std::move(way)), touch_s};
+}
+
+/// What a run is judged by, of each of its last ticks.
+struct Judged {
+  std::vector<double> handle_m, tool_m, felt_N, contacts, in_device_m, torque_Nm, turned;
+
+  void add(const Push& push, const Felt& felt, const SimulatedDeviceState& state,
+           const Eigen::Vector3d& touch) {
+    handle_m.push_back(state.position.dot(push.into));
+    tool_m.push_back(felt.tool.position.dot(push.into));
+    felt_N.push_back(-felt.force_N.dot(push.into));
+    in_device_m.push_back((felt.device.position - touch).dot(push.into));
+    contacts.push_back(felt.contacts);
+    torque_Nm.push_back(felt.torque_Nm.norm());
+    turned.push_back(small_turn(orientation_along(push.axis), state.orientation).norm());
+  }
+  void sum_up(bool cutting, PushResult& result) const {
+    const auto rms_of = [&](const std::vector<double>& values) {
+      return cutting ? detrended_rms(values) : rms(values);
+    };
+    result.rms_m = rms_of(handle_m);
+    result.tool_rms_m = rms_of(tool_m);
+    result.contact_N = mean(felt_N);
+    result.contacts = mean(contacts);
+    result.in_device_m = mean(in_device_m);
+    result.stiffness_N_per_m =
+        result.in_device_m > 0.0 ? result.contact_N / result.in_device_m : HUGE_VAL;
+    result.torque_Nm = mean(torque_Nm);
+    result.turn = mean(turned);
+    result.turn_rms = rms_of(turned);
+  }
+};
+
 }  // namespace
 
 PushResult run_push(const Push& push, const std::string& text, const Eigen::Vector3d& start_m,
@@ -55,30 +112,14 @@ PushResult run_push(const Push& push, const std::string& text, const Eigen::Vect
   result.resolution_m = scene.device->resolution_m;
   Rig rig(push.method, scene, solid ? std::optional<VoxelModel>(*solid) : std::nullopt);
 
-  // The hand comes at 20 mm/s until it is where the wanted force will hold it, so that in the end
-  // its spring takes no part in the press, and the force is the push.
-  const double felt_N_per_m = scene.coupling
-                                  ? scene.coupling->stiffness_N_per_m
-                                  : scene.tissues.front().stiffness_N_per_m *
-                                        (push.method == ContactMethod::kNone ? 20.0 : 1.0);
-  const double in_m = push.force_N / felt_N_per_m;
-  const double lead_m = std::min(1e-3, 0.5 * contact_m);
-  const Eigen::Quaterniond turn = orientation_along(push.axis);
-  const Eigen::Vector3d from = start_m + (contact_m - lead_m) * push.into;
-  const Eigen::Vector3d touch = start_m + contact_m * push.into;
-  const double touch_s = lead_m / kApproach_m_per_s;
-  std::vector<TimedPose> way{{0.0, {from, turn}}, {touch_s, {touch, turn}}};
-  // Friction leaves the handle short of where its spring would bring it: first a little too far.
-  const double contact_s = touch_s + kBeyond_m / kApproach_m_per_s;
-  way.push_back({contact_s, {touch + kBeyond_m * push.into, turn}});
-  way.push_back({contact_s + kRamp_s, {touch + in_m * push.into, turn}});
-  const Trajectory hand(std::move(way));
-  SimulatedDevice device(*scene.device, hand, scene.haptics.rate_hz, scene.burr.reference_m);
+  const Hand hand = hand_of(push, scene, start_m, contact_m);
+  SimulatedDevice device(*scene.device, hand.way, scene.haptics.rate_hz, scene.burr.reference_m);
 
   const double dt_s = 1.0 / scene.haptics.rate_hz;
-  const auto ticks = static_cast<std::size_t>((touch_s + push.duration_s) / dt_s);
+  const auto ticks = static_cast<std::size_t>((hand.touch_s + push.duration_s) / dt_s);
   const auto judged_from = ticks - static_cast<std::size_t>(kJudged_s / dt_s);
-  std::vector<double> handle_m, tool_m, felt_N, contacts, in_device_m, torque_Nm, turned;
+  const Eigen::Vector3d touch = start_m + contact_m * push.into;
+  Judged judged;
   Eigen::Vector3d last_N = Eigen::Vector3d::Zero();
   std::size_t touched = 0;
   const double radius_m = 0.5 * scene.burr.diameter_m;
@@ -98,28 +139,9 @@ PushResult run_push(const Push& push, const std::string& text, const Eigen::Vect
     if (push.cutting && felt.contacts == 0 && felt.force_N.norm() > 0.9 * push.force_N) {
       result.popped = true;
     }
-    const SimulatedDeviceState& state = device.state();
-    handle_m.push_back(state.position.dot(push.into));
-    tool_m.push_back(felt.tool.position.dot(push.into));
-    felt_N.push_back(-felt.force_N.dot(push.into));
-    in_device_m.push_back((felt.device.position - touch).dot(push.into));
-    contacts.push_back(felt.contacts);
-    torque_Nm.push_back(felt.torque_Nm.norm());
-    turned.push_back(small_turn(turn, state.orientation).norm());
+    judged.add(push, felt, device.state(), touch);
   }
-  const auto rms_of = [&](const std::vector<double>& values) {
-    return push.cutting ? detrended_rms(values) : rms(values);
-  };
-  result.rms_m = rms_of(handle_m);
-  result.tool_rms_m = rms_of(tool_m);
-  result.contact_N = mean(felt_N);
-  result.contacts = mean(contacts);
-  result.in_device_m = mean(in_device_m);
-  result.stiffness_N_per_m =
-      result.in_device_m > 0.0 ? result.contact_N / result.in_device_m : HUGE_VAL;
-  result.torque_Nm = mean(torque_Nm);
-  result.turn = mean(turned);
-  result.turn_rms = rms_of(turned);
+  judged.sum_up(push.cutting, result);
   return result;
 }
 

@@ -1,5 +1,3 @@
-#include "tools/sulcus_lab/stability/stability_command.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -14,25 +12,19 @@
 #include "engine/core/error.hpp"
 #include "engine/core/whole_file.hpp"
 #include "engine/import/build_workpiece.hpp"
-#include "engine/scene/device_presets.hpp"
 #include "engine/scene/scene_file.hpp"
+#include "tools/sulcus_lab/commands.hpp"
 #include "tools/sulcus_lab/results.hpp"
 #include "tools/sulcus_lab/stability/cases/cases.hpp"
-#include "tools/sulcus_lab/stability/clinical_pushes.hpp"
-#include "tools/sulcus_lab/stability/coupled_tick.hpp"
+#include "tools/sulcus_lab/stability/force_traces.hpp"
 #include "tools/sulcus_lab/stability/frontier.hpp"
 #include "tools/sulcus_lab/stability/random_pushes.hpp"
 #include "tools/sulcus_lab/stability/stability_page.hpp"
-#include "tools/sulcus_lab/stability/wall_loop.hpp"
 
 namespace sulcus::lab {
 
 namespace {
 
-constexpr const char* kHarness = "harness";
-constexpr const char* kClinical = "clinical_pushes";
-constexpr const char* kOffAxis = "pressed_off_axis";
-constexpr const char* kCost = "coupled_tick";
 constexpr const char* kRandom = "random_pushes";
 constexpr const char* kFrontier = "frontier";
 
@@ -45,36 +37,6 @@ struct StabilityOptions {
   int pushes = 1000;
   bool brief = false;
 };
-
-/// Three limits of the same loops: theory's, the simulated device's, and the rule of thumb.
-CaseResult harness() {
-  CaseResult result;
-  for (const WallLimits& limits : measure_wall_limits(device_preset("omni"))) {
-    StabilityRow row;
-    row.case_name = kHarness;
-    row.device = "omni";
-    row.hand = limits.hand;
-    row.delay = limits.delay_ticks;
-    const std::string wall = with_number("wall with B = %g: ", limits.wall_damping_N_s_per_m);
-    const auto add = [&](const char* quantity, double value, std::optional<double> limit) {
-      row.quantity = wall + quantity;
-      row.value = value;
-      row.limit = limit;
-      result.rows.push_back(row);
-    };
-    const auto off_percent = [](double value, double from) {
-      return value == from ? 0.0 : 100.0 * std::abs(value / from - 1.0);
-    };
-    add("spectral_N_per_m", limits.spectral, {});
-    add("measured_N_per_m", limits.measured, {});
-    add("rule_N_per_m", limits.rule, {});
-    add("measured against spectral_percent", off_percent(limits.measured, limits.spectral), 2.0);
-    // The rule leaves mass and the wall's damping's own delay out; with B it is told only.
-    add("measured against rule_percent", off_percent(limits.measured, limits.rule),
-        limits.wall_damping_N_s_per_m == 0.0 ? std::optional(10.0) : std::nullopt);
-  }
-  return result;
-}
 
 /// The workpieces of random pushes, with their names.
 std::vector<std::pair<std::string, Workpiece>> teeth_of(const StabilityOptions& options) {
@@ -125,17 +87,13 @@ std::vector<ContactMethod> methods_of(const StabilityOptions& options) {
   return methods;
 }
 
-std::string row_cell(double value) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.6g", value);
-  return text;
-}
+std::string row_cell(double value) { return with_number("%.6g", value); }
 
 void write_row(CsvFile& csv, const StabilityRow& row) {
   std::ostringstream line;
-  line << row.case_name << ',' << kContactMethodNames[static_cast<std::size_t>(row.method)] << ','
-       << row.device << ',' << row.hand << ',' << row_cell(row.burr_mm) << ',' << row.delay << ','
-       << row_cell(row.push_N) << ",\"" << row.quantity << "\"," << row_cell(row.value) << ','
+  line << row.case_name << ',' << name_of(row.method) << ',' << row.device << ',' << row.hand << ','
+       << row_cell(row.burr_mm) << ',' << row.delay << ',' << row_cell(row.push_N) << ",\""
+       << row.quantity << "\"," << row_cell(row.value) << ','
        << (row.limit ? row_cell(*row.limit) + (row.pass() ? ",yes" : ",no") : ",");
   csv.write(line.str());
 }
@@ -151,9 +109,7 @@ void print_case(const std::string& name, const CaseResult& result,
       ++(row.pass() ? held : failed);
     }
     if (held + failed == 0) continue;
-    std::printf("  %s %d/%d",
-                std::string(kContactMethodNames[static_cast<std::size_t>(method)]).c_str(), held,
-                held + failed);
+    std::printf("  %s %d/%d", name_of(method).c_str(), held, held + failed);
   }
   std::printf("\n");
   std::fflush(stdout);
@@ -183,52 +139,31 @@ class StabilityRun {
     for (const StabilityRow& row : result.rows) write_row(csv_, row);
     rows_.insert(rows_.end(), result.rows.begin(), result.rows.end());
     if (result.traces.empty()) return;
-    const std::string picture = "stability_" + name + ".png";
-    results_.picture(picture, [&](const std::string& file) {
-      const bool drawn = draw_force_traces(result.traces, file);
-      if (drawn) pictures_.of_cases[name] = picture;
-      return drawn;
-    });
+    const std::string picture = "stability_" + name;
+    write_force_traces(result.traces, results_.table(picture + ".csv"));
+    if (results_.draw("stability_forces", picture, name)) {
+      pictures_.of_cases[name] = picture + ".png";
+    }
   }
 
   void charts() {
     if (!wants(kFrontier)) return;
     progress_.say(kFrontier);
-    const auto picture = [&](const std::string& name, std::string& on_page, const auto& draw) {
-      results_.picture(name, [&](const std::string& file) {
-        const bool drawn = draw(file);
-        if (drawn) on_page = name;
-        return drawn;
-      });
-    };
-    const auto frontier = measure_frontier(options_.brief);
-    CsvFile table(results_.table("stability_frontier.csv"),
-                  "method,contacts,felt_hold_N_per_mm,felt_buzz_N_per_mm");
-    for (const FrontierPoint& p : frontier) {
-      table.write(std::string(kContactMethodNames[static_cast<std::size_t>(p.method)]) + "," +
-                  row_cell(p.contacts) + "," + row_cell(p.felt_hold_N_per_mm) + "," +
-                  row_cell(p.felt_buzz_N_per_mm));
-    }
-    picture("stability_frontier.png", pictures_.frontier,
-            [&](const std::string& file) { return draw_frontier(frontier, file); });
-    const auto damping = measure_damping();
-    CsvFile damped(results_.table("stability_damping.csv"),
-                   "loop,damping_N_s_per_m,largest_stable_N_per_mm");
-    for (const DampingPoint& p : damping) {
-      damped.write("\"" + p.label + "\"," + row_cell(p.damping_N_s_per_m) + "," +
-                   row_cell(p.largest_stable_N_per_mm));
-    }
-    picture("stability_damping.png", pictures_.damping,
-            [&](const std::string& file) { return draw_damping(damping, file); });
-    const auto speed = measure_speed_error();
-    CsvFile errors(results_.table("stability_speed_error.csv"),
-                   "method,tick_us,force_error_percent");
-    for (const SpeedErrorPoint& p : speed) {
-      errors.write(std::string(kContactMethodNames[static_cast<std::size_t>(p.method)]) + "," +
-                   row_cell(p.tick_us) + "," + row_cell(p.force_error_percent));
-    }
-    picture("stability_speed_error.png", pictures_.speed_error,
-            [&](const std::string& file) { return draw_speed_error(speed, file); });
+    chart("stability_frontier", "method,contacts,felt_hold_N_per_mm,felt_buzz_N_per_mm",
+          measure_frontier(options_.brief), pictures_.frontier, [](const FrontierPoint& p) {
+            return name_of(p.method) + "," + row_cell(p.contacts) + "," +
+                   row_cell(p.felt_hold_N_per_mm) + "," + row_cell(p.felt_buzz_N_per_mm);
+          });
+    chart("stability_damping", "loop,damping_N_s_per_m,largest_stable_N_per_mm", measure_damping(),
+          pictures_.damping, [](const DampingPoint& p) {
+            return text_cell(p.label) + "," + row_cell(p.damping_N_s_per_m) + "," +
+                   row_cell(p.largest_stable_N_per_mm);
+          });
+    chart("stability_speed_error", "method,tick_us,force_error_percent", measure_speed_error(),
+          pictures_.speed_error, [](const SpeedErrorPoint& p) {
+            return name_of(p.method) + "," + row_cell(p.tick_us) + "," +
+                   row_cell(p.force_error_percent);
+          });
     progress_.clear();
   }
 
@@ -247,6 +182,16 @@ class StabilityRun {
   std::span<const ContactMethod> methods() const { return methods_; }
 
  private:
+  /// NAME.csv, a line for each point, and its chart; `on_page`: the picture's name once it is
+  /// drawn.
+  template <class Point, class Line>
+  void chart(const std::string& name, const std::string& header, const std::vector<Point>& points,
+             std::string& on_page, const Line& line) {
+    CsvFile csv(results_.table(name + ".csv"), header);
+    for (const Point& point : points) csv.write(line(point));
+    if (results_.draw(name, name)) on_page = name + ".png";
+  }
+
   const StabilityOptions& options_;
   std::vector<ContactMethod> methods_;
   Results results_;
@@ -258,13 +203,9 @@ class StabilityRun {
 
 void stability(const StabilityOptions& options) {
   StabilityRun run(options);
-  run.run(kHarness, harness);
   for (const StabilityCase& c : stability_cases()) {
-    run.run(std::string(c.name), [&] { return c.run({run.methods(), options.brief}); });
+    run.run(std::string(c.name), [&] { return run_case(c.name, {run.methods(), options.brief}); });
   }
-  run.run(kOffAxis, [&] { return pressed_off_axis(options.brief); });
-  run.run(kClinical, [&] { return clinical_pushes(options.brief); });
-  run.run(kCost, [&] { return coupled_tick(options.brief); });
   run.run(kRandom, [&] { return random_pushes(options); });
   run.charts();
   const int missed = run.finish();
@@ -277,10 +218,9 @@ void add_stability_command(CLI::App& program) {
   auto options = std::make_shared<StabilityOptions>();
   CLI::App* command = program.add_subcommand(
       "stability", "Where haptic methods fail: twenty cases, clinical pushes, random trials");
-  std::vector<std::string> names{kHarness};
+  std::vector<std::string> names;
   for (const StabilityCase& c : stability_cases()) names.emplace_back(c.name);
-  for (const char* name : {kOffAxis, kClinical, kCost, kRandom, kFrontier})
-    names.emplace_back(name);
+  for (const char* name : {kRandom, kFrontier}) names.emplace_back(name);
   command->add_option("--case", options->cases, "Cases, comma separated (all)")
       ->delimiter(',')
       ->check(CLI::IsMember(names));
@@ -303,6 +243,7 @@ void add_stability_command(CLI::App& program) {
       "Writes into the folder:\n"
       "  stability.html   what was tried, what failed, pictures of the force over time\n"
       "  stability.csv    case,method,device,hand,burr_mm,delay,push_N,quantity,value,limit,pass\n"
+      "  stability_CASE.csv, stability_CASE.png   run,method,label,time_s,force_N,depth_mm\n"
       "  stability_frontier.csv, stability_damping.csv, stability_speed_error.csv, and a chart "
       "of each\n"
       "Cases: harness (the simulated loop against its spectral radius and the delay rule), the\n"

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "engine/core/user_text.hpp"
-#include "tools/sulcus_lab/chart.hpp"
+#include "tools/sulcus_lab/results.hpp"
 #include "tools/sulcus_lab/stability/cases/case_texts.hpp"
 
 namespace sulcus::lab {

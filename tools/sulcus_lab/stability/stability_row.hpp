@@ -21,6 +21,10 @@ enum class ContactMethod : std::uint8_t {
 inline constexpr std::array<std::string_view, 6> kContactMethodNames{
     "coupling", "smooth", "count", "none", "mcneely", "single_point"};
 
+inline std::string name_of(ContactMethod method) {
+  return std::string(kContactMethodNames[static_cast<std::size_t>(method)]);
+}
+
 /// One line of stability.csv: what one run of a case measured, and the limit it is held to.
 struct StabilityRow {
   std::string case_name;  // "thin_wall", ...
@@ -36,14 +40,13 @@ struct StabilityRow {
   bool pass() const { return !limit || (at_least ? value >= *limit : value <= *limit); }
 };
 
-/// A row of a scripted trajectory. `quantity` with its unit; `setting`: what sets the run apart
-/// from others of the case.
-StabilityRow case_row(std::string_view name, ContactMethod method, std::string_view quantity,
-                      std::string_view setting, double value, std::optional<double> limit = {},
-                      bool at_least = false);
-
-/// A number in a form of printf's.
-std::string with_number(const char* form, double number);
+/// What a row is held to; none: it is only reported.
+struct RowLimit {
+  std::optional<double> value;
+  bool is_least = false;
+};
+inline RowLimit at_most(std::optional<double> value) { return {value, false}; }
+inline RowLimit at_least(std::optional<double> value) { return {value, true}; }
 
 /// A run's force over time, kept for the pictures.
 struct ForceTrace {

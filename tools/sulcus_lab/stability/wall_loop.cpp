@@ -10,6 +10,7 @@
 #include "engine/scene/device_presets.hpp"
 #include "engine/scene/trajectory.hpp"
 #include "haptics/device/simulated_device.hpp"
+#include "tools/sulcus_lab/stability/cases/cases.hpp"
 
 namespace sulcus::lab {
 
@@ -161,6 +162,30 @@ std::vector<WallLimits> measure_wall_limits(const DeviceSettings& device) {
     }
   }
   return rows;
+}
+
+/// Three limits of the same loops: theory's, the simulated device's, and the rule of thumb.
+void harness(CaseTrial& trial) {
+  for (const WallLimits& limits : measure_wall_limits(device_preset("omni"))) {
+    const std::string wall = with_number("wall with B = %g: ", limits.wall_damping_N_s_per_m);
+    const auto add = [&](const char* quantity, double value, const RowLimit& limit = {}) {
+      StabilityRow& row = trial.add(wall + quantity, "", value, limit);
+      row.device = "omni";
+      row.hand = limits.hand;
+      row.delay = limits.delay_ticks;
+    };
+    const auto off_percent = [](double value, double from) {
+      return value == from ? 0.0 : 100.0 * std::abs(value / from - 1.0);
+    };
+    add("spectral_N_per_m", limits.spectral);
+    add("measured_N_per_m", limits.measured);
+    add("rule_N_per_m", limits.rule);
+    add("measured against spectral_percent", off_percent(limits.measured, limits.spectral),
+        at_most(2.0));
+    // The rule leaves mass and the wall's damping's own delay out; with B it is told only.
+    add("measured against rule_percent", off_percent(limits.measured, limits.rule),
+        limits.wall_damping_N_s_per_m == 0.0 ? at_most(10.0) : RowLimit());
+  }
 }
 
 }  // namespace sulcus::lab

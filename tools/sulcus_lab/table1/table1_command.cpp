@@ -1,15 +1,14 @@
-#include "tools/sulcus_lab/table1/table1_command.hpp"
-
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "engine/core/error.hpp"
 #include "engine/scene/scene_file.hpp"
+#include "tools/sulcus_lab/commands.hpp"
 #include "tools/sulcus_lab/results.hpp"
-#include "tools/sulcus_lab/table1/table1_chart.hpp"
 #include "tools/sulcus_lab/table1/table1_experiment.hpp"
 #include "tools/sulcus_lab/table1/table1_rows.hpp"
 
@@ -29,7 +28,7 @@ struct Table1Options {
 };
 
 struct Experiment {
-  std::string name, title;
+  std::string name;
   Scene scene;
   int every;
 };
@@ -40,22 +39,19 @@ std::vector<Experiment> experiments_of(const Table1Options& options) {
     const std::vector<std::string> settings = {"haptics.normals=ldm", "haptics.neighbourhood=6",
                                                "haptics.trace=12", "haptics.scaling=" + scaling};
     const std::string suffix = scaling == "count" ? "" : "_" + scaling;
-    const auto add = [&](const char* name, const char* title, const std::string& file, int usual) {
-      all.push_back({name + suffix, title + (", scaling = " + scaling), load_scene(file, settings),
-                     options.every > 0 ? options.every : usual});
+    const auto add = [&](const char* name, const std::string& file, int usual) {
+      all.push_back(
+          {name + suffix, load_scene(file, settings), options.every > 0 ? options.every : usual});
     };
-    add("probing", "Probing along the central sulcus", options.probing, kEveryProbing);
-    add("cutting", "Cutting along the central sulcus", options.cutting, kEveryCutting);
+    add("probing", options.probing, kEveryProbing);
+    add("cutting", options.cutting, kEveryCutting);
   }
   return all;
 }
 
 /// Counts and ticks in full, the rest to five digits; empty where there is nothing.
 std::string table_cell(double value) {
-  if (!std::isfinite(value)) return "";
-  char text[32];
-  std::snprintf(text, sizeof text, value == std::floor(value) ? "%.0f" : "%.5g", value);
-  return text;
+  return number_cell(value == std::floor(value) ? "%.0f" : "%.5g", value);
 }
 
 void print_rows(const std::vector<Table1Row>& rows) {
@@ -67,6 +63,26 @@ void print_rows(const std::vector<Table1Row>& rows) {
   }
   std::printf("\n");
   std::fflush(stdout);
+}
+
+/// What the chart draws: magnitudes of every compared tick.
+void write_compared(const std::string& path, const Table1Run& run) {
+  CsvFile csv(path,
+              "tick,contacts,force_N,exact_force_N,truth_force_N,torque_mNm,exact_torque_mNm,"
+              "truth_torque_mNm");
+  const double nothing = std::numeric_limits<double>::quiet_NaN();
+  for (const ComparedTick& tick : run.compared) {
+    std::string line = std::to_string(tick.tick) + "," + std::to_string(tick.contacts);
+    const auto add = [&](double ours, double exact, double truth) {
+      for (const double value : {ours, exact, run.has_truth ? truth : nothing}) {
+        line += "," + number_cell("%.6g", value);
+      }
+    };
+    add(tick.ours.force_N.norm(), tick.exact.force_N.norm(), tick.truth.force_N.norm());
+    add(1e3 * tick.ours.torque_Nm.norm(), 1e3 * tick.exact.torque_Nm.norm(),
+        1e3 * tick.truth.torque_Nm.norm());
+    csv.write(line);
+  }
 }
 
 void table1(const Table1Options& options) {
@@ -85,10 +101,9 @@ void table1(const Table1Options& options) {
     }
     progress.clear();
     print_rows(rows);
-
-    results.picture("table1_" + experiment.name + ".png", [&](const std::string& file) {
-      return draw_table1_chart(run, experiment.title, file);
-    });
+    const std::string name = "table1_" + experiment.name;
+    write_compared(results.table(name + ".csv"), run);
+    results.draw("table1", name, experiment.name);
   }
   results.print();
 }
@@ -111,6 +126,8 @@ void add_table1_command(CLI::App& program) {
   command->footer(
       "Writes into the folder:\n"
       "  table1.csv              experiment,quantity,paper,ours,exact\n"
+      "  table1_EXPERIMENT.csv   tick,contacts,force_N,exact_force_N,truth_force_N,torque_mNm,\n"
+      "                          exact_torque_mNm,truth_torque_mNm: of each compared tick\n"
       "  table1_EXPERIMENT.png   figs. 5 and 6 of the paper: force and torque over the ticks, "
       "ours\n"
       "                          in blue, the reference in red, and the difference\n"

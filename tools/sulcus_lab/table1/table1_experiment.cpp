@@ -121,9 +121,9 @@ class KnownMolar {
  private:
   Surface surface_at(const Eigen::Vector3d& centre_world) const {
     const Eigen::Vector3d centre = placement_.inverse_point(centre_world);
-    const ComposedShape::Foot foot = shape_.foot(centre);
-    return {placement_.direction(foot.normal).cast<float>(),
-            static_cast<float>((foot.point - centre).dot(foot.normal))};
+    const ComposedShape::ClosestPoint closest = shape_.closest_point(centre);
+    return {placement_.direction(closest.normal).cast<float>(),
+            static_cast<float>((closest.point - centre).dot(closest.normal))};
   }
 
   ComposedShape shape_;

@@ -1,5 +1,3 @@
-#include "tools/sulcus_lab/ticks/ticks_command.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -12,11 +10,11 @@
 #include "engine/core/error.hpp"
 #include "engine/core/realtime.hpp"
 #include "engine/shapes/build_shape.hpp"
+#include "tools/sulcus_lab/commands.hpp"
 #include "tools/sulcus_lab/normals/normal_methods.hpp"
 #include "tools/sulcus_lab/results.hpp"
-#include "tools/sulcus_lab/ticks/instruction_counter.hpp"
-#include "tools/sulcus_lab/ticks/ticks_charts.hpp"
 #include "tools/sulcus_lab/ticks/ticks_rows.hpp"
+#include "tools/sulcus_lab/ticks/ticks_run.hpp"
 
 namespace sulcus::lab {
 
@@ -189,13 +187,7 @@ void ticks(const TicksOptions& options) {
   print_ratios(tick_ratios(tables.rows, cells, bodies));
   std::printf("Peak memory %.0f MiB\n", static_cast<double>(peak_resident_bytes()) / (1 << 20));
 
-  results.picture("ticks.png", [&](const std::string& file) {
-    return draw_ticks(tables.rows, tables.places, file);
-  });
-  results.picture("ticks_stages.png",
-                  [&](const std::string& file) { return draw_tick_stages(tables.rows, file); });
-  results.picture("ticks_sweeps.png",
-                  [&](const std::string& file) { return draw_tick_sweeps(cells, bodies, file); });
+  for (const char* chart : {"ticks", "ticks_stages", "ticks_sweeps"}) results.draw(chart, chart);
   results.print();
 }
 

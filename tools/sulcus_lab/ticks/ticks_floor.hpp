@@ -22,7 +22,7 @@ struct TickFloor {
 
 /// At the path's first pose, by counting the distinct leaves, samples and words. The map is the one
 /// of NS 6: 13 x 13 columns along the largest component of the normal, 12 voxels up and down.
-/// Samples at the contacts' foot points, half a voxel away, are mostly the same and not counted
+/// Samples at the contacts' closest points, half a voxel away, are mostly the same and not counted
 /// again. The bandwidth is read_gb_per_s over as many bytes.
 TickFloor tick_floor(const Workpiece& workpiece, const TickPath& path, int wanted, bool fresh);
 

@@ -6,7 +6,7 @@
 
 #include "engine/core/realtime.hpp"
 #include "haptics/evaluate_contact.hpp"
-#include "tools/sulcus_lab/samples.hpp"
+#include "tools/sulcus_lab/statistics.hpp"
 
 namespace sulcus::lab {
 

@@ -7,7 +7,8 @@
 #include <limits>
 
 #include "engine/core/units.hpp"
-#include "tools/sulcus_lab/log_slope.hpp"
+#include "tools/sulcus_lab/results.hpp"
+#include "tools/sulcus_lab/statistics.hpp"
 
 namespace sulcus::lab {
 
@@ -22,14 +23,6 @@ constexpr int kManyFrom = 1000;  // contacts from which the cost of one must not
   va_start(arguments, format);
   std::vsnprintf(buffer, sizeof buffer, format, arguments);
   va_end(arguments);
-  return buffer;
-}
-
-/// Empty where nothing was measured.
-std::string number(const char* format, double value) {
-  if (!std::isfinite(value)) return "";
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, format, value);
   return buffer;
 }
 
@@ -49,10 +42,7 @@ std::string times_of(const TickSummary& s) {
 /// The row of a setting with so many contacts; null where it was not measured.
 const TickRow* find(std::span<const TickRow> rows, const TickSetting& setting, int wanted) {
   for (const TickRow& row : rows) {
-    if (row.setting.method == setting.method && row.setting.cache == setting.cache &&
-        row.wanted == wanted) {
-      return &row;
-    }
+    if (row.setting == setting && row.wanted == wanted) return &row;
   }
   return nullptr;
 }
@@ -64,10 +54,7 @@ void add_cost_growth(std::span<const TickRow> rows, const TickSetting& setting,
                      std::vector<TickRatio>& ratios) {
   const TickRow *first = nullptr, *last = nullptr;
   for (const TickRow& row : rows) {
-    if (row.setting.method != setting.method || row.setting.cache != setting.cache ||
-        row.wanted < kManyFrom) {
-      continue;
-    }
+    if (row.setting != setting || row.wanted < kManyFrom) continue;
     if (!first || row.wanted < first->wanted) first = &row;
     if (!last || row.wanted > last->wanted) last = &row;
   }
@@ -129,15 +116,6 @@ std::vector<TickRatio> tick_ratios(std::span<const TickRow> rows, std::span<cons
   return ratios;
 }
 
-double growth_exponent(std::span<const TickRow> rows, const TickSetting& setting) {
-  std::vector<std::pair<double, double>> points;
-  for (const TickRow& row : rows) {
-    if (row.setting.method != setting.method || row.setting.cache != setting.cache) continue;
-    points.emplace_back(row.summary.contacts, row.summary.us_mean);
-  }
-  return log_slope(points);
-}
-
 std::string ticks_line(const TickRow& row) {
   return key_of(row.setting, row.wanted) + times_of(row.summary);
 }
@@ -162,9 +140,9 @@ std::string found_line(const TickRow& row) {
   return key_of(row.setting, row.wanted) +
          text("%.1f,%d,%d,%.3f,%.4f,%.3f,", s.contacts, s.least, s.most, s.removed,
               s.ticks_that_cut, s.us_p999) +
-         number("%.0f", s.instructions > 0.0 ? s.instructions : kNone) + "," +
-         number("%.2f", row.pca_us) + "," + number("%.2f", row.pca_us / s.us_mean) + "," +
-         number("%.2f", row.pca_us / s.us_p99);
+         number_cell("%.0f", s.instructions > 0.0 ? s.instructions : kNone) + "," +
+         number_cell("%.2f", row.pca_us) + "," + number_cell("%.2f", row.pca_us / s.us_mean) + "," +
+         number_cell("%.2f", row.pca_us / s.us_p99);
 }
 
 std::vector<std::string> floor_lines(const TickPlace& place) {
@@ -188,7 +166,7 @@ void print_rows(std::span<const TickRow> rows) {
                 std::string(method_name(row.setting)).c_str(),
                 std::string(cache_name(row.setting)).c_str(), s.contacts, s.us_mean, s.us_p50,
                 s.us_p99, s.us_p999, s.us_max, 1e3 * s.us_mean / s.contacts, s.removed,
-                number("%.1f", row.pca_us / s.us_mean).c_str());
+                number_cell("%.1f", row.pca_us / s.us_mean).c_str());
     if (s.faults != 0) {
       std::printf("  fault bits %llu\n", static_cast<unsigned long long>(s.faults));
     }
@@ -224,7 +202,7 @@ void print_ratios(std::span<const TickRatio> ratios) {
   for (const TickRatio& ratio : ratios) {
     std::printf("%-62s %9.2f %9s %9s%s\n", ratio.what.c_str(), ratio.value,
                 text("%s %g", ratio.at_most ? "<=" : ">=", ratio.must).c_str(),
-                number("%g", ratio.aim).c_str(), ratio.met() ? "" : "  not met");
+                number_cell("%g", ratio.aim).c_str(), ratio.met() ? "" : "  not met");
   }
 }
 

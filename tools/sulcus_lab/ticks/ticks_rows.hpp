@@ -43,9 +43,6 @@ struct TickRatio {
 std::vector<TickRatio> tick_ratios(std::span<const TickRow> rows, std::span<const SweepRow> cells,
                                    std::span<const SweepRow> bodies);
 
-/// Exponent p of c n^p over the contacts n of one setting's mean times; NaN with fewer than two.
-double growth_exponent(std::span<const TickRow> rows, const TickSetting& setting);
-
 // Lines of the tables, without their ends.
 inline constexpr const char* kTicksHeader = "method,cache,contacts,us_mean,us_p50,us_p99,us_max";
 std::string ticks_line(const TickRow& row);

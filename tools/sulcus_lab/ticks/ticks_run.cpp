@@ -1,13 +1,18 @@
 #include "tools/sulcus_lab/ticks/ticks_run.hpp"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <optional>
 #include <utility>
+
+#include <linux/perf_event.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include "engine/core/hash.hpp"
 #include "engine/core/realtime.hpp"
 #include "haptics/tick.hpp"
-#include "tools/sulcus_lab/ticks/instruction_counter.hpp"
 #include "tools/sulcus_lab/ticks/ticks_path.hpp"
 
 namespace sulcus::lab {
@@ -118,6 +123,28 @@ TickSamples run_ticks(const TickTask& task, const TickSetting& setting, StageClo
   }
   samples.instructions = counter.read() - before;
   return samples;
+}
+
+InstructionCounter::InstructionCounter() {
+  perf_event_attr event{};
+  event.size = sizeof event;
+  event.type = PERF_TYPE_HARDWARE;
+  event.config = PERF_COUNT_HW_INSTRUCTIONS;
+  event.exclude_kernel = 1;
+  event.exclude_hv = 1;
+  // The C library has no function of that name.
+  file_ = static_cast<int>(syscall(SYS_perf_event_open, &event, 0, -1, -1, 0));
+  if (file_ < 0) refused_ = std::string("perf_event_open: ") + std::strerror(errno);
+}
+
+InstructionCounter::~InstructionCounter() {
+  if (file_ >= 0) close(file_);
+}
+
+std::uint64_t InstructionCounter::read() const noexcept {
+  std::uint64_t count = 0;
+  if (file_ < 0 || ::read(file_, &count, sizeof count) != sizeof count) return 0;
+  return count;
 }
 
 }  // namespace sulcus::lab

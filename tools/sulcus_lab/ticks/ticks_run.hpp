@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -13,6 +14,25 @@
 #include "haptics/stage_clock.hpp"
 
 namespace sulcus::lab {
+
+/// Counts the instructions of the calling thread, outside the kernel, where the system lets it
+/// (perf_event_open; virtual machines often have no such counter). Else it reads 0.
+class InstructionCounter {
+ public:
+  InstructionCounter();
+  ~InstructionCounter();
+  InstructionCounter(const InstructionCounter&) = delete;
+  InstructionCounter& operator=(const InstructionCounter&) = delete;
+
+  /// Since it was made.
+  std::uint64_t read() const noexcept;
+  /// Why it does not count; empty where it does.
+  const std::string& refused() const { return refused_; }
+
+ private:
+  int file_ = -1;
+  std::string refused_;
+};
 
 /// Where the normals of a tick come from.
 enum class TickCache : std::uint8_t {
@@ -25,6 +45,7 @@ inline constexpr std::array<std::string_view, 3> kTickCacheNames{"fresh", "kept"
 struct TickSetting {
   NormalMethod method = NormalMethod::kLdm;
   TickCache cache = TickCache::kFresh;
+  bool operator==(const TickSetting&) const = default;
 };
 std::string_view method_name(const TickSetting& setting);
 std::string_view cache_name(const TickSetting& setting);

@@ -36,6 +36,16 @@ void add_runs(Workpiece& workpiece, const TickPath& path, int wanted, int bodies
   }
 }
 
+/// `size_of`: of a task, what is swept.
+template <class SizeOf>
+std::vector<SweepRow> rows_of(const std::vector<TickRun>& runs, const SizeOf& size_of) {
+  std::vector<SweepRow> rows;
+  for (const TickRun& run : runs) {
+    rows.push_back({size_of(run.task), run.setting, run.task.wanted, run.summary});
+  }
+  return rows;
+}
+
 }  // namespace
 
 std::vector<SweepRow> measure_cells(std::span<const int> cells, std::span<const int> contacts,
@@ -54,12 +64,7 @@ std::vector<SweepRow> measure_cells(std::span<const int> cells, std::span<const 
     for (Workpiece& plate : plates) add_runs(plate, paths.back(), wanted, 1, plan, runs);
   }
   repeat_runs(runs, progress);
-  std::vector<SweepRow> rows;
-  rows.reserve(runs.size());
-  for (const TickRun& run : runs) {
-    rows.push_back({run.task.start.grid().cells.x(), run.setting, run.task.wanted, run.summary});
-  }
-  return rows;
+  return rows_of(runs, [](const TickTask& task) { return task.start.grid().cells.x(); });
 }
 
 std::vector<SweepRow> measure_bodies(Workpiece& workpiece, const TickGround& ground,
@@ -71,12 +76,7 @@ std::vector<SweepRow> measure_bodies(Workpiece& workpiece, const TickGround& gro
   std::vector<TickRun> runs;
   for (const int n : bodies) add_runs(workpiece, path, contacts, n, plan, runs);
   repeat_runs(runs, progress);
-  std::vector<SweepRow> rows;
-  rows.reserve(runs.size());
-  for (const TickRun& run : runs) {
-    rows.push_back({run.task.bodies, run.setting, run.task.wanted, run.summary});
-  }
-  return rows;
+  return rows_of(runs, [](const TickTask& task) { return task.bodies; });
 }
 
 double growth_of(std::span<const SweepRow> rows) {
@@ -87,11 +87,10 @@ double growth_of(std::span<const SweepRow> rows) {
   for (const SweepRow& row : rows) {
     if (row.size != smallest->size) continue;
     for (const SweepRow& other : rows) {
-      if (other.size != largest->size || other.wanted != row.wanted ||
-          other.setting.method != row.setting.method || other.setting.cache != row.setting.cache) {
-        continue;
+      if (other.size == largest->size && other.wanted == row.wanted &&
+          other.setting == row.setting) {
+        growth = std::max(growth, other.summary.us_mean / row.summary.us_mean);
       }
-      growth = std::max(growth, other.summary.us_mean / row.summary.us_mean);
     }
   }
   return growth;

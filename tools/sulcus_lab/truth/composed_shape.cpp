@@ -105,8 +105,8 @@ Vector3d ComposedShape::gradient(const Vector3d& p) const {
   return sides_[outermost(p)].gradient(p);
 }
 
-ComposedShape::Foot ComposedShape::foot(const Vector3d& p) const {
-  Foot best{};
+ComposedShape::ClosestPoint ComposedShape::closest_point(const Vector3d& p) const {
+  ClosestPoint best{};
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t s = 0; s < sides_.size(); ++s) {
     const Side& side = sides_[s];
@@ -120,16 +120,19 @@ ComposedShape::Foot ComposedShape::foot(const Vector3d& p) const {
   return best;
 }
 
-std::optional<double> ComposedShape::edge_distance(const Foot& foot, double reach) const {
+std::optional<double> ComposedShape::edge_distance(const ClosestPoint& closest,
+                                                   double reach) const {
   std::optional<double> least;
   for (std::size_t s = 0; s < sides_.size(); ++s) {
-    if (s == foot.side || std::abs(sides_[s].value(foot.point)) > reach * sides_[s].lipschitz) {
+    if (s == closest.side ||
+        std::abs(sides_[s].value(closest.point)) > reach * sides_[s].lipschitz) {
       continue;
     }
-    const std::optional<Vector3d> edge = nearest_on_both(sides_[foot.side], sides_[s], foot.point);
+    const std::optional<Vector3d> edge =
+        nearest_on_both(sides_[closest.side], sides_[s], closest.point);
     // Where a third side has taken the curve away there is no edge.
     if (!edge || value(*edge) > 1e-3 * reach) continue;
-    const double distance = (*edge - foot.point).norm();
+    const double distance = (*edge - closest.point).norm();
     if (distance <= reach && (!least || distance < *least)) least = distance;
   }
   return least;

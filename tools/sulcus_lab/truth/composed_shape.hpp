@@ -52,15 +52,15 @@ class ComposedShape : public OnePartShape {
 
   const std::vector<Side>& sides() const { return sides_; }
 
-  struct Foot {
+  struct ClosestPoint {
     Eigen::Vector3d point, normal;  // on the surface; outward, unit
     std::size_t side;
   };
   /// The nearest point of the surface to a point inside.
-  Foot foot(const Eigen::Vector3d& p) const;
+  ClosestPoint closest_point(const Eigen::Vector3d& p) const;
 
-  /// How far the nearest edge is from a foot point, where it is within `reach`.
-  std::optional<double> edge_distance(const Foot& foot, double reach) const;
+  /// How far the nearest edge is from a closest point, where it is within `reach`.
+  std::optional<double> edge_distance(const ClosestPoint& closest, double reach) const;
 
  private:
   std::size_t outermost(const Eigen::Vector3d& p) const;

@@ -38,7 +38,7 @@ VoxelGrid grid_of(int cells, double voxel_m) {
 AlignedBox3d box_of(const Vector3d& half) { return {-half, half}; }
 
 /// Off the axes and off the lattice.
-Pose aslant() {
+Pose tilted() {
   Pose pose;
   pose.orientation = Eigen::AngleAxisd(0.41, Vector3d(0.3, -0.5, 0.8).normalized()) *
                      Eigen::AngleAxisd(0.67, Vector3d(0.9, 0.2, -0.3).normalized());
@@ -46,9 +46,9 @@ Pose aslant() {
   return pose;
 }
 
-/// Other ways to lie aslant: what a method does near an edge depends on it.
+/// Other tilts: what a method does near an edge depends on it.
 std::vector<Pose> attitudes() {
-  std::vector<Pose> poses(3, aslant());
+  std::vector<Pose> poses(3, tilted());
   poses[1].orientation = Eigen::AngleAxisd(0.2, Vector3d::UnitZ()) *
                          Eigen::AngleAxisd(0.5, Vector3d::UnitY()) *
                          Eigen::AngleAxisd(0.3, Vector3d::UnitX());
@@ -80,13 +80,13 @@ std::vector<std::string> zones_of(const ComposedShape& shape) {
   return zones;
 }
 
-int zone_at(const ComposedShape& shape, const ComposedShape::Foot& foot, double voxel,
+int zone_at(const ComposedShape& shape, const ComposedShape::ClosestPoint& closest, double voxel,
             const std::vector<std::string>& zones) {
   if (zones.empty()) return 0;
   const auto last = static_cast<int>(zones.size()) - 1;
-  const std::optional<double> edge = shape.edge_distance(foot, kNearReach * voxel);
+  const std::optional<double> edge = shape.edge_distance(closest, kNearReach * voxel);
   if (edge) return *edge < kEdgeReach * voxel ? last : last - 1;
-  const auto zone = std::find(zones.begin(), zones.end(), shape.sides()[foot.side].zone);
+  const auto zone = std::find(zones.begin(), zones.end(), shape.sides()[closest.side].zone);
   return static_cast<int>(zone - zones.begin());
 }
 
@@ -103,9 +103,9 @@ TruthShape make_shape(std::string name, const ComposedShape& shape, const VoxelG
   truth.voxels.resize(cells.size());
   tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t v) {
     const Vector3d centre = pose.inverse_point(grid.centre_world(cells[v]));
-    const ComposedShape::Foot foot = shape.foot(centre);
-    truth.voxels[v] = {cells[v], pose.direction(foot.normal),
-                       zone_at(shape, foot, grid.voxel_m, truth.zones)};
+    const ComposedShape::ClosestPoint closest = shape.closest_point(centre);
+    truth.voxels[v] = {cells[v], pose.direction(closest.normal),
+                       zone_at(shape, closest, grid.voxel_m, truth.zones)};
   });
   return truth;
 }
@@ -326,16 +326,16 @@ std::vector<TruthShape> truth_shapes(std::string_view name) {
   // An index of 127.5 is the middle of 256 cells, the shape's origin.
   if (name == "sphere") return one(whole(SphereShape(102.4)), 256, {}, 4);
   if (name == "cube") return one(box(224), 256, {}, 4);
-  if (name == "torus") return one(whole(TorusShape(48, 12)), 160, aslant(), 4);
-  if (name == "cone") return one(frustum(48, 40, 20 * std::numbers::pi / 180), 144, aslant(), 4);
+  if (name == "torus") return one(whole(TorusShape(48, 12)), 160, tilted(), 4);
+  if (name == "cone") return one(frustum(48, 40, 20 * std::numbers::pi / 180), 144, tilted(), 4);
   if (name == "drilled_ellipsoid") {
-    return one(drilled_ellipsoid({60, 42, 32}, {0.3, 0.2, 0.9}, 9), 144, aslant(), 4);
+    return one(drilled_ellipsoid({60, 42, 32}, {0.3, 0.2, 0.9}, 9), 144, tilted(), 4);
   }
-  if (name == "gyroid") return one(gyroid(12), 144, aslant(), kMarginAtCuts);
-  if (name == "tetrahedron") return one(tetrahedron(45), 176, aslant(), 4);
-  if (name == "dodecahedron") return one(dodecahedron(48), 136, aslant(), 4);
-  if (name == "hyperboloid") return one(hyperboloid(26, 0.7, 44), 144, aslant(), 4);
-  if (name == "quartic") return one(quartic(50), 152, aslant(), 4);
+  if (name == "gyroid") return one(gyroid(12), 144, tilted(), kMarginAtCuts);
+  if (name == "tetrahedron") return one(tetrahedron(45), 176, tilted(), 4);
+  if (name == "dodecahedron") return one(dodecahedron(48), 136, tilted(), 4);
+  if (name == "hyperboloid") return one(hyperboloid(26, 0.7, 44), 144, tilted(), 4);
+  if (name == "quartic") return one(quartic(50), 152, tilted(), 4);
   std::vector<TruthShape> shapes;
   if (name == "rotated_cube") {
     for (const Pose& pose : attitudes()) {

@@ -11,7 +11,7 @@
 
 namespace sulcus::lab {
 
-/// A surface voxel and the truth about it, in index space: the outward unit normal at the foot
+/// A surface voxel and the truth about it, in index space: the outward unit normal at the closest
 /// point of its centre on the surface.
 struct TruthVoxel {
   Cell cell;
@@ -45,21 +45,21 @@ inline constexpr std::string_view kShapeNames[] = {
 /// - sphere: radius 102.4 about (127.5, 127.5, 127.5) in 256^3 [Kim and Park 2019, VI-C]
 /// - cube: upright, of 224, so that its surface has about as many voxels as the paper's. The
 ///   voxels of its edges are equally near to two faces: the truth is the first in the order of axes
-/// - rotated_cube: three of 110, each aslant in its own way
-/// - torus: radii 48 and 12, aslant
+/// - rotated_cube: three of 110, each tilted in its own way
+/// - torus: radii 48 and 12, tilted
 /// - molar: the built-in one at 0.07 mm
 /// - plate: 1, 1.5, 2 and 3 thick at tilts up to 45 degrees, each thickness a zone; the side that
 ///   faces the tool, which comes from +z. Of one voxel both sides are one, so either sign is right
 /// - molar_cut: the same tooth with a groove along the central sulcus and a drilled pit; zones
 ///   tooth, cut, near, edge
-/// - cone: a frustum, radii 48 and 19, aslant: a face that is curved one way, ending in rims
-/// - drilled_ellipsoid: semi-axes 60, 42, 32, with a hole of radius 9 through it, aslant
+/// - cone: a frustum, radii 48 and 19, tilted: a face that is curved one way, ending in rims
+/// - drilled_ellipsoid: semi-axes 60, 42, 32, with a hole of radius 9 through it, tilted
 /// - gyroid: saddles everywhere, smallest radius of curvature 12
-/// - tetrahedron: edges of 70.5 degrees, 127 long, aslant
-/// - dodecahedron: edges of 116.6 degrees, 43 long, aslant
-/// - hyperboloid: of one sheet, waist 26, rims of 40 where planes cut it, aslant: saddles, and
+/// - tetrahedron: edges of 70.5 degrees, 127 long, tilted
+/// - dodecahedron: edges of 116.6 degrees, 43 long, tilted
+/// - hyperboloid: of one sheet, waist 26, rims of 40 where planes cut it, tilted: saddles, and
 /// edges
-/// - quartic: x^4 + y^4 + z^4 <= 50^4, aslant: flat, and bent ever more from there on
+/// - quartic: x^4 + y^4 + z^4 <= 50^4, tilted: flat, and bent ever more from there on
 /// - planes: 200 of random attitudes, the same every time
 /// Voxels near the grid's faces, where a shape goes on beyond them, are left out. InputError for
 /// another name. Runs on oneTBB; the result does not depend on the number of threads.

@@ -102,19 +102,6 @@ bool is_held_outside(ContactMethod method) {
   return method == ContactMethod::kCoupling || method == ContactMethod::kSinglePoint;
 }
 
-ForceTrace case_trace(std::string_view name, ContactMethod method, std::string_view label,
-                      std::span<const Felt> ticks, const Vector3d& along) {
-  ForceTrace trace;
-  trace.case_name = name;
-  trace.label = label;
-  trace.method = method;
-  for (const Felt& felt : ticks) {
-    trace.force_N.push_back(static_cast<float>(along.dot(felt.force_N)));
-    trace.depth_mm.push_back(static_cast<float>(-felt.tool.position.z() / kMillimetre));
-  }
-  return trace;
-}
-
 double largest_fall_N(std::span<const Felt> ticks) {
   double highest = 0.0, fall = 0.0;
   for (const Felt& felt : ticks) {

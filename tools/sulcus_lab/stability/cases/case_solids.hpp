@@ -44,6 +44,11 @@ VoxelModel solid_where(const Eigen::Vector3i& cells, const Solid& solid) {
   return model;
 }
 
+struct NamedSolid {
+  std::string name;
+  VoxelModel model;
+};
+
 /// So many voxels thick, its upper face at z = 0.
 VoxelModel wall_solid(int voxels);
 /// What is not beyond the plane through the origin with a unit normal.
@@ -81,11 +86,6 @@ std::vector<Felt> run_path(ContactMethod method, const Scene& scene, const Voxel
 
 /// Whether the tool is held by a device's spring, so that it stays outside.
 bool is_held_outside(ContactMethod method);
-
-/// Force along a direction, and how deep the tool's tip is below z = 0.
-ForceTrace case_trace(std::string_view name, ContactMethod method, std::string_view label,
-                      std::span<const Felt> ticks,
-                      const Eigen::Vector3d& along = Eigen::Vector3d::UnitZ());
 
 /// The furthest that a force along +z falls below what it has been before.
 double largest_fall_N(std::span<const Felt> ticks);

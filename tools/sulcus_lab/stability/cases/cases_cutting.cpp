@@ -143,27 +143,20 @@ field = 'auto'
 // Case 15. The burr cuts the bridge on its way under the island, whose contact is all that it then
 // can have. Time counts from the tick in which the island hangs on nothing. Of the bridge's stump
 // and what the burr has taken of the island itself the piece is a few voxels more or less.
-CaseResult loose_piece(const CaseOptions& options) {
+void loose_piece(CaseTrial& trial) {
   constexpr double kWithin_ms = 100.0, kLeastFall_mm = 0.1, kLeastVoxels = 900.0;
-  CaseResult result;
-  for (const ContactMethod method : options.methods) {
-    if (method == ContactMethod::kSinglePoint) continue;  // it cuts nothing
-    Loosened run = cut_loose(method);
-    const auto add = [&](const char* quantity, double value, std::optional<double> limit = {},
-                         bool at_least = false) {
-      result.rows.push_back(case_row("loose_piece", method, quantity, "", value, limit, at_least));
-      result.rows.back().burr_mm = kSmallBurr_mm;
-    };
-    add("contact_for_ms",
-        run.loosened < 0 ? HUGE_VAL : std::max(0, run.last_contact - run.loosened + 1), kWithin_ms);
-    add("left_after_ms", run.left < 0 ? HUGE_VAL : run.left - run.loosened, kWithin_ms);
-    add("voxels_left_behind", static_cast<double>(run.remaining), 0.0);
-    add("voxels", static_cast<double>(run.voxels), kLeastVoxels, true);
-    add("fallen_mm", run.fallen_m / kMillimetre, kLeastFall_mm, true);
-    result.traces.push_back(
-        {"loose_piece", "a bridge cut under an island", method, 1e-3, std::move(run.force_N), {}});
-  }
-  return result;
+  Loosened run = cut_loose(trial.method);
+  const auto add = [&](const char* quantity, double value, const RowLimit& limit = {}) {
+    trial.add(quantity, "", value, limit).burr_mm = kSmallBurr_mm;
+  };
+  add("contact_for_ms",
+      run.loosened < 0 ? HUGE_VAL : std::max(0, run.last_contact - run.loosened + 1),
+      at_most(kWithin_ms));
+  add("left_after_ms", run.left < 0 ? HUGE_VAL : run.left - run.loosened, at_most(kWithin_ms));
+  add("voxels_left_behind", static_cast<double>(run.remaining), at_most(0.0));
+  add("voxels", static_cast<double>(run.voxels), at_least(kLeastVoxels));
+  add("fallen_mm", run.fallen_m / kMillimetre, at_least(kLeastFall_mm));
+  trial.trace("a bridge cut under an island", std::move(run.force_N));
 }
 
 // --- Overload -----------------------------------------------------------------------------------
@@ -254,37 +247,25 @@ field = 'auto'
 // is a matter of the machine: its processor time is reported, not judged. Stale: ticks on end in
 // which the device moves and a tool in contact does not. A device that has gone 0.3 mm back off the
 // face is let go of.
-CaseResult overload(const CaseOptions& options) {
+void overload(CaseTrial& trial) {
   constexpr double kMostStale_ms = 2.0, kLetGo_N = 0.02;
-  const std::vector<int> counts = options.brief ? std::vector<int>{1000, 12000}
-                                                : std::vector<int>{1000, 5000, 9000, 12000, 20000};
-  CaseResult result;
-  for (const ContactMethod method : options.methods) {
-    if (method == ContactMethod::kSinglePoint) continue;  // it has one contact
-    for (const int count : counts) {
-      Overloaded run = press_flat(method, count);
-      const auto add = [&](const char* quantity, double value, std::optional<double> limit = {}) {
-        result.rows.push_back(
-            case_row("overload", method, quantity, std::to_string(count), value, limit));
-        result.rows.back().burr_mm = diameter_mm_for(count);
-      };
-      add("contacts", run.contacts);
-      add("evaluations", static_cast<double>(run.evaluations));
-      add("tick_us", run.tick_us);
-      add("part_of_contacts_per_tick", run.cap_used, 1.0);
-      add("stale_ms", run.stale, kMostStale_ms);
-      add("still_felt_N", run.still_felt_N, kLetGo_N);
-      if (count == counts.back()) {
-        result.traces.push_back({"overload",
-                                 with_number("%.0f contacts", run.contacts),
-                                 method,
-                                 1e-3,
-                                 std::move(run.force_N),
-                                 {}});
-      }
+  const std::vector<int> counts =
+      trial.settings<int>({1000, 12000}, {1000, 5000, 9000, 12000, 20000});
+  for (const int count : counts) {
+    Overloaded run = press_flat(trial.method, count);
+    const auto add = [&](const char* quantity, double value, const RowLimit& limit = {}) {
+      trial.add(quantity, std::to_string(count), value, limit).burr_mm = diameter_mm_for(count);
+    };
+    add("contacts", run.contacts);
+    add("evaluations", static_cast<double>(run.evaluations));
+    add("tick_us", run.tick_us);
+    add("part_of_contacts_per_tick", run.cap_used, at_most(1.0));
+    add("stale_ms", run.stale, at_most(kMostStale_ms));
+    add("still_felt_N", run.still_felt_N, at_most(kLetGo_N));
+    if (count == counts.back()) {
+      trial.trace(with_number("%.0f contacts", run.contacts), std::move(run.force_N));
     }
   }
-  return result;
 }
 
 // --- Side cutting -------------------------------------------------------------------------------
@@ -412,57 +393,45 @@ field = 'auto'
 }  // namespace
 
 // Case 20. Held by a device that presses with 1 N and else holds still, at 7,000 rpm.
-CaseResult cutting_energy(const CaseOptions& options) {
+void cutting_energy(CaseTrial& trial) {
   constexpr double kBalance = 1e-6, kIntegrated = 0.01, kSpread = 0.1;
-  const double duration_s = options.brief ? 1.0 : 10.0;
-  const double dentine_s = options.brief ? 0.5 : 4.0;
+  const double duration_s = trial.brief ? 1.0 : 10.0;
+  const double dentine_s = trial.brief ? 0.5 : 4.0;
   std::vector<SideCut> cuts;
   for (const double voxel_mm : {0.05, 0.0348, 0.025}) {
-    if (!options.brief || voxel_mm > 0.03) cuts.push_back({.voxel_mm = voxel_mm});
+    if (!trial.brief || voxel_mm > 0.03) cuts.push_back({.voxel_mm = voxel_mm});
   }
   for (const double rate_hz : {500.0, 2000.0}) {
-    if (!options.brief || rate_hz < 1000.0) cuts.push_back({.voxel_mm = 0.05, .rate_hz = rate_hz});
+    if (!trial.brief || rate_hz < 1000.0) cuts.push_back({.voxel_mm = 0.05, .rate_hz = rate_hz});
   }
   cuts.push_back({.voxel_mm = 0.05, .tissue = "dentine"});
   for (SideCut& cut : cuts) cut.duration_s = cut.tissue == "dentine" ? dentine_s : duration_s;
 
-  CaseResult result;
-  for (const ContactMethod method : options.methods) {
-    if (method == ContactMethod::kSinglePoint) continue;  // it cuts nothing
-    double least = HUGE_VAL, most = 0.0, enamel = 0.0;
-    const auto add = [&](const char* quantity, const std::string& setting, double value,
-                         std::optional<double> limit = {}, bool at_least = false) {
-      result.rows.push_back(
-          case_row("cutting_energy", method, quantity, setting, value, limit, at_least));
-      result.rows.back().push_N = kLoad_N;
-    };
-    for (const SideCut& cut : cuts) {
-      CutResult run = cut_side(method, cut, dentine_s);
-      const std::string setting =
-          cut.tissue + with_number(", %g mm", cut.voxel_mm) + with_number(", %g Hz", cut.rate_hz);
-      add("balance_error", setting, run.balance, kBalance);
-      add("power_error", setting, run.integrated, kIntegrated);
-      add("removed_mm3", setting, run.removed_mm3);
-      add("load_N", setting, run.load_N);
-      if (cut.tissue == "dentine") {
-        add("dentine_by_enamel", "", enamel > 0.0 ? run.removed_mm3 / enamel : 0.0, 1.0, true);
-        continue;
-      }
-      least = std::min(least, run.removed_mm3);
-      most = std::max(most, run.removed_mm3);
-      if (cut.voxel_mm == 0.05 && cut.rate_hz == 1000.0) {
-        enamel = run.removed_at_mm3;
-        result.traces.push_back({"cutting_energy",
-                                 "enamel, voxels of 0.05 mm",
-                                 method,
-                                 1.0 / cut.rate_hz,
-                                 std::move(run.force_N),
-                                 {}});
-      }
+  double least = HUGE_VAL, most = 0.0, enamel = 0.0;
+  const auto add = [&](const char* quantity, const std::string& setting, double value,
+                       const RowLimit& limit = {}) {
+    trial.add(quantity, setting, value, limit).push_N = kLoad_N;
+  };
+  for (const SideCut& cut : cuts) {
+    CutResult run = cut_side(trial.method, cut, dentine_s);
+    const std::string setting =
+        cut.tissue + with_number(", %g mm", cut.voxel_mm) + with_number(", %g Hz", cut.rate_hz);
+    add("balance_error", setting, run.balance, at_most(kBalance));
+    add("power_error", setting, run.integrated, at_most(kIntegrated));
+    add("removed_mm3", setting, run.removed_mm3);
+    add("load_N", setting, run.load_N);
+    if (cut.tissue == "dentine") {
+      add("dentine_by_enamel", "", enamel > 0.0 ? run.removed_mm3 / enamel : 0.0, at_least(1.0));
+      continue;
     }
-    add("volume_spread", "", least > 0.0 ? most / least - 1.0 : HUGE_VAL, kSpread);
+    least = std::min(least, run.removed_mm3);
+    most = std::max(most, run.removed_mm3);
+    if (cut.voxel_mm == 0.05 && cut.rate_hz == 1000.0) {
+      enamel = run.removed_at_mm3;
+      trial.trace("enamel, voxels of 0.05 mm", std::move(run.force_N));
+    }
   }
-  return result;
+  add("volume_spread", "", least > 0.0 ? most / least - 1.0 : HUGE_VAL, at_most(kSpread));
 }
 
 }  // namespace sulcus::lab

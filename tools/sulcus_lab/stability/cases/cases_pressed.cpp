@@ -13,8 +13,8 @@
 #include "haptics/device/device_port.hpp"
 #include "tools/sulcus_lab/stability/cases/cases.hpp"
 #include "tools/sulcus_lab/stability/held_face.hpp"
-#include "tools/sulcus_lab/stability/series.hpp"
 #include "tools/sulcus_lab/stability/wall_loop.hpp"
+#include "tools/sulcus_lab/statistics.hpp"
 
 namespace sulcus::lab {
 
@@ -202,58 +202,49 @@ double own_limit(DeviceSettings device, std::span<const double> pushes_N) {
 // Case 5. At 0.5 to 1.5 of the largest felt stiffness that is stable in that very loop, friction
 // and quanta included. A tool that went through has no peaks to be measured: infinite. The time to
 // the detector's first word counts from the force's first turn.
-CaseResult buzz_case(const CaseOptions& options) {
+void buzz_case(CaseTrial& trial) {
   constexpr double kMostQuanta = 1.5, kWithin_ms = 50.0;
-  CaseResult result;
   std::vector<Held> loops;
   for (const std::string_view hand : kHandPresetNames) {
     for (const int delay : {0, 1}) loops.push_back({"omni", hand, delay});
   }
-  for (const ContactMethod method : options.methods) {
-    const FeltFace face(method);
-    for (const Held& held : loops) {
-      // All for ours only; the rest is measured against it where the hand is lightest.
-      const bool is_first = held.hand == "light" && held.delay_ticks == 0;
-      if (!is_first && method != ContactMethod::kCoupling) continue;
-      if (options.brief && !is_first) continue;
-      const DeviceSettings device = device_of(held, kPush_N);
-      const double largest = largest_stable(method, face, device);
-      const auto add = [&](const char* quantity, const std::string& setting, double value,
-                           std::optional<double> limit = {}) {
-        result.rows.push_back(
-            in_loop(case_row("buzz", method, quantity, setting, value, limit), held, kPush_N));
-      };
-      const auto pressed_at = [&](double part) {
-        const double k = part * (largest > 0.0 ? largest : linear_limit(device));
-        Pressed run = press(method, face.scene(device, kPush_N, k));
-        if (held.hand == "light" && held.delay_ticks == 0 && (part == 0.79 || part == 1.1)) {
-          result.traces.push_back({.case_name = "buzz",
-                                   .label = with_number("%.2f of the largest stable", part),
-                                   .method = method,
-                                   .dt_s = kHeldTick_s,
-                                   .force_N = {run.force_N.begin(), run.force_N.end()},
-                                   .depth_mm = {}});
-        }
-        const double quantum_N = k * device.resolution_m;
-        return std::pair{std::move(run), quantum_N};
-      };
-      add("largest_stable_N_per_m", "", largest);
-      for (const double part : {0.5, 0.6, 0.7, 0.79}) {
-        const auto [run, quantum_N] = pressed_at(part);
-        add("peak_to_peak_quanta", with_number("at %.2f", part),
-            run.popped() ? HUGE_VAL : peak_to_peak(last(run.force_N, kJudged)) / quantum_N,
-            kMostQuanta);
+  const FeltFace face(trial.method);
+  for (const Held& held : loops) {
+    // All for ours only; the rest is measured against it where the hand is lightest.
+    const bool is_first = held.hand == "light" && held.delay_ticks == 0;
+    if (!is_first && trial.method != ContactMethod::kCoupling) continue;
+    if (trial.brief && !is_first) continue;
+    const DeviceSettings device = device_of(held, kPush_N);
+    const double largest = largest_stable(trial.method, face, device);
+    const auto add = [&](const char* quantity, const std::string& setting, double value,
+                         const RowLimit& limit = {}) {
+      in_loop(trial.add(quantity, setting, value, limit), held, kPush_N);
+    };
+    const auto pressed_at = [&](double part) {
+      const double k = part * (largest > 0.0 ? largest : linear_limit(device));
+      Pressed run = press(trial.method, face.scene(device, kPush_N, k));
+      if (held.hand == "light" && held.delay_ticks == 0 && (part == 0.79 || part == 1.1)) {
+        trial.trace(with_number("%.2f of the largest stable", part),
+                    {run.force_N.begin(), run.force_N.end()});
       }
-      for (const double part : {1.1, 1.5}) {
-        const Pressed run = pressed_at(part).first;
-        const double after_ms =
-            run.first_buzz < 0 ? HUGE_VAL : (run.first_buzz - run.first_fall) * kHeldTick_s / 1e-3;
-        add("detected_after_ms", with_number("at %.1f", part), after_ms,
-            part == 1.1 ? std::optional(kWithin_ms) : std::nullopt);
-      }
+      const double quantum_N = k * device.resolution_m;
+      return std::pair{std::move(run), quantum_N};
+    };
+    add("largest_stable_N_per_m", "", largest);
+    for (const double part : {0.5, 0.6, 0.7, 0.79}) {
+      const auto [run, quantum_N] = pressed_at(part);
+      add("peak_to_peak_quanta", with_number("at %.2f", part),
+          run.popped() ? HUGE_VAL : peak_to_peak(last(run.force_N, kJudged)) / quantum_N,
+          at_most(kMostQuanta));
+    }
+    for (const double part : {1.1, 1.5}) {
+      const Pressed run = pressed_at(part).first;
+      const double after_ms =
+          run.first_buzz < 0 ? HUGE_VAL : (run.first_buzz - run.first_fall) * kHeldTick_s / 1e-3;
+      add("detected_after_ms", with_number("at %.1f", part), after_ms,
+          part == 1.1 ? at_most(kWithin_ms) : RowLimit());
     }
   }
-  return result;
 }
 
 // Case 13. The proxy is quasi-static and has no mass of its own, so that the range of masses, which
@@ -261,21 +252,15 @@ CaseResult buzz_case(const CaseOptions& options) {
 // last 0.3 s by that over the 0.3 s before, or by one resolution where that was less. Felt
 // stiffness: from the force and the depth as read, between pushes of 1 and 2 N, against the
 // coupling and the contact in series, whose curve is measured with the tool where it is put.
-CaseResult coupling_mismatch(const CaseOptions& options) {
+void coupling_mismatch(CaseTrial& trial) {
   constexpr double kMostGrowth = 1.0, kMostError = 0.05;
   constexpr std::size_t kHalf = 300;
-  CaseResult result;
-  if (std::ranges::find(options.methods, ContactMethod::kCoupling) == options.methods.end()) {
-    return result;
-  }
-  constexpr ContactMethod kMethod = ContactMethod::kCoupling;
   const ContactCurve curve(ContactMethod::kSmooth);
-  const double tissue = stiffness_of(kMethod);
-  const std::vector<double> masses_g =
-      options.brief ? std::vector<double>{1} : std::vector<double>{1, 3, 10, 45, 100};
+  const double tissue = stiffness_of(trial.method);
+  const std::vector<double> masses_g = trial.settings<double>({1}, {1, 3, 10, 45, 100});
   for (const double mass_g : masses_g) {
     for (const int delay : {0, 1}) {
-      if (options.brief && delay > 0) continue;
+      if (trial.brief && delay > 0) continue;
       constexpr double kPushes_N[] = {1.0, 2.0};
       const Held held{"omni", "light", delay};
       DeviceSettings device = device_of(held);
@@ -287,9 +272,9 @@ CaseResult coupling_mismatch(const CaseOptions& options) {
         double force_N[2], read_m[2];
         for (const std::size_t load : {0u, 1u}) {
           device.hand.push_N = kPushes_N[load];
-          Scene scene = face_scene(kMethod, device);
+          Scene scene = face_scene(trial.method, device);
           scene.coupling->stiffness_N_per_m = k;
-          const Pressed run = press(kMethod, scene);
+          const Pressed run = press(trial.method, scene);
           if (run.popped()) {
             growth = error = HUGE_VAL;
             break;
@@ -305,18 +290,15 @@ CaseResult coupling_mismatch(const CaseOptions& options) {
         const double contact = curve.stiffness(force_N[0], force_N[1], tissue);
         error = std::max(error, std::abs(felt * (1.0 / k + 1.0 / contact) - 1.0));
       }
-      const auto add = [&](const char* quantity, double value, std::optional<double> most = {}) {
-        StabilityRow row =
-            in_loop(case_row("coupling_mismatch", kMethod, quantity, "", value, most), held, 2.0);
-        row.device += with_number(", %g g", mass_g);
-        result.rows.push_back(std::move(row));
+      const auto add = [&](const char* quantity, double value, const RowLimit& most = {}) {
+        in_loop(trial.add(quantity, "", value, most), held, 2.0).device +=
+            with_number(", %g g", mass_g);
       };
       add("own_limit_N_per_m", limit);
-      add("growth", growth, kMostGrowth);
-      add("series_error", error, kMostError);
+      add("growth", growth, at_most(kMostGrowth));
+      add("series_error", error, at_most(kMostError));
     }
   }
-  return result;
 }
 
 }  // namespace sulcus::lab

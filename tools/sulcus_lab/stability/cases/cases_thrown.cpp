@@ -78,44 +78,35 @@ class ThrownHandle final : public Device {
 
 // Case 12. The handle alone, so that its energy before and after a tap is known exactly. The
 // controller is a part of the simulation's port, which a single point does not have.
-CaseResult sample_and_hold(const CaseOptions& options) {
+void sample_and_hold(CaseTrial& trial) {
   constexpr double kMostGain = 0.02, kSpeed_m_per_s = 0.05;
-  const std::size_t taps = options.brief ? 30 : 100;
-  CaseResult result;
-  for (const ContactMethod method : options.methods) {
-    for (const std::string_view device_name : {"touch", "omni"}) {
-      for (const int delay : {0, 1}) {
-        for (const bool controlled : {false, true}) {
-          if (controlled && method == ContactMethod::kSinglePoint) continue;
-          const Held held{device_name, "", delay};
-          DeviceSettings device = device_preset(device_name);
-          device.delay_ticks = delay;
-          device.passivity_controller = controlled;
-          Rig rig(method, face_scene(method, device));
-          ThrownHandle handle(device, kSpeed_m_per_s);
-          ForceTrace trace{.case_name = "sample_and_hold",
-                           .label = controlled ? "with the controller" : "without it",
-                           .method = method,
-                           .dt_s = kHeldTick_s,
-                           .force_N = {},
-                           .depth_mm = {}};
-          for (int tick = 0; handle.gains().size() < taps && tick < 400 * 1000; ++tick) {
-            const Felt felt = rig.step(handle);
-            if (tick < 600) trace.force_N.push_back(static_cast<float>(felt.force_N.z()));
-          }
-          const double most =
-              handle.gains().size() < taps ? HUGE_VAL : std::ranges::max(handle.gains());
-          result.rows.push_back(
-              in_loop(case_row("sample_and_hold", method, "gain",
-                               controlled ? "controller on" : "controller off", most,
-                               controlled ? std::optional(kMostGain) : std::nullopt),
-                      held));
-          if (device_name == "omni" && delay == 0) result.traces.push_back(std::move(trace));
+  const std::size_t taps = trial.brief ? 30 : 100;
+  for (const std::string_view device_name : {"touch", "omni"}) {
+    for (const int delay : {0, 1}) {
+      for (const bool controlled : {false, true}) {
+        if (controlled && trial.method == ContactMethod::kSinglePoint) continue;
+        const Held held{device_name, "", delay};
+        DeviceSettings device = device_preset(device_name);
+        device.delay_ticks = delay;
+        device.passivity_controller = controlled;
+        Rig rig(trial.method, face_scene(trial.method, device));
+        ThrownHandle handle(device, kSpeed_m_per_s);
+        std::vector<float> force_N;
+        for (int tick = 0; handle.gains().size() < taps && tick < 400 * 1000; ++tick) {
+          const Felt felt = rig.step(handle);
+          if (tick < 600) force_N.push_back(static_cast<float>(felt.force_N.z()));
+        }
+        const double most =
+            handle.gains().size() < taps ? HUGE_VAL : std::ranges::max(handle.gains());
+        in_loop(trial.add("gain", controlled ? "controller on" : "controller off", most,
+                          controlled ? at_most(kMostGain) : RowLimit()),
+                held);
+        if (device_name == "omni" && delay == 0) {
+          trial.trace(controlled ? "with the controller" : "without it", std::move(force_N));
         }
       }
     }
   }
-  return result;
 }
 
 // --- Jumps and late ticks -----------------------------------------------------------------------
@@ -231,39 +222,34 @@ Thrown throw_tool(ContactMethod method) {
 
 // Case 17. The jumps by a path, so that it is the proxy that settles and no hand. The late ticks in
 // a closed loop that taps; one of no length is a microsecond long.
-CaseResult proxy_thrown(const CaseOptions& options) {
+void proxy_thrown(CaseTrial& trial) {
   constexpr double kWithin_ms = 50.0;
   const double limit_N = device_of({}).force_limit_N;
-  CaseResult result;
-  for (const ContactMethod method : options.methods) {
-    const auto add = [&](const Held& held, const char* quantity, const std::string& by,
-                         double value, std::optional<double> limit) {
-      result.rows.push_back(
-          in_loop(case_row("proxy_thrown", method, quantity, by, value, limit), held));
-    };
-    const auto add_run = [&](const Held& held, const std::string& by, const auto& run) {
-      add(held, "not_finite", by, run.finite ? 0.0 : 1.0, 0.0);
-      add(held, "deepest_mm", by, run.deepest_m / kMillimetre, kCaseRadius_m / kMillimetre);
-      // To the rounding of its square root.
-      add(held, "force_N", by, run.largest_N, limit_N * (1.0 + 1e-12));
-    };
-    constexpr Held kByAPath{"", "", 0};
-    Thrown thrown = throw_tool(method);
-    add_run(kByAPath, "jumps of 50 mm", thrown);
-    add(kByAPath, "settled_ms", "jumps of 50 mm", thrown.settled * kHeldTick_s / 1e-3, kWithin_ms);
-    result.traces.push_back({"proxy_thrown", "50 mm in, back, out and back", method, kHeldTick_s,
-                             std::move(thrown.force_N), std::move(thrown.depth_mm)});
-    const std::uint64_t ticks = options.brief ? 1000 : 3000;
-    for (const double length_ms : {0.001, 10.0, 100.0}) {
-      std::vector<LateTick> late;
-      for (std::uint64_t tick = 37; tick < ticks; tick += 73) {
-        late.push_back({tick, 1e-3 * length_ms - kHeldTick_s});
-      }
-      add_run(kTapping, with_number("ticks of %g ms", length_ms),
-              tap(method, std::move(late), ticks));
+  const auto add = [&](const Held& held, const char* quantity, const std::string& by, double value,
+                       double limit) {
+    in_loop(trial.add(quantity, by, value, at_most(limit)), held);
+  };
+  const auto add_run = [&](const Held& held, const std::string& by, const auto& run) {
+    add(held, "not_finite", by, run.finite ? 0.0 : 1.0, 0.0);
+    add(held, "deepest_mm", by, run.deepest_m / kMillimetre, kCaseRadius_m / kMillimetre);
+    // To the rounding of its square root.
+    add(held, "force_N", by, run.largest_N, limit_N * (1.0 + 1e-12));
+  };
+  constexpr Held kByAPath{"", "", 0};
+  Thrown thrown = throw_tool(trial.method);
+  add_run(kByAPath, "jumps of 50 mm", thrown);
+  add(kByAPath, "settled_ms", "jumps of 50 mm", thrown.settled * kHeldTick_s / 1e-3, kWithin_ms);
+  trial.trace("50 mm in, back, out and back", std::move(thrown.force_N),
+              std::move(thrown.depth_mm));
+  const std::uint64_t ticks = trial.brief ? 1000 : 3000;
+  for (const double length_ms : {0.001, 10.0, 100.0}) {
+    std::vector<LateTick> late;
+    for (std::uint64_t tick = 37; tick < ticks; tick += 73) {
+      late.push_back({tick, 1e-3 * length_ms - kHeldTick_s});
     }
+    add_run(kTapping, with_number("ticks of %g ms", length_ms),
+            tap(trial.method, std::move(late), ticks));
   }
-  return result;
 }
 
 // Case 19. Every tick a little late, some by up to 16 ms, while a hand taps at 20 mm/s. Velocity:
@@ -271,9 +257,8 @@ CaseResult proxy_thrown(const CaseOptions& options) {
 // in the same taps on time or than a voxel a tick, the limit of [McNeely et al. 1999]; one quantum
 // of the encoders is already 55 mm/s. Beside it that of a tool that touches before and after, where
 // velocity makes forces. Force step: as felt, held to the cap of the device's edge behind it.
-CaseResult late_tick(const CaseOptions& options) {
+void late_tick(CaseTrial& trial) {
   constexpr double kMostStep_N = 0.5, kVoxelATick_mm_per_s = 34.8;
-  CaseResult result;
   constexpr std::uint64_t kTicks = 4000;
   std::vector<LateTick> late;
   std::uint32_t random = 1;  // as the C standard's example
@@ -284,29 +269,25 @@ CaseResult late_tick(const CaseOptions& options) {
     late.push_back(
         {tick, tick % 37 == 0 ? 1e-3 * static_cast<double>(1 << tick / 37 % 5) : noise_s});
   }
-  for (const ContactMethod method : options.methods) {
-    const Tapped on_time = tap(method, {}, kTicks);
-    Tapped run = tap(method, late, kTicks);
-    const auto add = [&](const char* quantity, double value, std::optional<double> limit = {}) {
-      result.rows.push_back(
-          in_loop(case_row("late_tick", method, quantity, "", value, limit), kTapping));
-    };
-    add("not_finite", run.finite ? 0.0 : 1.0, 0.0);
-    add("force_step_N", run.largest_step_N, kMostStep_N);
-    add("force_step_on_time_N", on_time.largest_step_N);
-    add("sent_step_N", run.largest_sent_step_N, kMostStep_N * (1.0 + 1e-12));
-    add("step_limited_ticks", static_cast<double>(run.step_limited_ticks));
-    add("handle_mm_per_s", run.fastest_handle_m_per_s / kMillimetre);
-    add("handle_on_time_mm_per_s", on_time.fastest_handle_m_per_s / kMillimetre);
-    add("tool_mm_per_s", run.fastest_tool_m_per_s / kMillimetre,
-        std::max(kVoxelATick_mm_per_s, on_time.fastest_tool_m_per_s / kMillimetre) * (1.0 + 1e-9));
-    add("tool_on_time_mm_per_s", on_time.fastest_tool_m_per_s / kMillimetre);
-    add("touching_mm_per_s", run.fastest_touching_m_per_s / kMillimetre);
-    add("touching_on_time_mm_per_s", on_time.fastest_touching_m_per_s / kMillimetre);
-    result.traces.push_back({"late_tick", "gaps up to 16 ms", method, kHeldTick_s,
-                             std::move(run.force_N), std::move(run.depth_mm)});
-  }
-  return result;
+  const Tapped on_time = tap(trial.method, {}, kTicks);
+  Tapped run = tap(trial.method, late, kTicks);
+  const auto add = [&](const char* quantity, double value, const RowLimit& limit = {}) {
+    in_loop(trial.add(quantity, "", value, limit), kTapping);
+  };
+  add("not_finite", run.finite ? 0.0 : 1.0, at_most(0.0));
+  add("force_step_N", run.largest_step_N, at_most(kMostStep_N));
+  add("force_step_on_time_N", on_time.largest_step_N);
+  add("sent_step_N", run.largest_sent_step_N, at_most(kMostStep_N * (1.0 + 1e-12)));
+  add("step_limited_ticks", static_cast<double>(run.step_limited_ticks));
+  add("handle_mm_per_s", run.fastest_handle_m_per_s / kMillimetre);
+  add("handle_on_time_mm_per_s", on_time.fastest_handle_m_per_s / kMillimetre);
+  add("tool_mm_per_s", run.fastest_tool_m_per_s / kMillimetre,
+      at_most(std::max(kVoxelATick_mm_per_s, on_time.fastest_tool_m_per_s / kMillimetre) *
+              (1.0 + 1e-9)));
+  add("tool_on_time_mm_per_s", on_time.fastest_tool_m_per_s / kMillimetre);
+  add("touching_mm_per_s", run.fastest_touching_m_per_s / kMillimetre);
+  add("touching_on_time_mm_per_s", on_time.fastest_touching_m_per_s / kMillimetre);
+  trial.trace("gaps up to 16 ms", std::move(run.force_N), std::move(run.depth_mm));
 }
 
 }  // namespace sulcus::lab

@@ -1,7 +1,8 @@
-#include "tools/sulcus_lab/stability/series.hpp"
+#include "tools/sulcus_lab/statistics.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace sulcus::lab {
@@ -49,6 +50,28 @@ double peak_to_peak(std::span<const double> values) {
   if (values.empty()) return 0.0;
   const auto [least, most] = std::ranges::minmax(values);
   return most - least;
+}
+
+double mean(const std::vector<float>& values) {
+  if (values.empty()) return 0.0;
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+double quantile(std::vector<float> values, double part) {
+  if (values.empty()) return 0.0;
+  const auto at = values.begin() + std::lround(part * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+double log_slope(const std::vector<std::pair<double, double>>& points) {
+  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
+  for (const auto& [a, b] : points) {
+    if (!std::isfinite(b) || b <= 0.0) continue;
+    const double u = std::log(a), v = std::log(b);
+    n += 1, x += u, y += v, xx += u * u, xy += u * v;
+  }
+  return n < 2 ? std::numeric_limits<double>::quiet_NaN() : (n * xy - x * y) / (n * xx - x * x);
 }
 
 }  // namespace sulcus::lab

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace sulcus::lab {
+
+// The commands of sulcus-lab, each as its --help tells. Their callbacks throw InputError (status 2)
+// or another std::exception (status 1).
+
+/// How fluently a run at real pace is drawn, and what drawing it costs its ticks.
+void add_frames_command(CLI::App& program);
+/// Errors and times of the normal methods on shapes whose normals are known.
+void add_normals_command(CLI::App& program);
+/// What a tick costs against how true its force is, on the molar.
+void add_pareto_command(CLI::App& program);
+/// What a recording survives, and how fast it is gone through.
+void add_recordings_command(CLI::App& program);
+/// Where haptic methods fail, and where ours is held to a limit.
+void add_stability_command(CLI::App& program);
+/// Table 1 and figs. 5 and 6 of Kim and Park (2019) from one run.
+void add_table1_command(CLI::App& program);
+/// Time of a whole tick against the voxels in contact.
+void add_ticks_command(CLI::App& program);
+
+}  // namespace sulcus::lab
