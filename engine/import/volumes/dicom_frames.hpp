@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "engine/core/input_limits.hpp"
 #include "engine/import/volumes/dicom_pixels.hpp"
