@@ -72,7 +72,7 @@ void NarrowPhase::begin_with_deepest() noexcept {
     std::nth_element(orders.begin(), last, orders.end());
     orders.resize(scratch_.capacity);
   }
-  deepest_ = orders.back();
+  deepest_ = *std::max_element(orders.begin(), orders.end());
   begin();
 }
 
