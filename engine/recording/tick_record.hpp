@@ -26,7 +26,7 @@ struct TickRecord {
   std::uint32_t removed = 0;  // voxels cut of the workpiece; those of loose pieces are not counted
   float step_us = 0.0f;       // compute time of the tick; no part of the result
   float late_us = 0.0f;       // how late it woke; no part of the result
-  std::uint64_t faults = 0;     // bits of Fault
+  std::uint64_t faults = 0;   // bits of Fault
   std::uint64_t edits_end = 0;  // rows of /edits up to and with this tick
   std::uint64_t check = 0;      // XXH3-64 of the bytes before it
 };

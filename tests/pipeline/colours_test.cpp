@@ -106,7 +106,7 @@ TEST_F(Colours, ContactsAreThoseThatTheRunHad) {
     for (std::size_t place = 0; place < block.size(); ++place) {
       if (std::isnan(block[place])) continue;
       ++counted;
-      EXPECT_TRUE(end.solid(end.grid.leaf_origin(leaf) + VoxelValues::cell_in_leaf(place)));
+      EXPECT_TRUE(end.solid(end.grid.leaf_origin(leaf) + cell_in_leaf(static_cast<int>(place))));
       EXPECT_GE(block[place], 1.0f);
       EXPECT_LE(block[place], static_cast<float>(touched));
     }

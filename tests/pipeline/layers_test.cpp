@@ -133,8 +133,8 @@ TEST(Layers, AFolderOfAppSeesThoseBelowIt) {
                                                                         {"app/inspect/", 5},
                                                                         {"app/window/", 5},
                                                                         {"app/commands/", 6}}};
-    for (const auto& [folder, height] : kHeights) {
-      if (is_in(file, folder)) return height;
+    for (const auto& [below, level] : kHeights) {
+      if (is_in(file, below)) return level;
     }
     return file.starts_with("app/main.") ? 7 : 0;  // the build's name
   };
