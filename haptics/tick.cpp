@@ -35,7 +35,7 @@ bool is_finite(const SimulationState& state, const TickScratch& scratch,
 
 /// A contact that is not finite counts as none, and ends the run.
 void refuse_not_finite(const SimulationState& state, TickScratch& scratch, TickResult& result) {
-  const auto timed = scratch.clock().time(Stage::kRemoval);
+  const auto timed = scratch.clock().time(Stage::kContactForce);
   if (is_finite(state, scratch, result.contact)) return;
   result.faults |= kFaultNotFinite;
   result.contact.wrench = result.contact.tangential = {};
