@@ -160,7 +160,7 @@ TEST_F(UdpDevice, TheClientInPythonClosesTheLoop) {
   if (std::system("python3 -c 'import socket' 2>/dev/null") != 0) GTEST_SKIP() << "no python3";
   test::CommandResult client;
   std::thread beside([&] {
-    client = test::program_command("python3 " SULCUS_SOURCE_DIR "/plugins/udp/client.py",
+    client = test::program_command("python3 " SULCUS_SOURCE_DIR "/tools/plugins/udp/client.py",
                                    std::to_string(port_), scratch_.path("client"));
   });
   const std::string settings =

@@ -17,7 +17,7 @@ namespace sulcus::lab {
 
 namespace {
 
-constexpr std::array<ContactMethod, 6> kMethods{
+constexpr std::array<ContactMethod, 6> kDrawnMethods{
     ContactMethod::kCoupling, ContactMethod::kSmooth,  ContactMethod::kCount,
     ContactMethod::kNone,     ContactMethod::kMcNeely, ContactMethod::kSinglePoint};
 constexpr std::array<const char*, 4> kDiameters_mm{"1.0", "0.4", "2.0", "4.0"};
@@ -71,9 +71,9 @@ FrontierPoint frontier_of(ContactMethod method, const std::string& diameter_mm) 
 
 std::vector<FrontierPoint> measure_frontier(bool brief) {
   const std::size_t burrs = brief ? 1 : kDiameters_mm.size();
-  std::vector<FrontierPoint> points(kMethods.size() * burrs);
+  std::vector<FrontierPoint> points(kDrawnMethods.size() * burrs);
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
-    points[i] = frontier_of(kMethods[i / burrs], kDiameters_mm[i % burrs]);
+    points[i] = frontier_of(kDrawnMethods[i / burrs], kDiameters_mm[i % burrs]);
   });
   return points;
 }
@@ -101,7 +101,7 @@ std::vector<SpeedErrorPoint> measure_speed_error() {
   const double tilt = 20.0 * kDegree;
   const Eigen::Vector3d out(std::sin(tilt), 0.0, std::cos(tilt));
   const Eigen::Vector3d along(std::cos(tilt), 0.0, -std::sin(tilt));
-  for (const ContactMethod method : kMethods) {
+  for (const ContactMethod method : kDrawnMethods) {
     for (const int neighbourhood : {2, 4, 6}) {
       // One that does not fit a map has no neighbourhood.
       if (method == ContactMethod::kSinglePoint && neighbourhood != 6) continue;

@@ -16,10 +16,10 @@ namespace sulcus::lab {
 
 namespace {
 
-constexpr std::size_t kMethods = kContactMethodNames.size();
+constexpr std::size_t kMethodCount = kContactMethodNames.size();
 
 /// What each method is, in the order of their names.
-constexpr std::array<std::string_view, kMethods> kMethodTexts{
+constexpr std::array<std::string_view, kMethodCount> kMethodTexts{
     "ours, and the default: contact forces weighted smoothly with depth, behind a virtual "
     "coupling. The tool hangs on the device by a spring, and comes to rest where that spring and "
     "the contact balance; the hand feels the spring.",
@@ -145,7 +145,7 @@ std::string css_class(std::string_view name) { return "class=\"" + std::string(n
 /// All rows of a case, those of each method apart.
 struct CaseRows {
   std::string name;
-  std::array<Rows, kMethods> of_methods;
+  std::array<Rows, kMethodCount> of_methods;
   bool empty() const {
     return std::all_of(of_methods.begin(), of_methods.end(),
                        [](const Rows& rows) { return rows.empty(); });
@@ -194,8 +194,8 @@ std::string matrix_cell(const Rows& rows) {
 
 std::string matrix(const std::vector<CaseRows>& cases) {
   std::string head = "<th scope=\"col\">case</th>";
-  std::array<std::array<int, 4>, kMethods> counts{};
-  for (std::size_t m = 0; m < kMethods; ++m) {
+  std::array<std::array<int, 4>, kMethodCount> counts{};
+  for (std::size_t m = 0; m < kMethodCount; ++m) {
     head += tag("th", for_html(method_title(m)), "scope=\"col\"");
   }
   std::string body;
@@ -205,9 +205,10 @@ std::string matrix(const std::vector<CaseRows>& cases) {
         tag("a", number_and_title(c + 1, cases[c]), "href=\"#" + for_html(cases[c].name) + "\""),
         "scope=\"row\"");
     if (cases[c].empty()) {
-      line += tag("td", "not run", "class=\"none\" colspan=\"" + std::to_string(kMethods) + "\"");
+      line +=
+          tag("td", "not run", "class=\"none\" colspan=\"" + std::to_string(kMethodCount) + "\"");
     } else {
-      for (std::size_t m = 0; m < kMethods; ++m) {
+      for (std::size_t m = 0; m < kMethodCount; ++m) {
         line += matrix_cell(cases[c].of_methods[m]);
         ++counts[m][static_cast<std::size_t>(verdict_of(cases[c].of_methods[m]))];
       }
@@ -277,7 +278,7 @@ std::string quantity_line(const std::string& method, const Rows& rows) {
 
 std::string case_table(const CaseRows& c) {
   std::string lines;
-  for (std::size_t m = 0; m < kMethods; ++m) {
+  for (std::size_t m = 0; m < kMethodCount; ++m) {
     std::vector<std::pair<std::string, Rows>> quantities;
     for (const StabilityRow* row : c.of_methods[m]) {
       auto at = std::find_if(quantities.begin(), quantities.end(),
@@ -328,7 +329,7 @@ std::string chart_section(const char* title, const std::string& file, std::strin
 
 std::string what_was_tried() {
   std::string methods;
-  for (std::size_t m = 0; m < kMethods; ++m) {
+  for (std::size_t m = 0; m < kMethodCount; ++m) {
     methods += tag("dt", for_html(method_title(m))) + tag("dd", for_html(kMethodTexts[m])) + "\n";
   }
   return tag("h2", "What was tried") + "\n" +
