@@ -54,7 +54,7 @@ constexpr CoarseTable make_coarse_table() {
   }
   return table;
 }
-constexpr CoarseTable kCoarse = make_coarse_table();
+inline constexpr CoarseTable kCoarse = make_coarse_table();
 
 inline void coarse_sums_of(const ColumnBits::Windows& rows, std::array<std::int32_t, 3>& sums) {
   const __m512i shift = _mm512_set1_epi32(static_cast<int>(rows.shift));
@@ -123,7 +123,7 @@ constexpr CoarseTable make_coarse_table() {
   }
   return table;
 }
-constexpr CoarseTable kCoarse = make_coarse_table();
+inline constexpr CoarseTable kCoarse = make_coarse_table();
 
 inline void coarse_sums_of(const ColumnBits::Windows& rows, std::array<std::int32_t, 3>& sums) {
   const __m128i down = _mm_cvtsi32_si128(static_cast<int>(rows.shift));
@@ -160,8 +160,8 @@ inline void coarse_sums_of(const ColumnBits::Windows& rows, std::array<std::int3
 
 #endif
 
-void coarse_sums(const ColumnBits::Windows* rows, std::size_t count,
-                 std::array<std::int32_t, 3>* sums) noexcept {
+inline void coarse_sums(const ColumnBits::Windows* rows, std::size_t count,
+                        std::array<std::int32_t, 3>* sums) noexcept {
   for (std::size_t k = 0; k < count; ++k) coarse_sums_of(rows[k], sums[k]);
 }
 

@@ -33,7 +33,7 @@ constexpr DiscMasks make_disc_masks() {
   }
   return masks;
 }
-constexpr DiscMasks kDiscMasks = make_disc_masks();
+inline constexpr DiscMasks kDiscMasks = make_disc_masks();
 
 inline RowMask in_half(int half, int row, [[maybe_unused]] int lane) {
 #ifdef __AVX512F__
@@ -108,7 +108,7 @@ inline void half_sums(const HeightMap& map, std::array<PlaneSums, kHalves>& sums
     for (int lane = 0; lane < 16; lane += kRowStep) {
       for_disc(map, lane,
                [&](const RowMask& found, const RowLanes& x, float y, const RowLanes& z2, int row) {
-                 s.add(and_(found, in_half(d, row, lane)), x, y, z2);
+                 s.add(bits_and(found, in_half(d, row, lane)), x, y, z2);
                });
     }
     sums[static_cast<std::size_t>(d)] = s.total();
@@ -127,7 +127,7 @@ inline void sums_on_plane(const HeightMap& map, int half, const HeightPlane& pla
     for_disc(map, lane,
              [&](const RowMask& found, const RowLanes& x, float y, const RowLanes& z2, int row) {
                const RowMask on = at_most(abs(residual_across(plane, x, y, z2)), plane.slack);
-               s.add(and_(and_(found, on), in_half(half, row, lane)), x, y, z2);
+               s.add(bits_and(bits_and(found, on), in_half(half, row, lane)), x, y, z2);
              });
   }
   sums = s.total();
@@ -142,7 +142,7 @@ inline void residuals_on_plane(const HeightMap& map, int half, const HeightPlane
     for_disc(map, lane,
              [&](const RowMask& found, const RowLanes& x, float y, const RowLanes& z2, int row) {
                const RowMask on = at_most(abs(residual_across(first, x, y, z2)), first.slack);
-               const RowLanes r = where(and_(and_(found, on), in_half(half, row, lane)),
+               const RowLanes r = where(bits_and(bits_and(found, on), in_half(half, row, lane)),
                                         residual_across(plane, x, y, z2));
                largest = larger(largest, abs(r));
                squares += r * r;

@@ -13,8 +13,8 @@ inline __m256i sixteen(const signed char* height) {
   return _mm256_cvtepi8_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(height)));
 }
 
-void fit_rows(const signed char* middle, std::ptrdiff_t pitch, const QuadricFilter& filter,
-              QuadricSums& out) noexcept {
+inline void fit_rows(const signed char* middle, std::ptrdiff_t pitch, const QuadricFilter& filter,
+                     QuadricSums& out) noexcept {
   // The filters of 1, i, i^2 and j^2 are even in j, those of j and i j odd: rows +j and -j are
   // taken together.
   const int rings = filter.rings, lanes = filter.lanes;

@@ -9,11 +9,11 @@ namespace sulcus {
 
 namespace {
 
-constexpr int kTileSpan = HeightTile::kHighest - HeightTile::kLowest + 1;
+inline constexpr int kTileSpan = HeightTile::kHighest - HeightTile::kLowest + 1;
 /// Surfaces that are known in a column: at the ends of the window the next voxel is not. And those
 /// whose heights a tile keeps.
-constexpr int kKnown = 0x7ffffffe;
-constexpr int kKeeps =
+inline constexpr int kKnown = 0x7ffffffe;
+inline constexpr int kKeeps =
     static_cast<int>(((1u << kTileSpan) - 1u) << (HeightTile::kBelow + HeightTile::kLowest));
 
 /// Heights of a row of a tile; kNone of its columns that do not count.
@@ -201,7 +201,7 @@ inline void read_heights(const ColumnBits::Windows& windows, HeightTile& tile, T
   for (int v = 0; v < kEdge; ++v) tile.sound[v] = static_cast<std::uint8_t>(~unsound[v] >> kMargin);
 }
 
-void read_tile(const ColumnBits::Windows& columns, HeightTile& tile) noexcept {
+inline void read_tile(const ColumnBits::Windows& columns, HeightTile& tile) noexcept {
   TileWords words;
   tile.sign > 0 ? read_heights<1>(columns, tile, words) : read_heights<-1>(columns, tile, words);
   std::uint64_t sound;
@@ -217,7 +217,8 @@ void read_tile(const ColumnBits::Windows& columns, HeightTile& tile) noexcept {
   tile_sums(words, tile);
 }
 
-bool cut_map(const HeightTile& tile, int u, int v, int w, int trace, HeightMap& map) noexcept {
+inline bool cut_map(const HeightTile& tile, int u, int v, int w, int trace,
+                    HeightMap& map) noexcept {
   const int ns = tile.ns;
   const int centre = tile.height[ns + v][HeightTile::kMargin + u] - w;
   if ((tile.sound[v] >> u & 1) == 0 || centre < -kMaxStep || centre > kMaxStep) return false;

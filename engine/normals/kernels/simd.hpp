@@ -21,7 +21,7 @@ namespace {
 inline constexpr int kRowStep = 16;
 using RowLanes = float __attribute__((vector_size(4 * kRowStep)));
 using RowMask = __mmask16;
-constexpr RowLanes kLaneIndex = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+inline constexpr RowLanes kLaneIndex = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 
 inline __m128i bytes_of(const signed char* row) {
   return _mm_loadu_si128(reinterpret_cast<const __m128i*>(row));
@@ -43,7 +43,7 @@ inline RowMask at_most(const RowLanes& v, float limit) {
 inline RowMask above(const RowLanes& v, float limit) {
   return _mm512_cmp_ps_mask(v, RowLanes{} + limit, _CMP_GT_OQ);
 }
-inline RowMask and_(RowMask a, RowMask b) { return _kand_mask16(a, b); }
+inline RowMask bits_and(RowMask a, RowMask b) { return _kand_mask16(a, b); }
 inline int count_of(RowMask mask) { return __builtin_popcount(mask); }
 inline Lanes lower_half(const RowLanes& v) { return _mm512_castps512_ps256(v); }
 inline Lanes upper_half(const RowLanes& v) { return _mm512_extractf32x8_ps(v, 1); }
@@ -65,7 +65,7 @@ inline float largest_of(const RowLanes& v) {
 inline constexpr int kRowStep = 8;
 using RowLanes = Lanes;
 using RowMask = IntLanes;
-constexpr RowLanes kLaneIndex = {0, 1, 2, 3, 4, 5, 6, 7};
+inline constexpr RowLanes kLaneIndex = {0, 1, 2, 3, 4, 5, 6, 7};
 
 /// Heights of a row as they lie.
 inline RowLanes heights(const signed char* row) {
@@ -82,7 +82,7 @@ inline RowLanes heights_above(const signed char* row, int level) {
 }
 inline RowMask at_most(const RowLanes& v, float limit) { return v <= limit; }
 inline RowMask above(const RowLanes& v, float limit) { return v > limit; }
-inline RowMask and_(const RowMask& a, const RowMask& b) { return a & b; }
+inline RowMask bits_and(const RowMask& a, const RowMask& b) { return a & b; }
 inline int count_of(const RowMask& mask) { return __builtin_popcount(bits_of(mask)); }
 inline void add_row(Lanes& sum, const RowLanes& v) { sum += v; }
 inline Lanes halves_of(const RowLanes& v) { return v; }
@@ -174,8 +174,8 @@ using Sixteen = __m512i;
 inline Sixteen load_sixteen(const void* p) { return _mm512_loadu_si512(p); }
 inline void store_sixteen(Sixteen v, void* p) { _mm512_storeu_si512(p, v); }
 inline Sixteen sixteen_of(int v) { return _mm512_set1_epi32(v); }
-inline Sixteen and_(Sixteen a, Sixteen b) { return _mm512_and_si512(a, b); }
-inline Sixteen or_(Sixteen a, Sixteen b) { return _mm512_or_si512(a, b); }
+inline Sixteen bits_and(Sixteen a, Sixteen b) { return _mm512_and_si512(a, b); }
+inline Sixteen bits_or(Sixteen a, Sixteen b) { return _mm512_or_si512(a, b); }
 inline Sixteen plus(Sixteen a, int b) { return _mm512_add_epi32(a, sixteen_of(b)); }
 inline bool has_any(Sixteen v) { return _mm512_test_epi32_mask(v, v) != 0; }
 /// The exponent of a power of two, which is its bit; some other number of what is none.
@@ -216,10 +216,10 @@ inline void store_sixteen(const Sixteen& v, void* p) {
   _mm256_storeu_si256(static_cast<__m256i*>(p) + 1, v.high);
 }
 inline Sixteen sixteen_of(int v) { return {_mm256_set1_epi32(v), _mm256_set1_epi32(v)}; }
-inline Sixteen and_(const Sixteen& a, const Sixteen& b) {
+inline Sixteen bits_and(const Sixteen& a, const Sixteen& b) {
   return {_mm256_and_si256(a.low, b.low), _mm256_and_si256(a.high, b.high)};
 }
-inline Sixteen or_(const Sixteen& a, const Sixteen& b) {
+inline Sixteen bits_or(const Sixteen& a, const Sixteen& b) {
   return {_mm256_or_si256(a.low, b.low), _mm256_or_si256(a.high, b.high)};
 }
 inline Sixteen plus(const Sixteen& a, int b) {

@@ -189,7 +189,7 @@ constexpr WindowWeightTable make_window_weights() {
   }
   return table;
 }
-constexpr WindowWeightTable kWindowWeights = make_window_weights();
+inline constexpr WindowWeightTable kWindowWeights = make_window_weights();
 
 /// A surface turned inward, in units of columns, as stored heights are compared with it: the
 /// coefficients, and those of x, y and y^3 beyond second order.

@@ -88,7 +88,7 @@ inline void gather(const HeightMap& map, const TiltedFrame& frame, TiltedPoints&
       const RowLanes r2 = xx + yy + z * z;
       // kNone is far out of every ball.
       RowMask in = at_most(r2, limit);
-      if constexpr (kHasSide) in = and_(in, at_most(behind, y * side.y));
+      if constexpr (kHasSide) in = bits_and(in, at_most(behind, y * side.y));
       writer.append(in, 1.0f - r2 * fall, x_u + y_u + z_unit * u2, x_w + y_w + z_unit * w2,
                     x_n + y_n + z_unit * n2);
     }

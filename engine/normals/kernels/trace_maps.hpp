@@ -9,8 +9,8 @@ namespace sulcus {
 
 namespace {
 
-constexpr int kRowLanes = 16;  // one row of a narrow map
-constexpr int kNowhere = 100;  // added to a height: beyond every window from then on
+inline constexpr int kRowLanes = 16;  // one row of a narrow map
+inline constexpr int kNowhere = 100;  // added to a height: beyond every window from then on
 
 /// Step from a height to the nearest of five surface bits around it, plus kMaxStep; by pattern.
 /// Four to a word, as vpermd looks words up.
@@ -30,7 +30,7 @@ constexpr StepTable make_steps(int outward) {
   }
   return table;
 }
-constexpr StepTable kUpward = make_steps(1), kDownward = make_steps(-1);
+inline constexpr StepTable kUpward = make_steps(1), kDownward = make_steps(-1);
 
 #ifdef __AVX512F__
 struct Steps {
@@ -45,7 +45,7 @@ struct Steps {
 /// Lowest of the five bits that a column is looked for at, in the column next to it.
 inline Sixteen follow(Sixteen surface, Sixteen at, const Steps& steps) {
   // Counts beyond 31, and negative ones, shift everything out: what is nowhere stays there.
-  const __m512i five = and_(_mm512_srlv_epi32(surface, at), sixteen_of(31));
+  const __m512i five = bits_and(_mm512_srlv_epi32(surface, at), sixteen_of(31));
   return _mm512_add_epi32(at, _mm512_permutex2var_epi32(steps.low, five, steps.high));
 }
 #else
@@ -170,8 +170,8 @@ inline bool read_columns(const ColumnBits::Windows& windows, int ns, int trace,
       surface = even_lanes(sixteen(0), sixteen(16));
     }
     store_sixteen(surface, columns.bits[r]);
-    const Sixteen s = and_(surface, reach);
-    several = or_(several, and_(s, plus(s, -1)));
+    const Sixteen s = bits_and(surface, reach);
+    several = bits_or(several, bits_and(s, plus(s, -1)));
   }
   return !has_any(several);
 }
@@ -184,7 +184,7 @@ inline bool trace_single(const NarrowColumns& columns, int trace, HeightMap& map
   const Sixteen reach =
       sixteen_of(static_cast<int>(((2u << (2 * trace)) - 1u) << (kLevel - trace)));
   const auto height = [&](int j) {
-    return plus(exponents(and_(columns.row(ns + j), reach)), -127 - kLevel);
+    return plus(exponents(bits_and(columns.row(ns + j), reach)), -127 - kLevel);
   };
   const Sixteen middle = height(0);
   __m256i before = as_bytes(middle, middle);
@@ -224,7 +224,8 @@ inline bool trace_single(const NarrowColumns& columns, int trace, HeightMap& map
   return true;
 }
 
-constexpr int kFirst = kLevel - kMaxStep;  // of the bits that a voxel's own column is looked for at
+inline constexpr int kFirst =
+    kLevel - kMaxStep;  // of the bits that a voxel's own column is looked for at
 
 inline const StepTable& steps_to(int sign) { return sign > 0 ? kUpward : kDownward; }
 
@@ -369,8 +370,8 @@ void trace_wide(const ColumnBits::Windows& windows, int trace, HeightMap& map) n
   map.even_rings = first_uneven < map.whole_rings ? first_uneven : map.whole_rings;
 }
 
-void trace_maps(const ColumnBits::Windows* columns, std::size_t count, int trace,
-                HeightMap* maps) noexcept {
+inline void trace_maps(const ColumnBits::Windows* columns, std::size_t count, int trace,
+                       HeightMap* maps) noexcept {
   if (lanes_of(maps[0].ns) == kRowLanes) {
     return maps[0].stride == 1 ? trace_narrow<1>(columns, count, trace, maps)
                                : trace_narrow<2>(columns, count, trace, maps);

@@ -40,6 +40,7 @@ void add_runs(Workpiece& workpiece, const TickPath& path, int wanted, int bodies
 template <class SizeOf>
 std::vector<SweepRow> rows_of(const std::vector<TickRun>& runs, const SizeOf& size_of) {
   std::vector<SweepRow> rows;
+  rows.reserve(runs.size());
   for (const TickRun& run : runs) {
     rows.push_back({size_of(run.task), run.setting, run.task.wanted, run.summary});
   }
