@@ -9,7 +9,7 @@
 #include "engine/core/pose.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/volume/workpiece.hpp"
-#include "haptics/normal_cache.hpp"
+#include "haptics/contact/normal_cache.hpp"
 #include "haptics/removal.hpp"
 
 namespace sulcus {

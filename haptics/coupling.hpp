@@ -8,7 +8,7 @@
 #include "engine/core/pose.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/tool/burr.hpp"
-#include "haptics/contact.hpp"
+#include "haptics/contact/contact.hpp"
 
 namespace sulcus {
 

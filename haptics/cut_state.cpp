@@ -5,7 +5,7 @@
 
 #include "engine/core/hash.hpp"
 #include "engine/volume/grid.hpp"
-#include "haptics/open_addressing.hpp"
+#include "haptics/contact/open_addressing.hpp"
 
 namespace sulcus {
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "haptics/broad_phase.hpp"
-#include "haptics/narrow_phase.hpp"
+#include "haptics/contact/broad_phase.hpp"
+#include "haptics/contact/narrow_phase.hpp"
 
 namespace sulcus {
 

@@ -3,7 +3,7 @@
 #include "engine/core/pose.hpp"
 #include "engine/tool/burr.hpp"
 #include "engine/volume/workpiece.hpp"
-#include "haptics/contact.hpp"
+#include "haptics/contact/contact.hpp"
 
 namespace sulcus {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "haptics/contact.hpp"
+#include "haptics/contact/contact.hpp"
 
 namespace sulcus {
 

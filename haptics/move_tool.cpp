@@ -3,12 +3,12 @@
 #include <algorithm>
 
 #include "engine/core/fault.hpp"
-#include "haptics/broad_phase.hpp"
+#include "haptics/contact/broad_phase.hpp"
+#include "haptics/contact/evaluate_contact.hpp"
+#include "haptics/contact/normals.hpp"
 #include "haptics/coupling.hpp"
-#include "haptics/evaluate_contact.hpp"
 #include "haptics/free_distance.hpp"
 #include "haptics/load_balance.hpp"
-#include "haptics/normals.hpp"
 #include "haptics/tool_motion.hpp"
 #include "haptics/way_through.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "engine/volume/edit.hpp"
 #include "engine/volume/workpiece.hpp"
-#include "haptics/contact.hpp"
+#include "haptics/contact/contact.hpp"
 #include "haptics/cut_state.hpp"
 
 namespace sulcus {

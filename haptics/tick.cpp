@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "engine/core/fault.hpp"
+#include "haptics/contact/normals.hpp"
 #include "haptics/device/device_port.hpp"
 #include "haptics/move_tool.hpp"
-#include "haptics/normals.hpp"
 #include "haptics/spindle.hpp"
 
 namespace sulcus {

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "engine/core/pose.hpp"
-#include "haptics/contact.hpp"
+#include "haptics/contact/contact.hpp"
 
 namespace sulcus {
 

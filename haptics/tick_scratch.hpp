@@ -6,7 +6,7 @@
 
 #include "engine/scene/scene.hpp"
 #include "engine/volume/edit.hpp"
-#include "haptics/contact.hpp"
+#include "haptics/contact/contact.hpp"
 
 namespace sulcus {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/core/pose.hpp"
-#include "haptics/contact.hpp"
+#include "haptics/contact/contact.hpp"
 
 namespace sulcus {
 

@@ -7,7 +7,7 @@
 
 #include "engine/core/pose.hpp"
 #include "engine/scene/trajectory.hpp"
-#include "haptics/contact.hpp"
+#include "haptics/contact/contact.hpp"
 
 namespace sulcus {
 

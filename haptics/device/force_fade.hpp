@@ -1,6 +1,6 @@
 #pragma once
 
-#include "haptics/contact.hpp"
+#include "haptics/contact/contact.hpp"
 #include "haptics/device/output_limiter.hpp"
 
 namespace sulcus {

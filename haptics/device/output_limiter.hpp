@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "haptics/contact.hpp"
+#include "haptics/contact/contact.hpp"
 
 namespace sulcus {
 

@@ -8,7 +8,7 @@
 
 #include "engine/scene/scene.hpp"
 #include "engine/scene/trajectory.hpp"
-#include "haptics/contact.hpp"
+#include "haptics/contact/contact.hpp"
 #include "haptics/device/device.hpp"
 
 namespace sulcus {

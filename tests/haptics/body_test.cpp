@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "haptics/evaluate_contact.hpp"
+#include "haptics/contact/evaluate_contact.hpp"
 #include "haptics/tick.hpp"
 #include "tests/haptics/tick_run.hpp"
 #include "tests/support/allocation_count.hpp"

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "haptics/evaluate_contact.hpp"
+#include "haptics/contact/evaluate_contact.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/tools.hpp"
 

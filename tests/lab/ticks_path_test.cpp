@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/core/error.hpp"
-#include "haptics/evaluate_contact.hpp"
+#include "haptics/contact/evaluate_contact.hpp"
 #include "tests/lab/plate_block.hpp"
 #include "tools/sulcus_lab/ticks/ticks_cutting.hpp"
 

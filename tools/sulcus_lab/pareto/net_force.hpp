@@ -11,7 +11,7 @@
 #include "engine/core/pose.hpp"
 #include "engine/tool/burr.hpp"
 #include "engine/volume/workpiece.hpp"
-#include "haptics/contact.hpp"
+#include "haptics/contact/contact.hpp"
 #include "tools/sulcus_lab/truth/composed_shape.hpp"
 
 namespace sulcus::lab {

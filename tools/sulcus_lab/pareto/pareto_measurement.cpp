@@ -13,11 +13,11 @@
 #include "engine/core/realtime.hpp"
 #include "engine/core/units.hpp"
 #include "engine/scene/trajectory.hpp"
-#include "haptics/broad_phase.hpp"
-#include "haptics/contact_force.hpp"
-#include "haptics/evaluate_contact.hpp"
-#include "haptics/narrow_phase.hpp"
-#include "haptics/normals.hpp"
+#include "haptics/contact/broad_phase.hpp"
+#include "haptics/contact/contact_force.hpp"
+#include "haptics/contact/evaluate_contact.hpp"
+#include "haptics/contact/narrow_phase.hpp"
+#include "haptics/contact/normals.hpp"
 
 namespace sulcus::lab {
 

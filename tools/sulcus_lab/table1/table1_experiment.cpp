@@ -19,7 +19,7 @@
 #include "engine/normals/neighbour_pattern.hpp"
 #include "engine/scene/trajectory.hpp"
 #include "engine/shapes/molar.hpp"
-#include "haptics/evaluate_contact.hpp"
+#include "haptics/contact/evaluate_contact.hpp"
 #include "haptics/tool_motion.hpp"
 #include "tools/sulcus_lab/truth/composed_shape.hpp"
 #include "tools/sulcus_lab/truth/known_contact.hpp"

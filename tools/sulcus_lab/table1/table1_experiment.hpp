@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/scene/scene.hpp"
-#include "haptics/contact.hpp"
+#include "haptics/contact/contact.hpp"
 
 namespace sulcus::lab {
 

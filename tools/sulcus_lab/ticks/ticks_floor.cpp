@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/core/realtime.hpp"
-#include "haptics/evaluate_contact.hpp"
+#include "haptics/contact/evaluate_contact.hpp"
 #include "tools/sulcus_lab/ticks/ticks_run.hpp"
 
 namespace sulcus::lab {

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "engine/core/realtime.hpp"
-#include "haptics/evaluate_contact.hpp"
+#include "haptics/contact/evaluate_contact.hpp"
 #include "tools/sulcus_lab/statistics.hpp"
 
 namespace sulcus::lab {

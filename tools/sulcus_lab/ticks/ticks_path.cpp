@@ -10,7 +10,7 @@
 #include "engine/core/error.hpp"
 #include "engine/scene/trajectory.hpp"
 #include "engine/tool/burr_mesh.hpp"
-#include "haptics/evaluate_contact.hpp"
+#include "haptics/contact/evaluate_contact.hpp"
 
 namespace sulcus::lab {
 

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "haptics/broad_phase.hpp"
-#include "haptics/contact_force.hpp"
-#include "haptics/evaluate_contact.hpp"
-#include "haptics/narrow_phase.hpp"
+#include "haptics/contact/broad_phase.hpp"
+#include "haptics/contact/contact_force.hpp"
+#include "haptics/contact/evaluate_contact.hpp"
+#include "haptics/contact/narrow_phase.hpp"
 
 namespace sulcus::lab {
 

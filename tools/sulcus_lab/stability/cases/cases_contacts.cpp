@@ -12,7 +12,7 @@
 #include <Eigen/Geometry>
 
 #include "engine/core/units.hpp"
-#include "haptics/evaluate_contact.hpp"
+#include "haptics/contact/evaluate_contact.hpp"
 #include "tools/sulcus_lab/stability/cases/case_solids.hpp"
 #include "tools/sulcus_lab/stability/cases/cases.hpp"
 #include "tools/sulcus_lab/statistics.hpp"
