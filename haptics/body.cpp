@@ -44,10 +44,9 @@ bool Body::is_in_world() const {
 }
 
 std::uint64_t Body::hash() const {
-  std::array<std::uint64_t, 4> parts{solid.hash()};
-  if (normal_cache) parts[1] = normal_cache->hash();
-  if (removal) parts[2] = removal->hash();
-  parts[3] = fields::hash_of([this](auto& archive) { fields::damage(archive, *this); });
+  std::array<std::uint64_t, 3> parts{solid.hash()};
+  if (removal) parts[1] = removal->hash();
+  parts[2] = fields::hash_of([this](auto& archive) { fields::damage(archive, *this); });
   return hash_bytes(parts.data(), sizeof(parts));
 }
 

@@ -6,7 +6,6 @@
 #include <optional>
 #include <type_traits>
 
-#include "engine/normals/normal_method.hpp"
 #include "haptics/state_fields.hpp"
 
 namespace sulcus {
@@ -16,7 +15,7 @@ namespace {
 // The lists of fields are in state_fields. Little-endian, as the processors that the program runs
 // on.
 
-constexpr std::uint32_t kLayout = 2;  // of the bytes; 1, without what has come since, is read too
+constexpr std::uint32_t kLayout = 3;  // of the bytes; 1 and 2 are read too
 
 class Writer {
  public:
@@ -66,6 +65,7 @@ class Reader {
     if (layout_ >= layout) (*this)(value);
   }
   void set_layout(std::uint32_t layout) { layout_ = layout; }
+  std::uint32_t layout() const { return layout_; }
   template <class T>
   T take() {
     T value;
@@ -88,13 +88,14 @@ void part_cut(Writer& write, const CutState& state) {
       [&](std::uint32_t voxel, double energy_J) { fields::all(write, voxel, energy_J); });
 }
 
-void part_cut(Reader& read, const VoxelGrid& grid, CutState& state) {
+void part_cut(Reader& read, const Workpiece& solid, CutState& state) {
   state.clear();
   const auto count = read.take<std::uint32_t>();
   for (std::uint32_t i = 0; i < count && read.good(); ++i) {
     const auto voxel = read.take<std::uint32_t>();
     const auto energy_J = read.take<double>();
-    if (voxel >> 30 != 0 || !grid.contains(cell_of_key(voxel)) || energy_J <= 0.0) {
+    if (voxel >> 30 != 0 || !solid.grid().contains(cell_of_key(voxel)) ||
+        !solid.solid(cell_of_key(voxel)) || energy_J <= 0.0) {
       return read.fail();
     }
     state.set_energy(voxel, energy_J);
@@ -102,12 +103,12 @@ void part_cut(Reader& read, const VoxelGrid& grid, CutState& state) {
 }
 
 template <class Archive, class Removal>
-void removal(Archive& archive, const VoxelGrid& grid, Removal& part) {
+void removal(Archive& archive, const Workpiece& solid, Removal& part) {
   if (!fields::presence(archive, part)) return;
   if constexpr (Archive::kReads) {
     RemovalState nowhere(CuttingSettings{.max_cut_voxels = 1});  // for what the scene does not name
     RemovalState& to = part ? *part : nowhere;
-    part_cut(archive, grid, to.part_cut);
+    part_cut(archive, solid, to.part_cut);
     fields::removal(archive, to);
   } else {
     part_cut(archive, part->part_cut);
@@ -115,57 +116,22 @@ void removal(Archive& archive, const VoxelGrid& grid, Removal& part) {
   }
 }
 
-/// The leaves in their order, by which the oldest is evicted, and which normals had been refined.
-/// The others are the same when they are found again.
-void normal_cache(Writer& write, const std::optional<NormalCache>& cache) {
-  if (!fields::presence(write, cache)) return;
-  write(static_cast<std::uint32_t>(cache->pages().size()));
-  for (const NormalCache::Page& page : cache->pages()) {
-    fields::all(write, page.first_key, page.touched);
-    fields::each(write, page.refined);
-  }
-}
-
-void normal_cache(Reader& read, const HapticsSettings& settings, const Workpiece& solid,
-                  std::optional<NormalCache>& cache) {
-  if (!fields::presence(read, cache)) return;
-  if (cache) cache->clear();
-  const auto count = read.take<std::uint32_t>();
-  std::vector<VoxelQuery> queries;
-  std::vector<SurfaceEstimate> estimates;
-  for (std::uint32_t i = 0; i < count && read.good(); ++i) {
-    const auto leaf = read.take<std::uint32_t>();
-    const auto touched = read.take<std::uint64_t>();
-    NormalCache::Mask refined{};
-    fields::each(read, refined);
-    if (!cache) continue;
-    if (leaf >> 30 != 0 || leaf != leaf_key(leaf) || !solid.grid().contains(cell_of_key(leaf))) {
-      return read.fail();
-    }
-    cache->add_leaf(leaf, touched);
-    queries.clear();
-    for (int place = 0; place < 512; ++place) {
-      if (!NormalCache::is(refined, place)) continue;
-      const Cell voxel = cell_of_key(leaf) + Cell(place & 7, place >> 3 & 7, place >> 6);
-      if (!solid.is_surface(voxel)) return read.fail();
-      queries.push_back(VoxelQuery{voxel});
-    }
-    estimates.resize(queries.size());
-    estimate_surfaces(solid, queries, settings, estimates);
-    for (std::size_t q = 0; q < queries.size(); ++q) {
-      cache->keep(voxel_key(queries[q].voxel), estimates[q], NormalTier::kRefined, touched);
-    }
+/// The cached normals that a state had before its third layout. They are found again.
+void skip_normal_cache(Reader& read) {
+  if (!read.take<bool>()) return;
+  const auto leaves = read.take<std::uint32_t>();
+  for (std::uint32_t i = 0; i < leaves && read.good(); ++i) {
+    read.take<std::uint32_t>();
+    for (int words = 0; words < 9; ++words) read.take<std::uint64_t>();
   }
 }
 
 /// What all bodies have.
-void body(Writer& write, const Body& body) {
-  removal(write, body.solid.grid(), body.removal);
-  normal_cache(write, body.normal_cache);
-}
-void body(Reader& read, const HapticsSettings& settings, Body& body) {
-  removal(read, body.solid.grid(), body.removal);
-  normal_cache(read, settings, body.solid, body.normal_cache);
+void body(Writer& write, const Body& body) { removal(write, body.solid, body.removal); }
+void body(Reader& read, Body& body) {
+  removal(read, body.solid, body.removal);
+  if (read.layout() < 3) skip_normal_cache(read);
+  if (body.normal_cache) body.normal_cache->clear();
 }
 
 }  // namespace
@@ -182,17 +148,16 @@ void save_state(const SimulationState& state, std::vector<std::byte>& bytes) {
   }
 }
 
-bool load_state(std::span<const std::byte> bytes, const HapticsSettings& settings,
-                SimulationState& state) {
+bool load_state(std::span<const std::byte> bytes, SimulationState& state) {
   Reader read(bytes);
   const auto layout = read.take<std::uint32_t>();
   if (layout < 1 || layout > kLayout) return false;
   read.set_layout(layout);
   fields::head(read, state);
-  body(read, settings, state.workpiece());
+  body(read, state.workpiece());
   if (read.take<std::uint32_t>() != state.others().size()) return false;
   for (Body& other : std::span(state.bodies).subspan(1)) {
-    body(read, settings, other);
+    body(read, other);
     fields::damage(read, other);
   }
   return read.whole();

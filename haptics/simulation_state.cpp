@@ -21,7 +21,6 @@ std::uint64_t SimulationState::hash() const {
   std::uint64_t hash = fields::hash_of([this](auto& archive) { fields::head(archive, *this); });
   const auto add = [&](std::uint64_t part) { hash = hash_bytes(&part, sizeof(part), hash); };
   if (workpiece().removal) add(workpiece().removal->hash());
-  if (workpiece().normal_cache) add(workpiece().normal_cache->hash());
   for (const Body& body : others()) add(body.hash());
   return hash;
 }

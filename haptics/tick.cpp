@@ -48,7 +48,7 @@ void keep_results(const TickContext& context, SimulationState& state, TickScratc
     Body& body = state.bodies[i];
     auto& [contact, result] = scratch.bodies[i];
     if (body.normal_cache) {
-      keep_normals(body.solid, context.scene.haptics, state.tick, contact, *body.normal_cache);
+      keep_normals(context.scene.haptics, state.tick, contact, *body.normal_cache);
     }
     if (result.contacts > 0) ++body.touched_ticks;
     const double force_N = result.wrench.force_N.norm();

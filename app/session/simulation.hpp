@@ -36,9 +36,7 @@ class Simulation {
     return state_.bodies[edit.body].solid.solid(cell(edit));
   }
   /// As sulcus::load_state.
-  bool load_state(std::span<const std::byte> bytes) {
-    return sulcus::load_state(bytes, scene_.haptics, state_);
-  }
+  bool load_state(std::span<const std::byte> bytes) { return sulcus::load_state(bytes, state_); }
 
   /// Whether the middle of the burr's head is outside of all bodies: within one it feels nothing.
   bool is_free(const Pose& tool) const noexcept;

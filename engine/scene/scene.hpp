@@ -118,7 +118,6 @@ struct HapticsSettings : NormalSettings {
   double rate_hz = 1000.0;
   std::optional<double> normal_error_deg;  // asked for; the settings of normals are what meets it
   bool keep_normals = true;                // from tick to tick, under ldm and ldm_fast
-  int refine_per_tick = 16;  // cached normals, from ldm_fast to ldm, under ldm; 0: ldm at once
   Scaling scaling = Scaling::kSmooth;
   int max_contacts = 65536;  // capacity; beyond it the deepest are kept
 };

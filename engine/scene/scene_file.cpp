@@ -150,7 +150,7 @@ HapticsSettings read_haptics(SceneTable& root) {
   read_normal_error(*table, h);
   h.scaling = Scaling(table->choice("scaling"));
   h.keep_normals = table->boolean("keep_normals");
-  h.refine_per_tick = table->whole("refine_per_tick");
+  table->whole("refine_per_tick");  // of earlier scenes and recordings; without effect
   h.max_contacts = table->whole("max_contacts");
   table->finish();
   return h;

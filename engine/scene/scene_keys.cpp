@@ -164,7 +164,7 @@ constexpr std::array kHaptics{
            "of the stiffness by the contacts: count [Kim and Park 2019], mcneely [McNeely 1999]"),
     boolean("keep_normals", "true", "from tick to tick, under ldm and ldm_fast"),
     whole("refine_per_tick", {0, 1 << 20}, "16",
-          "cached normals refined from ldm_fast to ldm; 0: ldm at once for all"),
+          "without effect: every normal is of the scene's method from the first contact on"),
     whole("max_contacts", {1, 1 << 20}, "65536", "capacity; beyond it the deepest are kept"),
 };
 

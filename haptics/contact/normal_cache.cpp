@@ -121,7 +121,7 @@ NormalCache::Page& NormalCache::set_page(std::uint32_t at, std::uint32_t leaf,
   Page& page = pages_[at];
   page.first_key = leaf;
   page.touched = tick;
-  page.kept = page.refined = page.wide_window = {};
+  page.kept = page.wide_window = {};
   page.window_axis = {};
   table_[slot_of(leaf)] = {leaf, at + 1};
   return page;
@@ -130,21 +130,14 @@ NormalCache::Page& NormalCache::set_page(std::uint32_t at, std::uint32_t leaf,
 void NormalCache::clear() noexcept {
   std::ranges::fill(table_, Slot{});
   used_ = 0;
-  hash_ = 0;
   old_.clear();
   next_old_ = 0;
   all_touched_.reset();
 }
 
-void NormalCache::add_leaf(std::uint32_t leaf, std::uint64_t touched) noexcept {
-  if (!page(leaf) && used_ < capacity_) set_page(used_, leaf, touched);
-}
-
 void NormalCache::evict(std::uint32_t at) noexcept {
-  Page& page = pages_[at];
-  for (int word = 0; word < 8; ++word) clear(page, word, ~std::uint64_t{0});
   close_gap(
-      slot_of(page.first_key), table_.size(),
+      slot_of(pages_[at].first_key), table_.size(),
       [&](std::size_t slot) { return table_[slot].page_plus_1 != 0; },
       [&](std::size_t slot) { return home(table_[slot].leaf); },
       [&](std::size_t to, std::size_t from) {
@@ -152,7 +145,7 @@ void NormalCache::evict(std::uint32_t at) noexcept {
       });
 }
 
-void NormalCache::keep(std::uint32_t key, const SurfaceEstimate& estimate, NormalTier tier,
+void NormalCache::keep(std::uint32_t key, const SurfaceEstimate& estimate,
                        std::uint64_t tick) noexcept {
   if (!estimate.defined) return;
   const std::uint32_t leaf = leaf_key(key);
@@ -166,10 +159,6 @@ void NormalCache::keep(std::uint32_t key, const SurfaceEstimate& estimate, Norma
     mask[word] = value ? mask[word] | bit : mask[word] & ~bit;
   };
   set(p->kept, true);
-  if (tier == NormalTier::kRefined) {
-    if (!is(p->refined, place)) hash_ ^= mix64(key);
-    set(p->refined, true);
-  }
   for (std::size_t axis = 0; axis < 3; ++axis)
     set(p->window_axis[axis], estimate.looked_along(axis));
   set(p->wide_window, estimate.looked_wide());
@@ -188,16 +177,6 @@ void NormalCache::mark_used(std::span<const Place> places, std::uint64_t tick) n
       moved->touched = tick;
     }
   }
-}
-
-void NormalCache::clear(Page& page, int word, std::uint64_t bits) noexcept {
-  const auto w = static_cast<std::size_t>(word);
-  page.kept[w] &= ~bits;
-  for (std::uint64_t gone = page.refined[w] & bits; gone != 0; gone &= gone - 1) {
-    const int bit = std::countr_zero(gone);
-    hash_ ^= mix64(page.first_key + voxel_key(bit & 7, bit >> 3, word));
-  }
-  page.refined[w] &= ~bits;
 }
 
 void NormalCache::drop_box(const Cell& lower, const Cell& upper) noexcept {
@@ -235,7 +214,7 @@ void NormalCache::drop_window(Page& page, int axis, const CellBox& box, Window w
   for (int k = first.z(); k <= last.z(); ++k) {
     const auto w = static_cast<std::size_t>(k);
     const std::uint64_t seen = in_slice & page.window_axis[static_cast<std::size_t>(axis)][w];
-    clear(page, k, window == Window::kWide ? seen & page.wide_window[w] : seen);
+    page.kept[w] &= ~(window == Window::kWide ? seen & page.wide_window[w] : seen);
   }
 }
 

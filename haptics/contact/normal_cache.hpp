@@ -21,15 +21,9 @@ inline bool uses_normal_cache(const HapticsSettings& settings) {
   return settings.keep_normals && use_tool(settings.normals);
 }
 
-/// By what a cached normal was found.
-enum class NormalTier {
-  kFirst,    // the method of the first contact: ldm_fast under ldm
-  kRefined,  // the scene's own method
-};
-
 /// Normals that stand from one tick to the next, leaf by leaf. They are found without the tool hint
-/// and depend on the solid alone, so that caching them changes no result. Under `ldm` a voxel's
-/// first normal is ldm_fast's, until it is refined; which voxels are refined is part of the state.
+/// and depend on the solid alone, so that caching them changes no result: it is no part of the
+/// simulation's state.
 ///
 /// The tick alone changes it, after the contact has been evaluated. Memory is taken when the scene
 /// loads, and used leaf by leaf. A leaf without a contact for 4,000 ticks is evicted for another
@@ -47,7 +41,7 @@ class NormalCache {
   /// The normals of a leaf; the masks that are read first have a cache line of their own. Nothing
   /// is set before a page is used, so that unused ones cost no memory.
   struct alignas(sizeof(Mask)) Page {
-    Mask kept, refined;
+    Mask kept;
     std::array<Mask, 3> window_axis;  // seen by maps along each axis
     Mask wide_window;                 // and with every other column, twice as far
     std::uint32_t first_key;          // voxel_key of the leaf's first voxel
@@ -71,21 +65,16 @@ class NormalCache {
   }
 
   /// Keeps an estimate that was made without the tool hint; one that is not defined is skipped.
-  void keep(std::uint32_t key, const SurfaceEstimate& estimate, NormalTier tier,
-            std::uint64_t tick) noexcept;
+  void keep(std::uint32_t key, const SurfaceEstimate& estimate, std::uint64_t tick) noexcept;
   /// These leaves have contacts in this tick.
   void mark_used(std::span<const Place> places, std::uint64_t tick) noexcept;
   /// Invalidates the normals whose windows the edits lie in.
   void drop(std::span<const Edit> edits) noexcept;
 
-  /// In the order in which they came into use, which a saved state has too.
+  /// In the order in which they came into use.
   std::span<const Page> pages() const { return {pages_.get(), used_}; }
-  /// Clears all; and adds leaves in the order of a saved state.
   void clear() noexcept;
-  void add_leaf(std::uint32_t leaf, std::uint64_t touched) noexcept;
 
-  /// Of the refined voxels, whatever the order they came in.
-  std::uint64_t hash() const { return hash_; }
   std::size_t memory_bytes() const;
 
  private:
@@ -106,7 +95,6 @@ class NormalCache {
   void drop_box(const Cell& lower, const Cell& upper) noexcept;
   enum class Window { kNarrow, kWide };
   void drop_window(Page& page, int axis, const CellBox& box, Window window) noexcept;
-  void clear(Page& page, int word, std::uint64_t bits) noexcept;
 
   VoxelGrid grid_;
   int across_, wide_;  // reach of a map across its axis, and of a wide one; 0: there are none
@@ -116,7 +104,6 @@ class NormalCache {
     std::uint32_t leaf = 0, page_plus_1 = 0;  // 0: free
   };
   std::vector<Slot> table_;  // by leaf_key, open addressing
-  std::uint64_t hash_ = 0;
   struct Old {
     std::uint64_t touched;
     std::uint32_t page;

@@ -10,15 +10,6 @@ namespace sulcus {
 
 namespace {
 
-/// Settings for a voxel's first normal.
-NormalSettings first_tier(const HapticsSettings& settings, const NormalCache* cache) {
-  NormalSettings first = settings;
-  if (cache && settings.normals == NormalMethod::kLdm && settings.refine_per_tick > 0) {
-    first.normals = NormalMethod::kLdmFast;
-  }
-  return first;
-}
-
 /// Walks over contacts leaf by leaf.
 class LeafWalk {
  public:
@@ -125,17 +116,12 @@ void take_cached(const NormalCache& cache, float voxel_m, bool use_veto, Contact
   }
 }
 
-bool is_refined(const NormalCache::Page* page, std::uint32_t key) {
-  return page && NormalCache::is(page->refined, leaf_place(key));
-}
-
 }  // namespace
 
 void normals(const Workpiece& workpiece, const HapticsSettings& settings, const NormalCache* cache,
              ContactScratch& scratch, std::size_t first) noexcept {
   const Contacts& contacts = scratch.contacts;
   const auto voxel_m = static_cast<float>(workpiece.grid().voxel_m);
-  const NormalSettings at_first = first_tier(settings, cache);
   scratch.vetoed.clear();
   const bool use_veto = use_tool(settings.normals);
   if (first == 0) {
@@ -156,7 +142,7 @@ void normals(const Workpiece& workpiece, const HapticsSettings& settings, const 
     }
   }
   scratch.estimates.resize(scratch.queries.size());
-  estimate_surfaces(workpiece, std::span(scratch.queries).subspan(first_query), at_first,
+  estimate_surfaces(workpiece, std::span(scratch.queries).subspan(first_query), settings,
                     std::span(scratch.estimates).subspan(first_query));
   for (std::size_t q = first_query; q < scratch.queries.size(); ++q) {
     const std::uint32_t i = scratch.queried[q];
@@ -169,22 +155,14 @@ void normals(const Workpiece& workpiece, const HapticsSettings& settings, const 
 
   // The tool hint names a side where the solid has none, and vetoes normals. A normal that it does
   // not veto is the same with and without it (a test), so only the others are found again.
-  for (const bool refined : {false, true}) {
-    scratch.tool_queries.clear();
-    scratch.tool_queried.clear();
-    LeafWalk again(cache);
-    for (const std::uint32_t i : scratch.vetoed) {
-      const std::uint32_t key = contacts.keys()[i];
-      if (is_refined(again.page(key), key) != refined) continue;
-      scratch.tool_queries.push_back(VoxelQuery{cell_of_key(key), outward_of(scratch, i)});
-      scratch.tool_queried.push_back(i);
-    }
-    scratch.tool_estimates.resize(scratch.tool_queries.size());
-    estimate_surfaces(workpiece, scratch.tool_queries, refined ? settings : at_first,
-                      scratch.tool_estimates);
-    for (std::size_t q = 0; q < scratch.tool_queries.size(); ++q) {
-      put(scratch, scratch.tool_queried[q], scratch.tool_estimates[q], voxel_m);
-    }
+  scratch.tool_queries.clear();
+  for (const std::uint32_t i : scratch.vetoed) {
+    scratch.tool_queries.push_back({cell_of_key(contacts.keys()[i]), outward_of(scratch, i)});
+  }
+  scratch.tool_estimates.resize(scratch.tool_queries.size());
+  estimate_surfaces(workpiece, scratch.tool_queries, settings, scratch.tool_estimates);
+  for (std::size_t q = 0; q < scratch.tool_queries.size(); ++q) {
+    put(scratch, scratch.vetoed[q], scratch.tool_estimates[q], voxel_m);
   }
 }
 
@@ -192,36 +170,15 @@ void keep_found(const HapticsSettings& settings, std::uint64_t tick, const Conta
                 NormalCache& cache) noexcept {
   if (!use_tool(settings.normals)) return;
   for (std::size_t q = 0; q < scratch.queried.size(); ++q) {
-    cache.keep(scratch.contacts.keys()[scratch.queried[q]], scratch.estimates[q],
-               NormalTier::kFirst, tick);
+    cache.keep(scratch.contacts.keys()[scratch.queried[q]], scratch.estimates[q], tick);
   }
 }
 
-void keep_normals(const Workpiece& workpiece, const HapticsSettings& settings, std::uint64_t tick,
-                  ContactScratch& scratch, NormalCache& cache) noexcept {
+void keep_normals(const HapticsSettings& settings, std::uint64_t tick,
+                  const ContactScratch& scratch, NormalCache& cache) noexcept {
   if (!use_tool(settings.normals)) return;
-  const Contacts& contacts = scratch.contacts;
   cache.mark_used(scratch.cached_leaves, tick);
   keep_found(settings, tick, scratch, cache);
-  if (settings.normals != NormalMethod::kLdm || settings.refine_per_tick == 0) return;
-
-  const auto most = std::min(static_cast<std::size_t>(settings.refine_per_tick), scratch.capacity);
-  scratch.tool_queries.clear();
-  LeafWalk walk(&cache);
-  for (std::size_t i = 0; i < contacts.size() && scratch.tool_queries.size() < most; ++i) {
-    const std::uint32_t key = contacts.keys()[i];
-    const NormalCache::Page* page = walk.page(key);
-    const int place = leaf_place(key);
-    if (!page || !NormalCache::is(page->kept, place) || NormalCache::is(page->refined, place))
-      continue;
-    scratch.tool_queries.push_back(VoxelQuery{cell_of_key(key)});
-  }
-  scratch.tool_estimates.resize(scratch.tool_queries.size());
-  estimate_surfaces(workpiece, scratch.tool_queries, settings, scratch.tool_estimates);
-  for (std::size_t q = 0; q < scratch.tool_queries.size(); ++q) {
-    cache.keep(voxel_key(scratch.tool_queries[q].voxel), scratch.tool_estimates[q],
-               NormalTier::kRefined, tick);
-  }
 }
 
 }  // namespace sulcus

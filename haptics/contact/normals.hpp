@@ -7,12 +7,13 @@
 namespace sulcus {
 
 /// Normal and surface offset of the contacts from `first` on, by the scene's method
-/// (engine/normals), with the tool hint at each voxel: the cached normal, or else a new one of the
-/// first tier (NormalTier). What is undefined stays zero; there contact_force takes the hint
-/// itself. Adds what it finds to what was found for the contacts before.
+/// (engine/normals), with the tool hint at each voxel: the cached normal, or else a new one. What
+/// is undefined stays zero; there contact_force takes the hint itself. Adds what it finds to what
+/// was found for the contacts before. A normal depends on the solid and on the hint alone: with a
+/// cache and without it they are the same bits (a test).
 ///
-/// New estimates stay in the scratch for keep_normals. Without a cache (null) every normal is of
-/// the scene's own method, and the estimates already have the tool's veto: they must not be cached.
+/// New estimates stay in the scratch for keep_normals. Without a cache (null) they already have the
+/// tool's veto: they must not be cached.
 void normals(const Workpiece& workpiece, const HapticsSettings& settings, const NormalCache* cache,
              ContactScratch& scratch, std::size_t first) noexcept;
 
@@ -22,9 +23,8 @@ void keep_found(const HapticsSettings& settings, std::uint64_t tick, const Conta
                 NormalCache& cache) noexcept;
 
 /// Once a tick, after its last evaluation and before anything is cut: caches what was found, and
-/// refines up to `settings.refine_per_tick` normals, in the order of the contacts. The forces of
-/// this tick do not change.
-void keep_normals(const Workpiece& workpiece, const HapticsSettings& settings, std::uint64_t tick,
-                  ContactScratch& scratch, NormalCache& cache) noexcept;
+/// notes which leaves were in contact.
+void keep_normals(const HapticsSettings& settings, std::uint64_t tick,
+                  const ContactScratch& scratch, NormalCache& cache) noexcept;
 
 }  // namespace sulcus

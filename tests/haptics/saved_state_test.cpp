@@ -1,5 +1,6 @@
 #include "haptics/saved_state.hpp"
 
+#include <cstring>
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,7 +21,7 @@ namespace {
 constexpr double kVoxel = 50e-6;
 
 /// All that a state can hold, but for the load, which needs a scripted tool. Soft, so that voxels
-/// go within a few ticks; few normals are kept, so that old leaves give way.
+/// go within a few ticks; few normals are cached, so that old leaves give way.
 const std::string kAll = R"(
 [workpiece]
 shape = 'box'
@@ -37,7 +38,6 @@ field = [32, 64, 32]
 [spindle]
 [haptics]
 normals = 'ldm'
-refine_per_tick = 4
 max_contacts = 1024
 [trajectory]
 points_mm = [[-0.8, 0, 0.5], [0.8, 0.2, -2.0]]
@@ -122,21 +122,7 @@ class SavedState : public ::testing::Test {
   bool all_is_in_play() const {
     return run_.state.workpiece().removal->part_cut.size() > 50 &&
            run_.state.bodies[1].removal->part_cut.size() > 20 && run_.edits.size() > 20 &&
-           *run_.state.spindle_rad_per_s < run_.scene.burr.speed_rad_per_s &&
-           keeps_what_was_inside();
-  }
-  /// Whether a refined normal is kept of a voxel that was no surface before anything was cut.
-  bool keeps_what_was_inside() const {
-    for (const Cell& c : test::surface_cells(run_.workpiece())) {
-      const std::uint32_t key = voxel_key(c);
-      const NormalCache::Page* const page =
-          run_.state.workpiece().normal_cache->find(leaf_key(key));
-      if (page && NormalCache::is(page->refined, leaf_place(key)) &&
-          !uncut_.workpiece().is_surface(c)) {
-        return true;
-      }
-    }
-    return false;
+           *run_.state.spindle_rad_per_s < run_.scene.burr.speed_rad_per_s;
   }
   /// Of the device's port in a saved state.
   static std::size_t port_bytes() {
@@ -145,10 +131,15 @@ class SavedState : public ::testing::Test {
     fields::port(count, port);
     return count.bytes;
   }
+  static std::size_t removal_bytes(const RemovalState& removal) {
+    ByteCount count;
+    fields::removal(count, removal);
+    return 1 + 4 + std::size_t{12} * removal.part_cut.size() + count.bytes;
+  }
   std::unique_ptr<TickedRun> loaded() const {
     auto again = std::make_unique<TickedRun>();
     again->cut_as(run_);
-    EXPECT_TRUE(load_state(run_.saved(), again->scene.haptics, again->state));
+    EXPECT_TRUE(load_state(run_.saved(), again->state));
     return again;
   }
 
@@ -180,10 +171,8 @@ TEST_F(SavedState, ARunGoesOnFromItToTheBit) {
 }
 
 TEST_F(SavedState, WhateverOfItChangesTheHashChanges) {
-  // Byte by byte: what is saved is what is hashed. (Of the kept normals only which are refined is
-  // part of the hash, and a leaf's age is not.)
+  // Byte by byte: what is saved is what is hashed.
   const std::unique_ptr<TickedRun> again = loaded();
-  for (Body& body : again->state.bodies) body.normal_cache.reset();
   std::vector<std::byte> plain;
   save_state(again->state, plain);
   const std::uint64_t hash = again->state.hash();
@@ -194,7 +183,7 @@ TEST_F(SavedState, WhateverOfItChangesTheHashChanges) {
     std::vector<std::byte> other = plain;
     other[at] ^= std::byte{1};
     std::vector<std::byte> back;
-    if (!load_state(other, again->scene.haptics, again->state)) continue;
+    if (!load_state(other, again->state)) continue;
     save_state(again->state, back);
     if (back == plain) continue;  // any byte but 0 is true
     EXPECT_NE(again->state.hash(), hash) << "byte " << at << " of " << numbers;
@@ -203,17 +192,34 @@ TEST_F(SavedState, WhateverOfItChangesTheHashChanges) {
   EXPECT_GT(changed, 1000u);
 }
 
-TEST_F(SavedState, AStateOfTheFirstLayoutIsReadAsOneOfADeviceThatAnswers) {
-  // As it was written before there was a count of silent ticks, which is the last of the port's.
+TEST_F(SavedState, StatesOfEarlierLayoutsAreRead) {
+  // As they were written: until the second with the cached normals' leaves behind each body's
+  // removal, in the first without the count of silent ticks, which is the last of the port's.
   std::vector<std::byte> old = run_.saved();
-  old[0] = std::byte{1};
+  const auto insert_cache = [&](std::size_t at) {
+    std::vector<std::byte> cache(1 + 4 + 2 * (4 + 8 + 64), std::byte{7});
+    cache[0] = std::byte{1};
+    const std::uint32_t leaves = 2;
+    std::memcpy(&cache[1], &leaves, sizeof leaves);
+    old.insert(old.begin() + static_cast<std::ptrdiff_t>(at), cache.begin(), cache.end());
+  };
   const std::size_t end_of_port = 4 + 8 + 1 + 7 * 8 + port_bytes();
-  old.erase(old.begin() + static_cast<std::ptrdiff_t>(end_of_port - 8),
-            old.begin() + static_cast<std::ptrdiff_t>(end_of_port));
-  TickedRun again;
-  again.cut_as(run_);
-  ASSERT_TRUE(load_state(old, again.scene.haptics, again.state));
-  EXPECT_EQ(again.state.hash(), run_.state.hash());
+  const std::size_t end_of_head = end_of_port + (1 + 8) + 1;  // a spindle, no load
+  const auto& bodies = run_.state.bodies;
+  const std::size_t workpiece = end_of_head + removal_bytes(*bodies[0].removal);
+  insert_cache(workpiece + 4 + removal_bytes(*bodies[1].removal));
+  insert_cache(workpiece);
+  for (const int layout : {2, 1}) {
+    old[0] = std::byte(layout);
+    if (layout == 1) {
+      old.erase(old.begin() + static_cast<std::ptrdiff_t>(end_of_port - 8),
+                old.begin() + static_cast<std::ptrdiff_t>(end_of_port));
+    }
+    TickedRun again;
+    again.cut_as(run_);
+    ASSERT_TRUE(load_state(old, again.state)) << layout;
+    EXPECT_EQ(again.state.hash(), run_.state.hash()) << layout;
+  }
 }
 
 TEST_F(SavedState, WhatWasSavedTwiceIsTheSame) { EXPECT_EQ(loaded()->saved(), run_.saved()); }
@@ -223,7 +229,7 @@ TEST_F(SavedState, WhatItHeldBeforeIsGone) {
   SimulatedDevice device(*other.scene.device, trajectory_, 1000.0, other.scene.burr.reference_m);
   for (int t = 0; t < ticks_ + 50; ++t) other.step(device);
   TickedRun fresh;
-  ASSERT_TRUE(load_state(fresh.saved(), other.scene.haptics, other.state));
+  ASSERT_TRUE(load_state(fresh.saved(), other.state));
   EXPECT_EQ(other.state.workpiece().removal->part_cut.size(), 0u);
   EXPECT_TRUE(other.state.workpiece().normal_cache->pages().empty());
 }
@@ -236,14 +242,12 @@ TEST_F(SavedState, WhatASceneDoesNotNameIsPassedOver) {
   }
   TickedRun less(text);
   less.cut_as(run_);
-  ASSERT_TRUE(load_state(run_.saved(), less.scene.haptics, less.state));
+  ASSERT_TRUE(load_state(run_.saved(), less.state));
   EXPECT_EQ(less.state.tick, run_.state.tick);
   EXPECT_FALSE(less.state.workpiece().removal);
-  EXPECT_EQ(less.state.workpiece().normal_cache->hash(),
-            run_.state.workpiece().normal_cache->hash());
   TickedRun more;
   more.cut_as(run_);
-  ASSERT_TRUE(load_state(less.saved(), more.scene.haptics, more.state));
+  ASSERT_TRUE(load_state(less.saved(), more.state));
   EXPECT_EQ(more.state.workpiece().removal->part_cut.size(), 0u);
 }
 
@@ -252,7 +256,7 @@ TEST_F(SavedState, WhatIsNoStateIsRefused) {
   const auto loads = [&](std::span<const std::byte> some) {
     TickedRun again;
     again.cut_as(run_);
-    return load_state(some, again.scene.haptics, again.state);
+    return load_state(some, again.state);
   };
   EXPECT_TRUE(loads(bytes));
   EXPECT_FALSE(loads({}));
@@ -262,16 +266,19 @@ TEST_F(SavedState, WhatIsNoStateIsRefused) {
   std::vector<std::byte> longer = bytes;
   longer.push_back({});
   EXPECT_FALSE(loads(longer));
-  // Another workpiece: the kept normals are not of its surface.
-  TickedRun whole;
-  EXPECT_FALSE(load_state(bytes, whole.scene.haptics, whole.state));
+  // Another workpiece: what was cut at does not stand.
+  TickedRun empty;
+  for (Body& body : empty.state.bodies) {
+    for (const Cell& c : test::surface_cells(body.solid)) body.solid.remove(c);
+  }
+  EXPECT_FALSE(load_state(bytes, empty.state));
   // Flipped bits may be a state: nothing is reached through it that is not there.
   for (std::size_t at = 0; at < bytes.size(); at += bytes.size() / 40) {
     std::vector<std::byte> flipped = bytes;
     flipped[at] ^= std::byte{0x90};
     TickedRun again;
     again.cut_as(run_);
-    if (!load_state(flipped, again.scene.haptics, again.state)) continue;
+    if (!load_state(flipped, again.state)) continue;
     EXPECT_LT(again.step(device_).contact.contacts, 100000u);
   }
 }
@@ -284,7 +291,7 @@ TEST(SavedStateOfALoad, KeepsHowFarItHasCome) {
   state.load_offset_m = 1.25e-3;
   std::vector<std::byte> bytes;
   save_state(state, bytes);
-  ASSERT_TRUE(load_state(bytes, scene.haptics, again));
+  ASSERT_TRUE(load_state(bytes, again));
   EXPECT_EQ(again.load_offset_m, 1.25e-3);
 }
 

@@ -183,7 +183,7 @@ TEST(SimulationState, EveryFieldIsHashedAndSavedAndComesBack) {
     EXPECT_NE(state.hash(), plain);
     EXPECT_NE(saved(state), plain_bytes);
     SimulationState back = make_state();
-    ASSERT_TRUE(load_state(saved(state), HapticsSettings(), back));
+    ASSERT_TRUE(load_state(saved(state), back));
     EXPECT_EQ(back.hash(), state.hash());
   }
 }

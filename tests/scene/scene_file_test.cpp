@@ -141,7 +141,6 @@ hud = false
   EXPECT_EQ(s.haptics.trace, 5) << "the paper's alpha";
   EXPECT_EQ(s.haptics.scaling, Scaling::kCount);
   EXPECT_FALSE(s.haptics.keep_normals);
-  EXPECT_EQ(s.haptics.refine_per_tick, 7);
   EXPECT_EQ(s.haptics.max_contacts, 100);
   EXPECT_EQ(s.cutting->max_cut_voxels, 5000);
   EXPECT_EQ(s.render->width, 640);

@@ -13,10 +13,9 @@
 namespace sulcus {
 namespace {
 
-HapticsSettings with(NormalMethod method, int refine = 0) {
+HapticsSettings with(NormalMethod method) {
   HapticsSettings settings;
   settings.normals = method;
-  settings.refine_per_tick = refine;
   return settings;
 }
 
@@ -78,7 +77,7 @@ TEST(NormalCache, WhatAnEditLeavesStandingIsWhatAFreshOneWouldBe) {
       NormalCache kept(workpiece.grid(), settings);
       std::vector<Cell> cells = test::surface_cells(workpiece);
       for (const Cell& c : cells) {
-        kept.keep(voxel_key(c), estimate_surface(workpiece, c, settings), NormalTier::kFirst, 0);
+        kept.keep(voxel_key(c), estimate_surface(workpiece, c, settings), 0);
       }
       std::mt19937 random(9);
       std::vector<Edit> edits;
@@ -115,9 +114,9 @@ TEST(NormalCache, WhereRoomRunsOutTheLeavesTouchedLongestAgoGiveWay) {
   NormalCache kept(grid, settings);
   const SurfaceEstimate up{{0, 0, 1}, 0.5f, true, 4};
   const auto leaf = [](int n) { return Cell(8 * (n % 128), 8 * (n / 128), 0); };
-  for (int n = 0; n < 64; ++n) kept.keep(voxel_key(leaf(n)), up, NormalTier::kFirst, 1);
+  for (int n = 0; n < 64; ++n) kept.keep(voxel_key(leaf(n)), up, 1);
   EXPECT_EQ(kept.pages().size(), 64u);
-  kept.keep(voxel_key(leaf(64)), up, NormalTier::kFirst, 1);
+  kept.keep(voxel_key(leaf(64)), up, 1);
   EXPECT_FALSE(kept_at(kept, leaf(64)).defined) << "all leaves are of this tick";
   std::vector<NormalCache::Place> touched;
   for (int n = 0; n < 32; ++n) {
@@ -128,13 +127,10 @@ TEST(NormalCache, WhereRoomRunsOutTheLeavesTouchedLongestAgoGiveWay) {
   const std::uint32_t other = leaf_key(voxel_key(leaf(40)));
   touched[3].page = kept.place_of(other, *kept.find(other)).page;
   kept.mark_used(touched, 2);
-  for (int n = 64; n < 96; ++n) kept.keep(voxel_key(leaf(n)), up, NormalTier::kRefined, 3);
+  for (int n = 64; n < 96; ++n) kept.keep(voxel_key(leaf(n)), up, 3);
   for (int n = 0; n < 96; ++n) {
     EXPECT_EQ(kept_at(kept, leaf(n)).defined, n < 32 || n >= 64) << n;
   }
-  EXPECT_NE(kept.hash(), 0u);
-  for (int n = 0; n < 64; ++n) kept.keep(voxel_key(leaf(128 + n)), up, NormalTier::kFirst, 4);
-  EXPECT_EQ(kept.hash(), 0u) << "no refined voxel is left";
 }
 
 /// A plain list of leaves, of which all are looked at for each that gives way.
@@ -168,10 +164,9 @@ TEST(NormalCache, WhichLeavesGiveWayIsWhatLookingAtAllOfThemGives) {
     std::minstd_rand random(leaves);
     // Too few ticks for a leaf to be forgotten.
     for (std::uint64_t tick = 1; tick < 3000; ++tick) {
-      if (tick == 1500) {  // as a saved state is taken up
-        const PlainPages saved = plain;
+      if (tick == 1500) {
         kept.clear();
-        for (const PlainPages::Page& page : saved.pages) kept.add_leaf(page.leaf, page.touched);
+        plain.pages.clear();
       }
       const auto leaf = [&] {
         const int n = static_cast<int>(random() % leaves);
@@ -190,7 +185,7 @@ TEST(NormalCache, WhichLeavesGiveWayIsWhatLookingAtAllOfThemGives) {
       const std::size_t made = random() % (tick % 50 == 0 ? 200 : 4);
       for (std::size_t i = 0; i < made; ++i) {
         const std::uint32_t key = leaf();
-        kept.keep(key, up, NormalTier::kFirst, tick);
+        kept.keep(key, up, tick);
         plain.keep(key, tick);
       }
       ASSERT_EQ(kept.pages().size(), plain.pages.size());
@@ -210,23 +205,13 @@ TEST(NormalCache, ALongRunTakesNoMorePagesThanItsLastSecondsNeed) {
   // A new leaf each 20 ticks: 200 are no older than a leaf is kept untouched, 4,000 ticks.
   for (std::uint64_t n = 0; n < 2000; ++n) {
     const auto at = static_cast<int>(n);
-    kept.keep(voxel_key({8 * (at % 128), 8 * (at / 128), 0}), up, NormalTier::kRefined, 20 * n);
+    kept.keep(voxel_key({8 * (at % 128), 8 * (at / 128), 0}), up, 20 * n);
   }
   EXPECT_GE(kept.pages().size(), 200u);
   EXPECT_LE(kept.pages().size(), 300u);
   for (int n = 1800; n < 2000; ++n) {
     EXPECT_TRUE(kept_at(kept, {8 * (n % 128), 8 * (n / 128), 0}).defined) << n;
   }
-}
-
-TEST(NormalCache, LeavesOfASavedStateKeepTheirPlacesWhateverTheirAge) {
-  const HapticsSettings settings = with(NormalMethod::kLdmFast);
-  NormalCache kept({{64, 64, 8}, 1e-4}, settings);
-  const std::uint32_t old_leaf = leaf_key(voxel_key(Cell(0, 0, 0)));
-  kept.add_leaf(old_leaf, 3);
-  kept.add_leaf(leaf_key(voxel_key(Cell(8, 0, 0))), 30'000);
-  ASSERT_EQ(kept.pages().size(), 2u);
-  EXPECT_EQ(kept.pages()[0].first_key, old_leaf);
 }
 
 class KeptContacts : public ::testing::Test {
@@ -242,39 +227,9 @@ class KeptContacts : public ::testing::Test {
       test::add_contact(scratch, contact, 0.0f, outward_);
     }
   }
-  int of_method(const ContactScratch& scratch, NormalMethod method) const {
-    int count = 0;
-    for (const Contact contact : scratch.contacts) {
-      count += contact.normal ==
-               estimate_surface(workpiece_, contact.cell, with(method), outward_).normal;
-    }
-    return count;
-  }
   const Eigen::Vector3f outward_{0, 0, 1};
   Workpiece workpiece_;
 };
-
-TEST_F(KeptContacts, AreRefinedSoManyATick) {
-  const HapticsSettings settings = with(NormalMethod::kLdm, 100);
-  ContactScratch scratch(settings);
-  NormalCache kept(workpiece_.grid(), settings);
-  std::uint64_t hash = 0;
-  for (std::uint64_t tick = 0; tick < 5; ++tick) {
-    touch(scratch);
-    normals(workpiece_, settings, &kept, scratch, 0);
-    const int all = static_cast<int>(scratch.contacts.size()),
-              refined = static_cast<int>(tick) * 100;
-    ASSERT_GT(all, 500);
-    EXPECT_EQ(scratch.queries.size(), tick == 0 ? scratch.contacts.size() : 0u);
-    EXPECT_GE(of_method(scratch, NormalMethod::kLdm), refined);
-    EXPECT_GE(of_method(scratch, NormalMethod::kLdmFast), all - refined);
-    // Few of a ball's normals are the same by both.
-    EXPECT_LT(of_method(scratch, NormalMethod::kLdm), refined + all / 2);
-    keep_normals(workpiece_, settings, tick, scratch, kept);
-    EXPECT_NE(kept.hash(), hash) << "the state tells which are refined";
-    hash = kept.hash();
-  }
-}
 
 TEST_F(KeptContacts, KeepingChangesNoNormal) {
   for (const NormalMethod method : {NormalMethod::kLdm, NormalMethod::kLdmFast}) {
@@ -284,7 +239,7 @@ TEST_F(KeptContacts, KeepingChangesNoNormal) {
     for (std::uint64_t tick = 0; tick < 2; ++tick) {
       touch(scratch), touch(fresh);
       normals(workpiece_, settings, &kept, scratch, 0);
-      keep_normals(workpiece_, settings, tick, scratch, kept);
+      keep_normals(settings, tick, scratch, kept);
       normals(workpiece_, settings, nullptr, fresh, 0);
       for (std::size_t i = 0; i < fresh.contacts.size(); ++i) {
         ASSERT_EQ(scratch.contacts[i].normal, fresh.contacts[i].normal);

@@ -71,8 +71,6 @@ HapticsSettings haptics_of(const TickSetting& setting, int wanted) {
   haptics.normals = setting.method;
   if (setting.method == NormalMethod::kLdmPaper) haptics.trace = 5;
   haptics.keep_normals = setting.cache != TickCache::kFresh;
-  // Fresh and kept are of the method's own normals; cutting refines as a scene does.
-  if (setting.cache != TickCache::kCutting) haptics.refine_per_tick = 0;
   return haptics;
 }
 
