@@ -12,8 +12,6 @@
 
 namespace sulcus {
 
-using Vector6d = Eigen::Matrix<double, 6, 1>;
-
 /// The springs between the device and the tool, attached in the middle of the burr's head, where
 /// what it touches has the shortest arms.
 struct CouplingSprings {

@@ -153,13 +153,11 @@ ContactResult contact_with_bodies(const TickContext& context, const SimulationSt
       context.burr, tool, context.scene.tissues, context.scene.haptics, drags ? &twist : nullptr,
       outputs};
   scratch.clear_results();
-  ContactResult sum;
   for_each_near(context, state, tool, voxel_m_of(state), [&](std::size_t i) {
     auto& [contact, result] = scratch.bodies[i];
-    result = evaluate_contact(state.bodies[i], query, contact);
-    sum += result;
+    scratch.near.push_back({&state.bodies[i], &contact, &result});
   });
-  return sum;
+  return evaluate_contact(scratch.near, query);
 }
 
 void move_tool(const TickContext& context, const DeviceReading& device, SimulationState& state,

@@ -9,11 +9,13 @@ TickScratch::TickScratch(const Scene& scene, StageClock clock) {
   while (bodies.size() < bodies.capacity()) {
     bodies.push_back({ContactScratch(scene.haptics, clock), {}});
   }
+  near.reserve(bodies.size());
   if (!scene.cutting) return;
   edits.reserve(bodies.front().contact.capacity * cuttable + (scene.loose_pieces ? kMaxLoose : 0));
 }
 
 void TickScratch::clear_results() noexcept {
+  near.clear();
   for (BodyScratch& body : bodies) {
     body.contact.clear_results();
     body.result = {};

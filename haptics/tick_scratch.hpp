@@ -6,7 +6,7 @@
 
 #include "engine/scene/scene.hpp"
 #include "engine/volume/edit.hpp"
-#include "haptics/contact/contact.hpp"
+#include "haptics/contact/evaluate_contact.hpp"
 
 namespace sulcus {
 
@@ -31,6 +31,7 @@ struct TickScratch {
   std::size_t contact_bytes() const;
 
   std::vector<BodyScratch> bodies;  // as SimulationState::bodies
+  std::vector<NearBody> near;       // of the last evaluation
   std::vector<Edit> edits;          // of this tick
 };
 

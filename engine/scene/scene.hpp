@@ -110,9 +110,9 @@ struct SpindleSettings {
   double inertia_kg_m2 = 5e-9;  // of rotor and burr
 };
 
-enum class Scaling : std::uint8_t { kNone, kCount, kMcNeely, kSmooth };
-inline constexpr std::array<std::string_view, 4> kScalingNames{"none", "count", "mcneely",
-                                                               "smooth"};
+enum class Scaling : std::uint8_t { kNone, kCount, kMcNeely, kSmooth, kPotential };
+inline constexpr std::array<std::string_view, 5> kScalingNames{"none", "count", "mcneely", "smooth",
+                                                               "potential"};
 
 struct HapticsSettings : NormalSettings {
   double rate_hz = 1000.0;

@@ -161,7 +161,8 @@ constexpr std::array kHaptics{
     number("normal_error_deg", {0, 90}, "",
            "instead of the three above: the cheapest normals whose mean error meets it"),
     choice("scaling", kScalingNames, "\"smooth\"",
-           "of the stiffness by the contacts: count [Kim and Park 2019], mcneely [McNeely 1999]"),
+           "of the stiffness by the contacts: count [Kim and Park 2019], mcneely [McNeely 1999]; "
+           "potential: a force with an energy"),
     boolean("keep_normals", "true", "from tick to tick, under ldm and ldm_fast"),
     whole("refine_per_tick", {0, 1 << 20}, "16",
           "without effect: every normal is of the scene's method from the first contact on"),

@@ -10,6 +10,7 @@ ContactResult& ContactResult::operator+=(const ContactResult& other) noexcept {
   tangential.force_N += other.tangential.force_N;
   tangential.torque_Nm += other.tangential.torque_Nm;
   stiffness += other.stiffness;
+  weight_growth += other.weight_growth;
   contacts += other.contacts;
   tested += other.tested;
   leaves += other.leaves;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -8,6 +9,7 @@
 #include "engine/core/pose.hpp"
 #include "engine/normals/normal_method.hpp"
 #include "engine/scene/scene.hpp"
+#include "engine/tool/burr.hpp"
 #include "haptics/contact/contacts.hpp"
 #include "haptics/contact/normal_cache.hpp"
 #include "haptics/stage_clock.hpp"
@@ -28,21 +30,26 @@ struct Twist {
   double spindle_rad_per_s = 0.0;
 };
 
+using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 /// What one evaluation of the contact found. The contacts are in the scratch it was given.
 struct ContactResult {
   Wrench wrench;      // normal and tangential part
   Wrench tangential;  // that part alone; zero without cutting
-  /// -d(wrench)/d(translation, rotation), normals, arms and count held; under `smooth` with the
-  /// weights' derivatives, and then not always positive.
+  /// -d(wrench)/d(translation, rotation), normals, arms and count held; under `smooth` and
+  /// `potential` with the weights' derivatives, under `potential` with how directions turn, and
+  /// then not always positive.
   Matrix6d stiffness = Matrix6d::Zero();
+  /// How the sum of weights grows against a motion, where it divides; zero elsewhere.
+  Vector6d weight_growth = Vector6d::Zero();
+  double energy_J = 0.0;       // of the contact, under `potential`
   std::uint32_t contacts = 0;  // voxels that take part in the force
   std::uint32_t tested = 0;    // voxels whose distance was asked for
   std::uint32_t leaves = 0;    // leaves that the capsule reaches
   std::uint32_t faults = 0;    // bits of Fault
 
-  /// What two bodies do to the tool together.
+  /// What two bodies do to the tool together, but for the energy, which is that of both.
   ContactResult& operator+=(const ContactResult& other) noexcept;
 };
 
@@ -51,6 +58,16 @@ enum class Outputs {
   kForce,
   kForceAndStiffness,
   kCoupling,  // both, for a tool on a virtual coupling: over edges the forces turn with it
+};
+
+/// What an evaluation of the contact is of. The referred objects outlive it.
+struct ContactQuery {
+  const Burr& burr;
+  Pose world_from_tool;
+  std::span<const TissueSettings> tissues;  // the scene's, by label
+  const HapticsSettings& settings;
+  const Twist* twist = nullptr;  // the tool's motion, for the tangential forces of cutting; or none
+  Outputs outputs = Outputs::kForce;
 };
 
 /// All the memory a contact evaluation uses, taken once when the scene loads. One per thread.

@@ -38,18 +38,21 @@ struct ForceSettings {
   // Distance from the burr within which normals count for the spread; 0: it is not wanted. Only
   // with `at_surface`.
   float spread_reach_m = 0.0f;
+  bool potential = false;                    // by potential.hpp instead of all this
+  const float* stiffness_N_per_m = nullptr;  // by label; only of a potential
 };
 
 /// What `measure` adds up, in eight lanes; of whole groups, so that what is added in several calls
 /// is what one gives.
 struct MeasureLanes {
   using Lanes8 = double[8];
-  alignas(64) Lanes8 weights{}, near{}, normal[3]{}, products[6]{};
+  alignas(64) Lanes8 weights{}, energy{}, near{}, normal[3]{}, products[6]{};
   std::uint32_t counted = 0;
 };
 
 struct MeasureSums {
   double weights = 0.0;
+  double energy = 0.0;        // of a potential: sum of K w d^2, J
   std::uint32_t counted = 0;  // contacts with weight
   NormalSpread spread;
 };
@@ -66,6 +69,9 @@ struct ForceTerms {
   // Symmetric: xx, xy, xz, yy, yz, zz. Arms stay where depth was measured.
   bool blend_normals = false;
   float edge_blend[6]{};
+  // By potential.hpp: the divisor is that of kShareOfForce; p U / W, J.
+  bool potential = false;
+  float push_per_weight = 0.0f;
 };
 
 /// Sums over all contacts. What is not asked for stays zero: the stiffness, and without cutting the
@@ -74,6 +80,7 @@ struct ForceSums {
   double wrench[6]{};      // force, torque
   double stiffness[21]{};  // upper triangle, row by row
   double weights[6]{};     // sum of w / d (N, arm x N): how the sum of weights grows against motion
+                           // (of a potential a p-th of that, and the tool's direction for N)
   double tangential[6]{};  // the part of the wrench that drags along the surface
 };
 

@@ -29,6 +29,7 @@ MeasureSums sums_of(const MeasureLanes& lanes) noexcept {
   const auto sum = [](const double(&of)[kSumLanes]) { return sum_of(load(of)); };
   MeasureSums sums;
   sums.weights = sum(lanes.weights);
+  sums.energy = sum(lanes.energy);
   sums.counted = lanes.counted;
   sums.spread.weight = sum(lanes.near);
   for (int a = 0; a < 3; ++a) sums.spread.normal[a] = sum(lanes.normal[a]);

@@ -1,6 +1,8 @@
 // The loops of contact_kernels.hpp, written once and compiled for each instruction set by the files
 // that include this.
 
+#include <type_traits>
+
 #include "haptics/contact/contact_kernels.hpp"
 #include "haptics/contact/field_lanes.inl"
 
@@ -169,6 +171,23 @@ inline void store(const DoubleLanes& v, double (&sums)[kSumLanes]) {
   __builtin_memcpy(sums, &v, sizeof v);
 }
 
+/// Looked up by label. Neighbours are mostly of one tissue, and then nothing has to wait for what
+/// is stored lane by lane.
+inline Lanes of_tissues(const float* by_label, const std::uint8_t* labels) {
+  constexpr std::uint64_t kEach = 0x0101010101010101u;
+  const std::uint64_t all = labels[0] * kEach;
+  std::uint64_t differ = 0;
+  for (int k = 0; k < kLaneCount; k += 8) {
+    std::uint64_t eight;
+    __builtin_memcpy(&eight, labels + k, sizeof eight);
+    differ |= eight ^ all;
+  }
+  if (differ == 0) return Lanes{} + by_label[labels[0]];
+  alignas(64) float found[kLaneCount];
+  for (int lane = 0; lane < kLaneCount; ++lane) found[lane] = by_label[labels[lane]];
+  return load(found);
+}
+
 /// Sums of NormalSpread, in lanes.
 struct SpreadSums {
   explicit SpreadSums(const MeasureLanes& lanes) : near(load(lanes.near)) {
@@ -193,9 +212,20 @@ struct SpreadSums {
   DoubleLanes near, normal[3], products[6];
 };
 
+}  // namespace
+
+}  // namespace sulcus
+
+#include "haptics/contact/potential_loops.inl"
+
+namespace sulcus {
+
+namespace {
+
 inline void measure_all(const ContactFrame& frame, const ForceSettings& settings,
                         const ContactArrays& contacts, const BlockArrays& block,
                         MeasureLanes& lanes) noexcept {
+  if (settings.potential) return measure_points(frame, settings, contacts, block, lanes);
   const float half_voxel_m = 0.5f * frame.voxel_m, per_voxel = 1.0f / frame.voxel_m;
   const float full_cosine = 1.0f / settings.fade_below;
   const bool spreads = settings.at_surface && settings.spread_reach_m > 0.0f;
@@ -278,24 +308,7 @@ inline Lanes3 turned_to(const Lanes3& normal, const Lanes3& outward, const float
           has ? turned.z / length : normal.z};
 }
 
-/// Looked up by label. Neighbours are mostly of one tissue, and then nothing has to wait for what
-/// is stored lane by lane.
-inline Lanes of_tissues(const float* by_label, const std::uint8_t* labels) {
-  constexpr std::uint64_t kEach = 0x0101010101010101u;
-  const std::uint64_t all = labels[0] * kEach;
-  std::uint64_t differ = 0;
-  for (int k = 0; k < kLaneCount; k += 8) {
-    std::uint64_t eight;
-    __builtin_memcpy(&eight, labels + k, sizeof eight);
-    differ |= eight ^ all;
-  }
-  if (differ == 0) return Lanes{} + by_label[labels[0]];
-  alignas(64) float found[kLaneCount];
-  for (int lane = 0; lane < kLaneCount; ++lane) found[lane] = by_label[labels[lane]];
-  return load(found);
-}
-
-template <bool kCutting, bool kStiffness>
+template <bool kPotential, bool kCutting, bool kStiffness>
 inline void add_forces(const ContactFrame& frame, const ForceTerms& terms,
                        const ContactArrays& contacts, ForceSums& sums) {
   DoubleLanes wrench_sums[6] = {}, stiffness_sums[21] = {}, tangential_sums[6] = {};
@@ -312,10 +325,20 @@ inline void add_forces(const ContactFrame& frame, const ForceTerms& terms,
       normal = turned_to(normal, load3(contacts, Contacts::kToolNormal, k), terms.edge_blend);
       store3(normal, contacts, Contacts::kNormal, k);
     }
-    const Lanes stiffness = of_tissues(terms.stiffness_N_per_m, contacts.tissues + k) *
-                            load(contacts.of[Contacts::kWeight] + k);
-    const Lanes normal_force = stiffness * load(contacts.of[Contacts::kDepth] + k);
-    Lanes3 force = normal * normal_force;  // eq. 1
+    const Lanes depth = load(contacts.of[Contacts::kDepth] + k);
+    const Lanes weight = load(contacts.of[Contacts::kWeight] + k);
+    const Lanes stiffness = of_tissues(terms.stiffness_N_per_m, contacts.tissues + k) * weight;
+    const Lanes normal_force = stiffness * depth;
+    // What the weight adds to a sum that divides, for each metre deeper.
+    const Lanes per_depth = where(weight > 0.0f, weight / depth);
+    Lanes3 direction = normal;
+    Lanes push = normal_force;
+    if constexpr (kPotential) {
+      direction = load3(contacts, Contacts::kToolNormal, k);
+      push = static_cast<float>(potential::kPushPerShare) * normal_force -
+             terms.push_per_weight * per_depth;
+    }
+    Lanes3 force = direction * push;  // eq. 1
     Lanes power{};
     if constexpr (kCutting) {
       const Lanes3 velocity = linear + cross(turning, arm + to_tip);
@@ -336,15 +359,24 @@ inline void add_forces(const ContactFrame& frame, const ForceTerms& terms,
     const Lanes wrench[6] = {force.x, force.y, force.z, torque.x, torque.y, torque.z};
     for (int a = 0; a < 6; ++a) add(wrench_sums[a], wrench[a]);
     if constexpr (!kStiffness) continue;
-    const Lanes3 turn = cross(arm, normal);
-    const Lanes row[6] = {normal.x, normal.y, normal.z, turn.x, turn.y, turn.z};  // of the Jacobian
-    const Lanes weight = load(contacts.of[Contacts::kWeight] + k);
-    const Lanes depth = load(contacts.of[Contacts::kDepth] + k);
-    const Lanes per_depth = where(weight > 0.0f, weight / depth);
+    const Lanes3 turn = cross(arm, direction);
+    const Lanes row[6] = {direction.x, direction.y, direction.z,
+                          turn.x,      turn.y,      turn.z};  // of the Jacobian
+    Lanes along_row = stiffness;
+    if constexpr (kPotential) {
+      along_row =
+          static_cast<float>(potential::kPushPerShare * (potential::kDepthPower + 1)) * stiffness -
+          static_cast<float>(potential::kDepthPower - 1) * terms.push_per_weight *
+              where(weight > 0.0f, per_depth / depth);
+      const Lanes3 p =
+          field_from_voxels(frame, voxels(frame, contacts.keys + k) +
+                                       normal * load(contacts.of[Contacts::kAlong] + k));
+      add_turning(curvature_at(frame, p), arm, push, stiffness_sums);
+    }
     int entry = 0;
     for (int a = 0; a < 6; ++a) {
       add(weight_sums[a], per_depth * row[a]);
-      const Lanes scaled = stiffness * row[a];
+      const Lanes scaled = along_row * row[a];
       for (int b = a; b < 6; ++b) add(stiffness_sums[entry++], scaled * row[b]);
     }
   }
@@ -358,13 +390,17 @@ inline void add_forces(const ContactFrame& frame, const ForceTerms& terms,
 
 inline void forces_of(const ContactFrame& frame, const ForceTerms& terms,
                       const ContactArrays& contacts, ForceSums& sums) noexcept {
-  if (terms.with_stiffness) {
-    terms.cutting ? add_forces<true, true>(frame, terms, contacts, sums)
-                  : add_forces<false, true>(frame, terms, contacts, sums);
-  } else {
-    terms.cutting ? add_forces<true, false>(frame, terms, contacts, sums)
-                  : add_forces<false, false>(frame, terms, contacts, sums);
-  }
+  const auto add = [&](auto law, auto cutting, auto stiffness) {
+    add_forces<law.value, cutting.value, stiffness.value>(frame, terms, contacts, sums);
+  };
+  const auto with = [](bool is, const auto& next) {
+    is ? next(std::true_type()) : next(std::false_type());
+  };
+  with(terms.potential, [&](auto law) {
+    with(terms.cutting, [&](auto cutting) {
+      with(terms.with_stiffness, [&](auto stiffness) { add(law, cutting, stiffness); });
+    });
+  });
 }
 
 constexpr ContactKernels kernels_named(const char* name) {

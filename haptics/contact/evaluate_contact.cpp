@@ -3,6 +3,7 @@
 #include "engine/core/fault.hpp"
 #include "haptics/contact/broad_phase.hpp"
 #include "haptics/contact/contact_force.hpp"
+#include "haptics/contact/covered_faces.hpp"
 #include "haptics/contact/narrow_phase.hpp"
 #include "haptics/contact/normals.hpp"
 
@@ -10,23 +11,12 @@ namespace sulcus {
 
 namespace {
 
-/// A quantity of the grid's space in world axes.
-Wrench in_world(const Wrench& wrench, const Pose& world_from_grid) {
-  return {world_from_grid.direction(wrench.force_N), world_from_grid.direction(wrench.torque_Nm)};
-}
-
-Matrix6d in_world(const Matrix6d& stiffness, const Pose& world_from_grid) {
-  Matrix6d turn = Matrix6d::Zero();
-  turn.topLeftCorner<3, 3>() = world_from_grid.orientation.toRotationMatrix();
-  turn.bottomRightCorner<3, 3>() = turn.topLeftCorner<3, 3>();
-  return turn * stiffness * turn.transpose();
-}
-
-}  // namespace
-
-ContactResult evaluate_contact(const Workpiece& solid, const ContactQuery& query,
-                               ContactScratch& scratch, const NormalCache* cache) noexcept {
-  ContactResult result;
+/// Which contacts a solid has, up to their depths; `drop_covered(first)` takes out of those from
+/// `first` on what is no surface.
+template <class DropCovered>
+MeasureSums find_contacts(const Workpiece& solid, const ContactQuery& query,
+                          ContactScratch& scratch, const NormalCache* cache,
+                          const DropCovered& drop_covered, ContactResult& result) noexcept {
   StageClock& clock = scratch.clock;
   const double reach_m = contact_reach_m(solid, query.settings.scaling, query.outputs);
   {
@@ -40,8 +30,7 @@ ContactResult evaluate_contact(const Workpiece& solid, const ContactQuery& query
     const auto timed = clock.time(Stage::kNarrowPhase);
     return NarrowPhase(solid, query.burr.field, query.world_from_tool, reach_m, scratch);
   }();
-  ContactForce force(solid, query.burr, query.world_from_tool, query.settings.scaling,
-                     query.outputs);
+  ContactForce force(solid, query);
   for (bool more = true; more;) {
     const std::size_t first = scratch.contacts.size();
     {
@@ -59,38 +48,130 @@ ContactResult evaluate_contact(const Workpiece& solid, const ContactQuery& query
     {
       const auto timed = clock.time(Stage::kNormals);
       normals(solid, query.settings, cache, scratch, first);
+      drop_covered(first);
     }
     const auto timed = clock.time(Stage::kContactForce);
     if (more) force.measure(scratch);
   }
   const auto timed = clock.time(Stage::kContactForce);
   result.tested = phase.tested();
-  force.sum(query.tissues, query.twist, scratch, result);
+  const MeasureSums sums = force.measured(scratch);
+  result.contacts = sums.counted;
+  return sums;
+}
+
+/// A quantity of the grid's space in world axes, and back.
+Wrench in_world(const Wrench& wrench, const Pose& world_from_grid) {
+  return {world_from_grid.direction(wrench.force_N), world_from_grid.direction(wrench.torque_Nm)};
+}
+NormalSpread turned(const NormalSpread& spread, const Eigen::Matrix3d& turn) {
+  NormalSpread to{spread.weight, {}, {}};
+  Eigen::Map<Eigen::Vector3d>(to.normal) = turn * Eigen::Map<const Eigen::Vector3d>(spread.normal);
+  Eigen::Matrix3d products;
+  for (int a = 0, entry = 0; a < 3; ++a) {
+    for (int b = a; b < 3; ++b) products(a, b) = products(b, a) = spread.products[entry++];
+  }
+  products = turn * products * turn.transpose();
+  for (int a = 0, entry = 0; a < 3; ++a) {
+    for (int b = a; b < 3; ++b) to.products[entry++] = products(a, b);
+  }
+  return to;
+}
+void turn_to_world(const Pose& world_from_grid, ContactResult& result) {
+  Matrix6d turn = Matrix6d::Zero();
+  turn.topLeftCorner<3, 3>() = world_from_grid.orientation.toRotationMatrix();
+  turn.bottomRightCorner<3, 3>() = turn.topLeftCorner<3, 3>();
+  result.wrench = in_world(result.wrench, world_from_grid);
+  result.tangential = in_world(result.tangential, world_from_grid);
+  result.stiffness = turn * result.stiffness * turn.transpose();
+  result.weight_growth = turn * result.weight_growth;
+}
+
+void add(const MeasureSums& sums, MeasureSums& to) {
+  to.weights += sums.weights;
+  to.energy += sums.energy;
+  to.counted += sums.counted;
+  to.spread.weight += sums.spread.weight;
+  for (int a = 0; a < 3; ++a) to.spread.normal[a] += sums.spread.normal[a];
+  for (int entry = 0; entry < 6; ++entry) to.spread.products[entry] += sums.spread.products[entry];
+}
+
+/// A query in the space of a body's grid.
+struct LocalQuery {
+  LocalQuery(const Body& body, const ContactQuery& world) : query(in_grid(body, world)) {
+    if (!query.twist || body.is_in_world()) return;
+    const Pose& place = body.world_from_grid;
+    twist = {place.inverse_direction(world.twist->linear_m_per_s),
+             place.inverse_direction(world.twist->angular_rad_per_s),
+             world.twist->spindle_rad_per_s};
+    query.twist = &twist;
+  }
+  LocalQuery(const LocalQuery&) = delete;
+
+  static ContactQuery in_grid(const Body& body, const ContactQuery& world) {
+    return {world.burr,
+            body.grid_from(world.world_from_tool),
+            world.tissues.subspan(body.first_tissue),
+            world.settings,
+            body.removal ? world.twist : nullptr,
+            world.outputs};
+  }
+
+  ContactQuery query;
+  Twist twist;
+};
+
+}  // namespace
+
+ContactResult evaluate_contact(const Workpiece& solid, const ContactQuery& query,
+                               ContactScratch& scratch, const NormalCache* cache) noexcept {
+  ContactResult result;
+  const MeasureSums all = find_contacts(
+      solid, query, scratch, cache, [](std::size_t) {}, result);
+  const auto timed = scratch.clock.time(Stage::kContactForce);
+  ContactForce(solid, query).sum(all, scratch, result);
+  if (query.outputs != Outputs::kForce) {
+    add_weight_derivative(query.settings.scaling, all, result);
+  }
+  result.energy_J = energy_J(query.settings.scaling, all);
   return result;
 }
 
-ContactResult evaluate_contact(const Body& body, const ContactQuery& query,
-                               ContactScratch& scratch) noexcept {
-  ContactQuery own{query.burr,
-                   body.grid_from(query.world_from_tool),
-                   query.tissues.subspan(body.first_tissue),
-                   query.settings,
-                   body.removal ? query.twist : nullptr,
-                   query.outputs};
-  const NormalCache* const cache = body.normal_cache ? &*body.normal_cache : nullptr;
-  if (body.is_in_world()) return evaluate_contact(body.solid, own, scratch, cache);
-  const Pose& place = body.world_from_grid;
-  Twist twist;
-  if (own.twist) {
-    twist = {place.inverse_direction(query.twist->linear_m_per_s),
-             place.inverse_direction(query.twist->angular_rad_per_s),
-             query.twist->spindle_rad_per_s};
-    own.twist = &twist;
+ContactResult evaluate_contact(std::span<const NearBody> near, const ContactQuery& query) noexcept {
+  MeasureSums all;
+  for (const NearBody& at : near) {
+    const Body& body = *at.body;
+    const LocalQuery local(body, query);
+    *at.result = {};
+    MeasureSums sums = find_contacts(
+        body.solid, local.query, *at.scratch, body.normal_cache ? &*body.normal_cache : nullptr,
+        [&](std::size_t first) { drop_covered(body, near, first, *at.scratch); }, *at.result);
+    if (!body.is_in_world()) {
+      sums.spread = turned(sums.spread, body.world_from_grid.orientation.toRotationMatrix());
+    }
+    add(sums, all);
   }
-  ContactResult result = evaluate_contact(body.solid, own, scratch, cache);
-  result.wrench = in_world(result.wrench, place);
-  result.tangential = in_world(result.tangential, place);
-  if (query.outputs != Outputs::kForce) result.stiffness = in_world(result.stiffness, place);
+  ContactResult result;
+  for (const NearBody& at : near) {
+    const Body& body = *at.body;
+    const auto timed = at.scratch->clock.time(Stage::kContactForce);
+    const LocalQuery local(body, query);
+    const ContactForce force(body.solid, local.query);
+    if (body.is_in_world()) {
+      force.sum(all, *at.scratch, *at.result);
+    } else {
+      MeasureSums here = all;
+      here.spread =
+          turned(all.spread, body.world_from_grid.orientation.toRotationMatrix().transpose());
+      force.sum(here, *at.scratch, *at.result);
+      turn_to_world(body.world_from_grid, *at.result);
+    }
+    result += *at.result;
+  }
+  if (query.outputs != Outputs::kForce) {
+    add_weight_derivative(query.settings.scaling, all, result);
+  }
+  result.energy_J = energy_J(query.settings.scaling, all);
   return result;
 }
 

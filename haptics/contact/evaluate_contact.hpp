@@ -2,23 +2,12 @@
 
 #include <span>
 
-#include "engine/tool/burr.hpp"
 #include "engine/volume/workpiece.hpp"
 #include "haptics/body.hpp"
 #include "haptics/contact/contact.hpp"
 #include "haptics/contact/normal_cache.hpp"
 
 namespace sulcus {
-
-/// What an evaluation of the contact is of. The referred objects outlive it.
-struct ContactQuery {
-  const Burr& burr;
-  Pose world_from_tool;
-  std::span<const TissueSettings> tissues;  // the scene's, by label
-  const HapticsSettings& settings;
-  const Twist* twist = nullptr;  // the tool's motion, for the tangential forces of cutting; or none
-  Outputs outputs = Outputs::kForce;
-};
 
 /// The contact of the burr with a solid, both in the space of its grid: contacts (in `scratch`),
 /// wrench and, where it is asked for, stiffness. Broad phase, narrow phase, normals, forces.
@@ -30,10 +19,17 @@ ContactResult evaluate_contact(const Workpiece& solid, const ContactQuery& query
                                ContactScratch& scratch,
                                const NormalCache* cache = nullptr) noexcept;
 
-/// With a body, in world axes. One that cannot be cut gets no tangential force. Forces are those of
-/// a body by itself: under `count` and `smooth` a contact's stiffness is its share of this body's
-/// contacts, so that two bodies hold as two.
-ContactResult evaluate_contact(const Body& body, const ContactQuery& query,
-                               ContactScratch& scratch) noexcept;
+/// A body that the burr may touch, memory for its contact, and, set by the evaluation, what it does
+/// to the tool; world axes.
+struct NearBody {
+  const Body* body = nullptr;
+  ContactScratch* scratch = nullptr;
+  ContactResult* result = nullptr;
+};
+
+/// With bodies, in world axes. One that cannot be cut gets no tangential force. Their contacts are
+/// those of one solid: one sum divides the stiffness of all, and a face that lies on another one of
+/// them is no surface. Tissues of a query: those of the scene.
+ContactResult evaluate_contact(std::span<const NearBody> near, const ContactQuery& query) noexcept;
 
 }  // namespace sulcus

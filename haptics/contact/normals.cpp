@@ -123,7 +123,8 @@ void normals(const Workpiece& workpiece, const HapticsSettings& settings, const 
   const Contacts& contacts = scratch.contacts;
   const auto voxel_m = static_cast<float>(workpiece.grid().voxel_m);
   scratch.vetoed.clear();
-  const bool use_veto = use_tool(settings.normals);
+  // Points of a potential depend on the solid alone.
+  const bool use_veto = use_tool(settings.normals) && settings.scaling != Scaling::kPotential;
   if (first == 0) {
     scratch.queries.clear();
     scratch.queried.clear();
@@ -137,7 +138,9 @@ void normals(const Workpiece& workpiece, const HapticsSettings& settings, const 
     scratch.queries.resize(contacts.size());
     scratch.queried.resize(contacts.size());
     for (std::size_t i = first; i < contacts.size(); ++i) {
-      scratch.queries[i] = {cell_of_key(contacts.keys()[i]), outward_of(scratch, i)};
+      scratch.queries[i] = {cell_of_key(contacts.keys()[i]), settings.scaling == Scaling::kPotential
+                                                                 ? Eigen::Vector3f::Zero().eval()
+                                                                 : outward_of(scratch, i)};
       scratch.queried[i] = static_cast<std::uint32_t>(i);
     }
   }
@@ -170,7 +173,7 @@ void keep_found(const HapticsSettings& settings, std::uint64_t tick, const Conta
                 NormalCache& cache) noexcept {
   if (!use_tool(settings.normals)) return;
   for (std::size_t q = 0; q < scratch.queried.size(); ++q) {
-    cache.keep(scratch.contacts.keys()[scratch.queried[q]], scratch.estimates[q], tick);
+    cache.keep(voxel_key(scratch.queries[q].voxel), scratch.estimates[q], tick);
   }
 }
 

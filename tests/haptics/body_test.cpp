@@ -38,6 +38,12 @@ Scene scene_with_body(const Pose& place, bool cuttable) {
   return scene;
 }
 
+ContactResult contact_of(const Body& body, const ContactQuery& query, ContactScratch& scratch) {
+  ContactResult result;
+  const NearBody near{&body, &scratch, &result};
+  return evaluate_contact({&near, 1}, query);
+}
+
 void expect_near(const Vector3d& a, const Vector3d& b, double tolerance) {
   EXPECT_LT((a - b).norm(), tolerance) << a.transpose() << " instead of " << b.transpose();
 }
@@ -45,7 +51,6 @@ void expect_near(const Vector3d& a, const Vector3d& b, double tolerance) {
 TEST(Body, ItsContactIsThatOfTheSameSolidMovedAndTurned) {
   const Pose place{{3e-3, -1e-3, 2e-3}, rotation_xyz({0.4, -1.1, 2.0})};
   Scene scene = scene_with_body(place, true);
-  scene.haptics.keep_normals = false;  // else those found first are of the lesser tier
   const Body body(scene, scene.bodies[0], Workpiece(ball()));
   const Workpiece same(ball());
   ContactScratch scratch(scene.haptics);
@@ -57,11 +62,10 @@ TEST(Body, ItsContactIsThatOfTheSameSolidMovedAndTurned) {
 
   const Twist twist_world{place.direction(twist.linear_m_per_s),
                           place.direction(twist.angular_rad_per_s), twist.spindle_rad_per_s};
-  const ContactResult found =
-      evaluate_contact(body,
-                       {burr(), place * on_top(), scene.tissues, scene.haptics, &twist_world,
-                        Outputs::kForceAndStiffness},
-                       scratch);
+  const ContactResult found = contact_of(body,
+                                         {burr(), place * on_top(), scene.tissues, scene.haptics,
+                                          &twist_world, Outputs::kForceAndStiffness},
+                                         scratch);
   EXPECT_EQ(found.contacts, at_origin.contacts);
   const double force_N = at_origin.wrench.force_N.norm();
   expect_near(found.wrench.force_N, place.direction(at_origin.wrench.force_N), 1e-5 * force_N);
@@ -84,7 +88,7 @@ TEST(Body, WhatHoldsIsNotRubbedAt) {
   ContactScratch scratch(scene.haptics);
   const Twist twist{{}, {}, 700.0};
   const ContactResult found =
-      evaluate_contact(body, {burr(), on_top(), scene.tissues, scene.haptics, &twist}, scratch);
+      contact_of(body, {burr(), on_top(), scene.tissues, scene.haptics, &twist}, scratch);
   EXPECT_GT(found.wrench.force_N.norm(), 0.01);
   EXPECT_TRUE(found.tangential.force_N.isZero(0.0));
 }
@@ -98,7 +102,7 @@ TEST(Body, OfOneTissueItHasThatTissuesStiffness) {
   const Body second(scene, scene.bodies[0], Workpiece(ball()));
   ContactScratch scratch(scene.haptics);
   const auto force_N = [&](const Body& body) {
-    return evaluate_contact(body, {burr(), on_top(), scene.tissues, scene.haptics}, scratch)
+    return contact_of(body, {burr(), on_top(), scene.tissues, scene.haptics}, scratch)
         .wrench.force_N.norm();
   };
   EXPECT_NEAR(force_N(second), 3.0 * force_N(first), 1e-5 * force_N(second));

@@ -152,10 +152,14 @@ TEST(ContactForce, AContactThatFacesAwayIsDroppedUnderSmoothOnly) {
     ContactScratch scratch(with(scaling));
     test::add_contact(scratch, contact, distance_m);
     ContactResult result;
-    ContactForce(flat_block(), round_burr(), pose, scaling, Outputs::kForce)
-        .sum(test::one_tissue(), nullptr, scratch, result);
+    const std::vector<TissueSettings> tissues = test::one_tissue();
+    const HapticsSettings settings = with(scaling);
+    const ContactQuery query{round_burr(), pose, tissues, settings};
+    ContactForce force(flat_block(), query);
+    const MeasureSums all = force.measured(scratch);
+    force.sum(all, scratch, result);
     if (scaling == Scaling::kSmooth) {
-      EXPECT_EQ(result.contacts, 0u);
+      EXPECT_EQ(all.counted, 0u);
       EXPECT_EQ(result.wrench.force_N, Vector3d(0, 0, 0));
     } else {
       EXPECT_LT(result.wrench.force_N.z(), 0.0);

@@ -64,7 +64,10 @@ ContactResult force_of(const Workpiece& workpiece, const Burr& burr, const Pose&
   const std::vector<TissueSettings> tissues = one_tissue();
   broad_phase(workpiece, burr.capsule, pose, reach_m, scratch);
   NarrowPhase phase(workpiece, burr.field, pose, reach_m, scratch);
-  ContactForce force(workpiece, burr, pose, scaling, outputs);
+  HapticsSettings settings;
+  settings.scaling = scaling;
+  const ContactQuery query{burr, pose, tissues, settings, nullptr, outputs};
+  ContactForce force(workpiece, query);
   for (bool more = true; more;) {
     const std::size_t first = scratch.contacts.size();
     more = phase.next();
@@ -76,7 +79,10 @@ ContactResult force_of(const Workpiece& workpiece, const Burr& burr, const Pose&
     }
     force.measure(scratch);
   }
-  force.sum(tissues, nullptr, scratch, result);
+  const MeasureSums all = force.measured(scratch);
+  result.contacts = all.counted;
+  force.sum(all, scratch, result);
+  if (outputs != Outputs::kForce) add_weight_derivative(scaling, all, result);
   return result;
 }
 

@@ -218,8 +218,7 @@ TEST_F(EvaluateManyContacts, BlocksGiveTheSameBitsWithHalfOfTheNormalsKept) {
   const ContactResult fresh = evaluate(scratch);
   for (std::size_t i = 0; i < scratch.contacts.size(); i += 2) {
     const Cell cell = scratch.contacts[i].cell;
-    kept.keep(voxel_key(cell), estimate_surface(workpiece_, cell, settings_), NormalTier::kFirst,
-              0);
+    kept.keep(voxel_key(cell), estimate_surface(workpiece_, cell, settings_), 0);
   }
   const ContactResult found = evaluate(half, &kept);
   EXPECT_EQ(found.wrench.force_N, fresh.wrench.force_N);

@@ -16,8 +16,7 @@ ContactResult evaluate_known(const Workpiece& solid, const ContactQuery& query, 
   ContactResult result;
   broad_phase(solid, query.burr.capsule, query.world_from_tool, reach_m, scratch);
   NarrowPhase phase(solid, query.burr.field, query.world_from_tool, reach_m, scratch);
-  ContactForce force(solid, query.burr, query.world_from_tool, query.settings.scaling,
-                     query.outputs);
+  ContactForce force(solid, query);
   for (bool more = true; more;) {
     const std::size_t first = scratch.contacts.size();
     more = phase.next();
@@ -28,7 +27,10 @@ ContactResult evaluate_known(const Workpiece& solid, const ContactQuery& query, 
     }
     force.measure(scratch);
   }
-  force.sum(query.tissues, query.twist, scratch, result);
+  const MeasureSums all = force.measured(scratch);
+  result.contacts = all.counted;
+  force.sum(all, scratch, result);
+  if (query.outputs != Outputs::kForce) add_weight_derivative(query.settings.scaling, all, result);
   return result;
 }
 
