@@ -97,6 +97,28 @@ Vector6d coupled_step(const SpringPull& springs, const Matrix6d& contact, const 
   return scale.cwiseProduct(stiffness.llt().solve(scale.cwiseProduct(residual)));
 }
 
+StepWays ways_of(const Vector6d& step, const Eigen::Vector3d& normal, double reach_m) noexcept {
+  const Eigen::Vector3d head = step.head<3>();
+  const double turn_m = reach_m * step.tail<3>().norm();
+  if (normal.isZero(0.0)) return {head.norm() + turn_m, 0.0};
+  const double through_m = normal.dot(head);
+  return {std::abs(through_m) + turn_m, (head - through_m * normal).norm()};
+}
+
+Vector6d shortened(const Vector6d& step, const Eigen::Vector3d& normal, double reach_m,
+                   const StepWays& longest) noexcept {
+  const StepWays ways = ways_of(step, normal, reach_m);
+  const double through = std::min(1.0, longest.through_m / std::max(ways.through_m, 1e-30));
+  const double along = std::min(1.0, longest.along_m / std::max(ways.along_m, 1e-30));
+  Vector6d shorter = through * step;
+  const Eigen::Vector3d head = step.head<3>();
+  if (!normal.isZero(0.0)) {
+    const Eigen::Vector3d across = normal.dot(head) * normal;
+    shorter.head<3>() = through * across + along * (head - across);
+  }
+  return shorter;
+}
+
 double step_fraction_within(const Eigen::Vector3d& gone_m, const Eigen::Vector3d& step_m,
                             double longest_m) noexcept {
   if ((gone_m + step_m).norm() <= longest_m) return 1.0;

@@ -62,6 +62,18 @@ inline double max_displacement(const Vector6d& step, double reach_m) noexcept {
 double step_fraction_within(const Eigen::Vector3d& gone_m, const Eigen::Vector3d& step_m,
                             double longest_m) noexcept;
 
+/// What a step does to the contact: into it or out of it, turns too, as the way of a point at the
+/// burr's surface; and along it.
+struct StepWays {
+  double through_m, along_m;
+};
+/// In contact with a surface across `normal` (unit, or zero: every way leads through it).
+StepWays ways_of(const Vector6d& step, const Eigen::Vector3d& normal, double reach_m) noexcept;
+
+/// The step with each of the two shortened to its limit.
+Vector6d shortened(const Vector6d& step, const Eigen::Vector3d& normal, double reach_m,
+                   const StepWays& longest) noexcept;
+
 struct CoupledResult {
   ContactResult contact;  // where the tool is
   int evaluations = 0;    // of the contact
@@ -91,8 +103,11 @@ double step_fraction_in_cone(const Eigen::Vector3d& stretch_m, const Eigen::Vect
 /// contact hundreds of times as stiff as the springs is met without crossing it:
 ///
 ///  - Newton steps with the contact's own stiffness; the springs regularise.
-///  - In contact a step takes no point of the burr further than half a voxel; in free space no
-///    further than `free_distance`, so that nothing is crossed without being felt, at any speed.
+///  - In contact a step takes no point of the burr further than half a voxel into a surface or out
+///    of it; along it, half the burr's radius: then the contact is looked at, and where it has
+///    become deeper by more than half a voxel the step ends before what it met. In free space a
+///    step is no longer than `free_distance`. So nothing is crossed without being felt, at any
+///    speed.
 ///  - In a tick the tool goes no further than the device has gone since `device_before`, and what
 ///    changes the springs' force by kLargestChange_N, and what changes it by nothing while they are
 ///    at their limit: when the tool slips off an edge the force falls over ticks, not in one.
@@ -109,86 +124,194 @@ double step_fraction_in_cone(const Eigen::Vector3d& stretch_m, const Eigen::Vect
 /// `free_distance(pose, wanted_m) -> m`: how far any point of a burr without contact can go for
 /// certain.
 template <class Evaluate, class FreeDistance>
+class Coupling {
+ public:
+  Coupling(const CouplingSprings& springs, const CouplingSettings& settings, double reference_m,
+           double longest_step_m, const Evaluate& evaluate,
+           const FreeDistance& free_distance) noexcept
+      : springs_(springs),
+        settings_(settings),
+        reference_m_(reference_m),
+        longest_{longest_step_m, std::max(longest_step_m, 0.5 * springs.radius_m)},
+        evaluate_(evaluate),
+        free_distance_(free_distance) {}
+
+  /// Takes `tool` on by a tick.
+  CoupledResult couple(const Pose& device_before, const Pose& device, Pose& tool) noexcept;
+
+ private:
+  static constexpr double kClose_m = 0.5e-6;
+  static constexpr double kForceTolerance_N = 5e-3;
+  static constexpr double kForceTolerance = 0.01;  // of what the springs pull with
+  static constexpr int kFreeEvaluations = 16;      // without contact they cost little
+  static constexpr double kLargestChange_N = 0.15;
+
+  /// A pose of the tool, and what pulls it there.
+  struct Look {
+    Pose tool;
+    SpringPull pull;
+    Vector6d residual;
+    Eigen::Vector3d normal;  // of the contact as a whole; zero without
+    double deepest_m;
+  };
+  Look look(const Pose& device, const Pose& tool) noexcept;
+  Vector6d newton_step(const Look& at) const noexcept;
+  bool is_used_up() const noexcept;
+  bool is_balanced(const Look& at, const Vector6d& step) const noexcept;
+  /// What of a step the surfaces allow.
+  Vector6d allowed(const Look& at, const Vector6d& step) noexcept;
+  /// The parts of the last step that it should have been: what it may go where it met what rises
+  /// from the surface; and a secant, where the residual has reversed and grown. 1 where it was
+  /// well.
+  double part_to_what_it_met(const Look& before, const Look& at,
+                             const Vector6d& step) const noexcept;
+  static double secant(const Look& before, const Look& at, const Vector6d& step) noexcept;
+
+  const CouplingSprings& springs_;
+  const CouplingSettings& settings_;
+  double reference_m_;
+  StepWays longest_;
+  const Evaluate& evaluate_;
+  const FreeDistance& free_distance_;
+  CoupledResult result_;
+  int free_ = 0;               // evaluations without contact
+  std::uint64_t touched_ = 0;  // contacts of all evaluations
+};
+
+template <class Evaluate, class FreeDistance>
+auto Coupling<Evaluate, FreeDistance>::look(const Pose& device, const Pose& tool) noexcept -> Look {
+  ContactResult& contact = result_.contact = evaluate_(tool);
+  ++result_.evaluations;
+  touched_ += contact.contacts;
+  free_ += contact.contacts > 0 ? 0 : 1;
+  const Eigen::Vector3d middle = tool.point(springs_.middle_tool);
+  const Wrench at_middle = about(contact.wrench, tool.point({0.0, reference_m_, 0.0}), middle);
+  Look at{tool, pull(springs_, device, tool), {}, Eigen::Vector3d::Zero(), contact.deepest_m};
+  at.residual << at.pull.wrench.force_N + at_middle.force_N,
+      at.pull.wrench.torque_Nm + at_middle.torque_Nm;
+  const Eigen::Vector3d normal_N = contact.wrench.force_N - contact.tangential.force_N;
+  if (const double size_N = normal_N.norm(); size_N > 0.0) at.normal = normal_N / size_N;
+  return at;
+}
+
+template <class Evaluate, class FreeDistance>
+Vector6d Coupling<Evaluate, FreeDistance>::newton_step(const Look& at) const noexcept {
+  const Matrix6d stiffness =
+      about(result_.contact.stiffness, at.tool.point({0.0, reference_m_, 0.0}),
+            at.tool.point(springs_.middle_tool));
+  return coupled_step(at.pull, stiffness, at.residual, springs_.reach_m);
+}
+
+template <class Evaluate, class FreeDistance>
+bool Coupling<Evaluate, FreeDistance>::is_used_up() const noexcept {
+  // One step there always is: a tool that cannot move leaves the hand with the force it had.
+  const bool many =
+      touched_ + result_.contact.contacts > static_cast<std::uint64_t>(settings_.contacts_per_tick);
+  return result_.evaluations - free_ >= settings_.evaluations || free_ >= kFreeEvaluations ||
+         (many && result_.evaluations > 1);
+}
+
+template <class Evaluate, class FreeDistance>
+bool Coupling<Evaluate, FreeDistance>::is_balanced(const Look& at,
+                                                   const Vector6d& step) const noexcept {
+  const double tolerance_N =
+      std::max(kForceTolerance_N, kForceTolerance * at.pull.wrench.force_N.norm());
+  return max_displacement(step, springs_.reach_m) <= kClose_m &&
+         at.residual.template head<3>().norm() <= tolerance_N;
+}
+
+template <class Evaluate, class FreeDistance>
+Vector6d Coupling<Evaluate, FreeDistance>::allowed(const Look& at, const Vector6d& step) noexcept {
+  if (result_.contact.contacts > 0) {
+    // What a long way along the surface meets has to be seen, and the tool to come back from it.
+    const bool sees = result_.evaluations - free_ + 2 <= settings_.evaluations;
+    return shortened(step, at.normal, springs_.reach_m,
+                     {longest_.through_m, sees ? longest_.along_m : longest_.through_m});
+  }
+  const double way_m = max_displacement(step, springs_.reach_m);
+  if (way_m <= longest_.through_m) return step;
+  const double longest_m = std::max(longest_.through_m, free_distance_(at.tool, way_m));
+  return way_m > longest_m ? Vector6d(longest_m / way_m * step) : step;
+}
+
+template <class Evaluate, class FreeDistance>
+double Coupling<Evaluate, FreeDistance>::part_to_what_it_met(const Look& before, const Look& at,
+                                                             const Vector6d& step) const noexcept {
+  const double along_m = ways_of(step, before.normal, springs_.reach_m).along_m;
+  const double deeper_m = at.deepest_m - before.deepest_m;
+  if (along_m <= longest_.through_m || deeper_m <= longest_.through_m) return 1.0;
+  return std::max(longest_.through_m, along_m - deeper_m) / along_m;
+}
+
+template <class Evaluate, class FreeDistance>
+double Coupling<Evaluate, FreeDistance>::secant(const Look& before, const Look& at,
+                                                const Vector6d& step) noexcept {
+  const double drove = before.residual.dot(step), drives = at.residual.dot(step);
+  return drives < 0.0 && -drives > drove && drove > 0.0 ? drove / (drove - drives) : 1.0;
+}
+
+template <class Evaluate, class FreeDistance>
+CoupledResult Coupling<Evaluate, FreeDistance>::couple(const Pose& device_before,
+                                                       const Pose& device, Pose& tool) noexcept {
+  const ForceTurn turn(springs_, device_before, device, tool);
+  const Eigen::Vector3d begin = tool.point(springs_.middle_tool);
+  const Eigen::Vector3d target = device.point(springs_.middle_tool);
+  const double beyond_limit_m =
+      (target - begin).norm() - springs_.force_limit_N / springs_.stiffness_N_per_m;
+  const double device_way_m = (device.position - device_before.position).norm();
+  const double longest_way_m =
+      device_way_m + std::max(0.0, beyond_limit_m) + kLargestChange_N / springs_.stiffness_N_per_m;
+  Look before{};
+  Vector6d step = Vector6d::Zero();
+  bool corrected = false;  // the last step, to what it met
+  for (;;) {
+    const Look at = look(device, tool);
+    if (!at.residual.allFinite()) break;  // the caller sees it in the contact
+    const bool touching = result_.contact.contacts > 0;
+    if (is_used_up()) {
+      const int steps = result_.evaluations - free_ - 1;
+      if (touching && device_way_m > steps * longest_.through_m) {
+        const StepWays left = ways_of(newton_step(at), at.normal, springs_.reach_m);
+        result_.lags = left.through_m > longest_.through_m || left.along_m > longest_.along_m;
+      }
+      break;
+    }
+    if (result_.evaluations > 1 && !corrected) {
+      double part = part_to_what_it_met(before, at, step);
+      corrected = part < 1.0;
+      if (!corrected) part = secant(before, at, step);
+      if (part < 1.0) {
+        step *= part;
+        tool = moved(before.tool, springs_.middle_tool, step);
+        continue;
+      }
+    }
+    corrected = false;
+    step = newton_step(at);
+    if (is_balanced(at, step)) {
+      result_.balanced = true;
+      break;
+    }
+    step = allowed(at, step);
+    const Eigen::Vector3d middle = tool.point(springs_.middle_tool);
+    step *= step_fraction_within(middle - begin, step.template head<3>(), longest_way_m);
+    step *= step_fraction_in_cone(target - middle, step.template head<3>(), turn.felt, turn.cosine);
+    if (max_displacement(step, springs_.reach_m) == 0.0) break;  // as far as it may go in this tick
+    before = at;
+    tool = moved(tool, springs_.middle_tool, step);
+  }
+  return result_;
+}
+
+/// Coupling::couple.
+template <class Evaluate, class FreeDistance>
 CoupledResult couple(const CouplingSprings& springs, const CouplingSettings& settings,
                      double reference_m, double longest_step_m, const Pose& device_before,
                      const Pose& device, Pose& tool, const Evaluate& evaluate,
                      const FreeDistance& free_distance) noexcept {
-  constexpr double kClose_m = 0.5e-6;
-  constexpr double kForceTolerance_N = 5e-3,
-                   kForceTolerance = 0.01;  // of what the springs pull with
-  constexpr int kFreeEvaluations = 16;      // without contact they cost little
-  constexpr double kLargestChange_N = 0.15;
-  const ForceTurn turn(springs, device_before, device, tool);
-  const Eigen::Vector3d begin = tool.point(springs.middle_tool);
-  const double device_way_m = (device.position - device_before.position).norm();
-  const double beyond_limit_m = (device.point(springs.middle_tool) - begin).norm() -
-                                springs.force_limit_N / springs.stiffness_N_per_m;
-  const double longest_way_m =
-      device_way_m + std::max(0.0, beyond_limit_m) + kLargestChange_N / springs.stiffness_N_per_m;
-  CoupledResult result;
-  Pose from = tool;                            // where the last step began
-  Vector6d residual_there = Vector6d::Zero();  // and what drove it
-  Vector6d step = Vector6d::Zero();
-  std::uint64_t touched = 0;
-  for (int free = 0;;) {
-    result.contact = evaluate(tool);
-    ++result.evaluations;
-    const bool touching = result.contact.contacts > 0;
-    touched += result.contact.contacts;
-    free += touching ? 0 : 1;
-
-    const Eigen::Vector3d middle = tool.point(springs.middle_tool);
-    const Eigen::Vector3d reference = tool.point({0.0, reference_m, 0.0});
-    const SpringPull springs_now = pull(springs, device, tool);
-    const Wrench contact = about(result.contact.wrench, reference, middle);
-    Vector6d residual;
-    residual << springs_now.wrench.force_N + contact.force_N,
-        springs_now.wrench.torque_Nm + contact.torque_Nm;
-
-    if (!residual.allFinite()) break;  // the caller sees it in the contact
-    // One step there always is: a tool that cannot move leaves the hand with the force it had.
-    const bool used_up =
-        touched + result.contact.contacts > static_cast<std::uint64_t>(settings.contacts_per_tick);
-    if (result.evaluations - free >= settings.evaluations || free >= kFreeEvaluations ||
-        (used_up && result.evaluations > 1)) {
-      const int steps = result.evaluations - free - 1;
-      if (touching && device_way_m > steps * longest_step_m) {
-        const Matrix6d stiffness = about(result.contact.stiffness, reference, middle);
-        step = coupled_step(springs_now, stiffness, residual, springs.reach_m);
-        result.lags = max_displacement(step, springs.reach_m) > longest_step_m;
-      }
-      break;
-    }
-    if (result.evaluations > 1) {
-      const double before = residual_there.dot(step), after = residual.dot(step);
-      if (after < 0.0 && -after > before && before > 0.0) {
-        step *= before / (before - after);
-        tool = moved(from, springs.middle_tool, step);
-        continue;
-      }
-    }
-    const Matrix6d stiffness = about(result.contact.stiffness, reference, middle);
-    step = coupled_step(springs_now, stiffness, residual, springs.reach_m);
-    const double way_m = max_displacement(step, springs.reach_m);
-    const double tolerance_N =
-        std::max(kForceTolerance_N, kForceTolerance * springs_now.wrench.force_N.norm());
-    if (way_m <= kClose_m && residual.head<3>().norm() <= tolerance_N) {
-      result.balanced = true;
-      break;
-    }
-    const double longest_m = touching || way_m <= longest_step_m
-                                 ? longest_step_m
-                                 : std::max(longest_step_m, free_distance(tool, way_m));
-    if (way_m > longest_m) step *= longest_m / way_m;
-    step *= step_fraction_within(middle - begin, step.head<3>(), longest_way_m);
-    step *= step_fraction_in_cone(device.point(springs.middle_tool) - middle, step.head<3>(),
-                                  turn.felt, turn.cosine);
-    if (max_displacement(step, springs.reach_m) == 0.0) break;  // as far as it may go in this tick
-    from = tool;
-    residual_there = residual;
-    tool = moved(from, springs.middle_tool, step);
-  }
-  return result;
+  return Coupling<Evaluate, FreeDistance>(springs, settings, reference_m, longest_step_m, evaluate,
+                                          free_distance)
+      .couple(device_before, device, tool);
 }
 
 }  // namespace sulcus

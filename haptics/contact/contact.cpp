@@ -1,5 +1,7 @@
 #include "haptics/contact/contact.hpp"
 
+#include <algorithm>
+
 #include "haptics/contact/contact_kernels.hpp"
 
 namespace sulcus {
@@ -12,6 +14,7 @@ ContactResult& ContactResult::operator+=(const ContactResult& other) noexcept {
   stiffness += other.stiffness;
   weight_growth += other.weight_growth;
   contacts += other.contacts;
+  deepest_m = std::max(deepest_m, other.deepest_m);
   tested += other.tested;
   leaves += other.leaves;
   faults |= other.faults;

@@ -44,6 +44,7 @@ struct ContactResult {
   /// How the sum of weights grows against a motion, where it divides; zero elsewhere.
   Vector6d weight_growth = Vector6d::Zero();
   double energy_J = 0.0;       // of the contact, under `potential`
+  float deepest_m = 0.0f;      // depth of a contact, at most
   std::uint32_t contacts = 0;  // voxels that take part in the force
   std::uint32_t tested = 0;    // voxels whose distance was asked for
   std::uint32_t leaves = 0;    // leaves that the capsule reaches

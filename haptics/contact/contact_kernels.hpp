@@ -48,12 +48,14 @@ struct MeasureLanes {
   using Lanes8 = double[8];
   alignas(64) Lanes8 weights{}, energy{}, near{}, normal[3]{}, products[6]{};
   std::uint32_t counted = 0;
+  float deepest_m = 0.0f;
 };
 
 struct MeasureSums {
   double weights = 0.0;
   double energy = 0.0;        // of a potential: sum of K w d^2, J
   std::uint32_t counted = 0;  // contacts with weight
+  float deepest_m = 0.0f;     // of them
   NormalSpread spread;
 };
 

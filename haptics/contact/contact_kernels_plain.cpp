@@ -31,6 +31,7 @@ MeasureSums sums_of(const MeasureLanes& lanes) noexcept {
   sums.weights = sum(lanes.weights);
   sums.energy = sum(lanes.energy);
   sums.counted = lanes.counted;
+  sums.deepest_m = lanes.deepest_m;
   sums.spread.weight = sum(lanes.near);
   for (int a = 0; a < 3; ++a) sums.spread.normal[a] = sum(lanes.normal[a]);
   for (int entry = 0; entry < 6; ++entry) sums.spread.products[entry] = sum(lanes.products[entry]);

@@ -188,6 +188,14 @@ inline Lanes of_tissues(const float* by_label, const std::uint8_t* labels) {
   return load(found);
 }
 
+/// How many, and the deepest.
+inline void add_counts(const IntLanes& counts, const Lanes& deepest, MeasureLanes& lanes) {
+  for (int lane = 0; lane < kLaneCount; ++lane) {
+    lanes.counted += static_cast<std::uint32_t>(counts[lane]);
+    if (deepest[lane] > lanes.deepest_m) lanes.deepest_m = deepest[lane];
+  }
+}
+
 /// Sums of NormalSpread, in lanes.
 struct SpreadSums {
   explicit SpreadSums(const MeasureLanes& lanes) : near(load(lanes.near)) {
@@ -232,6 +240,7 @@ inline void measure_all(const ContactFrame& frame, const ForceSettings& settings
   DoubleLanes weights = load(lanes.weights);
   SpreadSums spread(lanes);
   IntLanes counts{};
+  Lanes deepest{};
   for (std::size_t k = 0; k < contacts.size; k += kLaneCount) {
     const Lanes3 d = voxels(frame, contacts.keys + k);
     Lanes3 normal = load3(contacts, Contacts::kNormal, k);
@@ -288,10 +297,9 @@ inline void measure_all(const ContactFrame& frame, const ForceSettings& settings
     store(weight, contacts.of[Contacts::kWeight] + k);
     add(weights, weight);
     counts -= weight > 0.0f;
+    deepest = larger(deepest, where(weight > 0.0f, depth));
   }
-  for (int lane = 0; lane < kLaneCount; ++lane) {
-    lanes.counted += static_cast<std::uint32_t>(counts[lane]);
-  }
+  add_counts(counts, deepest, lanes);
   store(weights, lanes.weights);
   spread.store_to(lanes);
 }

@@ -1,5 +1,7 @@
 #include "haptics/contact/evaluate_contact.hpp"
 
+#include <algorithm>
+
 #include "engine/core/fault.hpp"
 #include "haptics/contact/broad_phase.hpp"
 #include "haptics/contact/contact_force.hpp"
@@ -57,6 +59,7 @@ MeasureSums find_contacts(const Workpiece& solid, const ContactQuery& query,
   result.tested = phase.tested();
   const MeasureSums sums = force.measured(scratch);
   result.contacts = sums.counted;
+  result.deepest_m = sums.deepest_m;
   return sums;
 }
 
@@ -91,6 +94,7 @@ void add(const MeasureSums& sums, MeasureSums& to) {
   to.weights += sums.weights;
   to.energy += sums.energy;
   to.counted += sums.counted;
+  to.deepest_m = std::max(to.deepest_m, sums.deepest_m);
   to.spread.weight += sums.spread.weight;
   for (int a = 0; a < 3; ++a) to.spread.normal[a] += sums.spread.normal[a];
   for (int entry = 0; entry < 6; ++entry) to.spread.products[entry] += sums.spread.products[entry];

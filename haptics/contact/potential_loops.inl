@@ -21,6 +21,7 @@ inline void measure_points(const ContactFrame& frame, const ForceSettings& setti
   const float half_voxel_m = 0.5f * frame.voxel_m, per_voxel = 1.0f / frame.voxel_m;
   DoubleLanes weights = load(lanes.weights), energy = load(lanes.energy);
   IntLanes counts{};
+  Lanes deepest{};
   for (std::size_t k = 0; k < contacts.size; k += kLaneCount) {
     const Lanes3 d = voxels(frame, contacts.keys + k);
     const Lanes3 normal = load3(contacts, Contacts::kNormal, k);
@@ -39,6 +40,7 @@ inline void measure_points(const ContactFrame& frame, const ForceSettings& setti
     add(weights, weight);
     add(energy, stiffness * weight * (depth * depth));
     counts -= in;
+    deepest = larger(deepest, where(in, depth));
     if (any(~known)) {
       // Friction is along the surface: across the tool's direction where it has no normal.
       const Lanes length = square_root(dot(outward, outward));
@@ -50,9 +52,7 @@ inline void measure_points(const ContactFrame& frame, const ForceSettings& setti
     store(depth, contacts.of[Contacts::kDepth] + k);
     store(weight, contacts.of[Contacts::kWeight] + k);
   }
-  for (int lane = 0; lane < kLaneCount; ++lane) {
-    lanes.counted += static_cast<std::uint32_t>(counts[lane]);
-  }
+  add_counts(counts, deepest, lanes);
   store(weights, lanes.weights);
   store(energy, lanes.energy);
 }

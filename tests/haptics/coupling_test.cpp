@@ -105,6 +105,72 @@ TEST(Coupling, NoStepInContactIsLongerThanAskedForHoweverFarTheDeviceIs) {
   EXPECT_LE(run.longest_m, kHalf * (1.0 + 1e-9));
 }
 
+/// A ball about the tool's middle, to its tip, on a face at z = 0, with a wall at x = `wall_m`.
+struct BallOnFace {
+  double wall_m = std::numeric_limits<double>::infinity();
+  double radius_m = 0.5 * burr().head_length_m;
+  static constexpr double kStiffness = 300e3;
+
+  ContactResult operator()(const Pose& tool) const {
+    ContactResult contact;
+    const Vector3d middle = tool.point({0.0, 0.5 * burr().head_length_m, 0.0});
+    const Vector3d reference = tool.point({0.0, burr().reference_m, 0.0});
+    const auto press = [&](double depth_m, const Vector3d& normal) {
+      if (depth_m <= 0.0) return;
+      ++contact.contacts;
+      contact.deepest_m = std::max(contact.deepest_m, static_cast<float>(depth_m));
+      const Vector3d arm = middle - reference;
+      Vector6d row;
+      row << normal, arm.cross(normal);
+      contact.wrench.force_N += kStiffness * depth_m * normal;
+      contact.wrench.torque_Nm += kStiffness * depth_m * arm.cross(normal);
+      contact.stiffness += kStiffness * row * row.transpose();
+    };
+    press(radius_m - middle.z(), Vector3d::UnitZ());
+    press(radius_m - (wall_m - middle.x()), -Vector3d::UnitX());
+    return contact;
+  }
+};
+
+TEST(Coupling, AlongAFaceTheToolComesWithTheDeviceAtAnySpeed) {
+  for (const double way_m : {1e-6, 50e-6, 0.5e-3, 2e-3}) {
+    CoupledRun run(test::upright({0, 0, 0}));
+    Pose device = test::upright({0, 0, -1e-3});
+    for (int i = 0; i < 60; ++i) run.tick(device, BallOnFace());
+    for (int i = 0; i < 20; ++i) {
+      device.position.x() += way_m;
+      const CoupledResult coupled = run.tick(device, BallOnFace());
+      const Wrench on_device = felt(run, device);
+      // 2 mm in a tick are more steps of half a radius than a tick has evaluations.
+      if (way_m > 1e-3) {
+        EXPECT_TRUE(coupled.lags);
+        continue;
+      }
+      EXPECT_FALSE(coupled.lags);
+      EXPECT_LT(std::abs(on_device.force_N.x()), 0.01) << way_m;
+      EXPECT_NEAR(on_device.force_N.z(), 0.7, 0.02) << way_m;
+    }
+  }
+}
+
+TEST(Coupling, AWallOnTheWayIsMetNotEntered) {
+  for (const double speed_m_per_s : {0.05, 0.2, 0.5}) {
+    const BallOnFace contact{2.013e-3};
+    CoupledRun run(test::upright({0, 0, 0}));
+    Pose device = test::upright({0, 0, -1e-3});
+    for (int i = 0; i < 60; ++i) run.tick(device, contact);
+    double deepest_m = 0.0;
+    for (int i = 0; i * speed_m_per_s * 1e-3 < 4e-3; ++i) {
+      device.position.x() += speed_m_per_s * 1e-3;
+      run.tick(device, contact);
+      deepest_m = std::max(deepest_m, run.tool.position.x() + contact.radius_m - contact.wall_m);
+    }
+    for (int i = 0; i < 30; ++i) run.tick(device, contact);
+    EXPECT_LT(deepest_m, 2.0 * kHalf) << speed_m_per_s;
+    EXPECT_NEAR(felt(run, device).force_N.x(), -0.7e3 * (4e-3 - (contact.wall_m - contact.radius_m)), 0.02) << speed_m_per_s;
+  }
+}
+
 TEST(Coupling, FreeSpaceIsCrossedAsFarAsItIsKnownToBeFree) {
   const auto nothing = [](const Pose&) { return ContactResult{}; };
   const Pose device = test::upright({3e-3, 0, 5e-3});
