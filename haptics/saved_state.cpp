@@ -1,5 +1,6 @@
 #include "haptics/saved_state.hpp"
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -102,17 +103,23 @@ void part_cut(Reader& read, const Workpiece& solid, CutState& state) {
   }
 }
 
-template <class Archive, class Removal>
-void removal(Archive& archive, const Workpiece& solid, Removal& part) {
-  if (!fields::presence(archive, part)) return;
-  if constexpr (Archive::kReads) {
-    RemovalState nowhere(CuttingSettings{.max_cut_voxels = 1});  // for what the scene does not name
-    RemovalState& to = part ? *part : nowhere;
-    part_cut(archive, solid, to.part_cut);
-    fields::removal(archive, to);
-  } else {
-    part_cut(archive, part->part_cut);
-    fields::removal(archive, *part);
+void removal(Writer& write, const Workpiece&, const std::optional<RemovalState>& part) {
+  if (!fields::presence(write, part)) return;
+  part_cut(write, part->part_cut);
+  fields::removal(write, *part);
+}
+
+void removal(Reader& read, const Workpiece& solid, std::optional<RemovalState>& part) {
+  if (!fields::presence(read, part)) return;
+  RemovalState nowhere(CuttingSettings{.max_cut_voxels = 1});  // for what the scene does not name
+  RemovalState& to = part ? *part : nowhere;
+  part_cut(read, solid, to.part_cut);
+  fields::removal(read, to);
+  if (read.layout() >= 3) return;
+  // Tissues are counted from here on; what their voxels have stored is work done on them.
+  const std::array<double, 256> stored_J = to.stored_by_tissue_J(solid);
+  for (std::size_t tissue = 0; tissue < stored_J.size(); ++tissue) {
+    to.by_tissue[tissue].work_J = stored_J[tissue];
   }
 }
 

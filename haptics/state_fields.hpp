@@ -119,8 +119,15 @@ void number(Archive& archive, Number& part) {
 
 template <class Archive, class Removal>
 void removal(Archive& archive, Removal& r) {
-  all(archive, r.carried_J, r.pool_J, r.work_J, r.removed_J);
+  // Layouts 1 and 2 have, in the place of heat, what waited to be spent on other voxels: it is
+  // lost.
+  all(archive, r.carried_J, r.heat_J, r.work_J, r.removed_J);
   each(archive, r.removed_voxels);
+  for (auto& tissue : r.by_tissue) {
+    for (auto* energy_J : {&tissue.work_J, &tissue.removed_J, &tissue.heat_J, &tissue.carried_J}) {
+      archive.since(3, *energy_J);
+    }
+  }
 }
 
 /// What a body beside the workpiece has suffered.

@@ -97,6 +97,20 @@ Json removed_json(const std::optional<RemovalState>& removal, const VoxelGrid& g
   return removed;
 }
 
+/// Where the work on each tissue has gone.
+Json tissue_energy_json(const Body& body, std::span<const TissueSettings> tissues) {
+  Json energies = Json::object();
+  const std::array<double, 256> stored_J = body.removal->stored_by_tissue_J(body.solid);
+  for (std::size_t t = 0; t < tissues.size(); ++t) {
+    const TissueEnergy& energy = body.removal->by_tissue[t];
+    energies[tissues[t].name] = {{"work", energy.work_J},
+                                 {"removed", energy.removed_J},
+                                 {"stored", stored_J[t]},
+                                 {"heat", energy.heat_J}};
+  }
+  return energies;
+}
+
 /// What was done to the bodies besides the workpiece.
 Json bodies_json(const Simulation& simulation) {
   const Scene& scene = simulation.scene();
@@ -105,28 +119,31 @@ Json bodies_json(const Simulation& simulation) {
     const Body& body = simulation.state().others()[i];
     const std::span tissues = std::span(scene.tissues).subspan(body.first_tissue);
     const std::size_t count = scene.bodies[i].tissue ? 1 : tissues.size();
-    bodies.push_back(
-        {{"name", scene.bodies[i].name},
-         {"solid_voxels", body.solid.solid_voxels()},
-         {"contact_s", static_cast<double>(body.touched_ticks) / scene.haptics.rate_hz},
-         {"peak_force_N", body.peak_force_N},
-         {"removed_mm3", removed_json(body.removal, body.solid.grid(), tissues.first(count))},
-         {"volume_hash", hex(body.solid.hash())}});
+    Json j{{"name", scene.bodies[i].name},
+           {"solid_voxels", body.solid.solid_voxels()},
+           {"contact_s", static_cast<double>(body.touched_ticks) / scene.haptics.rate_hz},
+           {"peak_force_N", body.peak_force_N},
+           {"removed_mm3", removed_json(body.removal, body.solid.grid(), tissues.first(count))}};
+    if (body.removal) j["tissue_energy_J"] = tissue_energy_json(body, tissues.first(count));
+    j["volume_hash"] = hex(body.solid.hash());
+    bodies.push_back(std::move(j));
   }
   return bodies;
 }
 
 /// Of all bodies.
 void add_energies(const SimulationState& state, Json& j) {
-  double removed_J = 0.0, stored_J = 0.0;
+  double removed_J = 0.0, stored_J = 0.0, heat_J = 0.0;
   for (const Body& body : state.bodies) {
     if (!body.removal) continue;
     removed_J += body.removal->removed_J;
     stored_J += body.removal->stored_J();
+    heat_J += body.removal->heat_J;
   }
   j["tangential_work_J"] = state.work_J();
   j["removed_energy_J"] = removed_J;
   j["stored_energy_J"] = stored_J;
+  j["heat_J"] = heat_J;
 }
 
 Json or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
@@ -320,6 +337,9 @@ nlohmann::ordered_json make_summary(const Simulation& simulation, const SessionR
   j["removed_voxels"] = s.removed;
   j["removed_mm3"] = removed_json(simulation.state().workpiece().removal,
                                   simulation.workpiece().grid(), scene.tissues);
+  if (const Body& body = simulation.state().workpiece(); body.removal) {
+    j["tissue_energy_J"] = tissue_energy_json(body, scene.tissues);
+  }
   add_energies(simulation.state(), j);
   if (!scene.bodies.empty()) j["bodies"] = bodies_json(simulation);
   add_port(scene, simulation.state().port, s, j);

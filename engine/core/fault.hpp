@@ -34,7 +34,7 @@ inline constexpr std::array<FaultInfo, 10> kFaults{{
     {kFaultNotFinite, "not_finite", "a force or pose not finite: zero force, the run ends"},
     {kFaultContactsFull, "contacts_full", "haptics.max_contacts exceeded: the deepest count"},
     {kFaultCutStateFull, "cut_state_full",
-     "cutting.max_cut_voxels exceeded: energy waits in the pool"},
+     "cutting.max_cut_voxels exceeded: work on the voxels beyond is lost as heat"},
     {kFaultRowsDropped, "rows_dropped", "rows before this one are missing"},
     {kFaultDeviceSilent, "device_silent",
      "no pose from the device for more than 20 ms: tool and spindle stand still"},

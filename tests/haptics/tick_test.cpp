@@ -1,7 +1,9 @@
 #include "haptics/tick.hpp"
 
+#include <array>
 #include <cstdlib>
 #include <memory>
+#include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -261,6 +263,74 @@ TEST(Tick, WhatWasCutIsRecordedAndBrakesTheSpindle) {
   ListDevice again(path(100));
   EXPECT_EQ(constant.steps(again, 100).back().spindle_rad_per_s, free_rad_per_s);
   EXPECT_FALSE(constant.state.spindle_rad_per_s);
+}
+
+/// Soft over hard, in voxels of 20 um, cut down through at 300,000 rpm.
+class Sandwich : public ::testing::Test {
+ protected:
+  static constexpr double kFine = 20e-6, kDt = 1e-3;
+  static constexpr int kSoftFrom = 32;  // of the voxels' z
+
+  Sandwich() : run_(true, layers()), fast_(make_burr(small_burr(BurrShape::kRound, 1e-3), kFine)) {
+    run_.scene.tissues = {TissueSettings{}, TissueSettings{}};
+    run_.scene.tissues[0].specific_energy_J_per_m3 = 3.5e9;
+    run_.scene.tissues[1].specific_energy_J_per_m3 = 0.65e9;
+    fast_.speed_rad_per_s = 300e3 * 2.0 * std::numbers::pi / 60.0;
+  }
+  static VoxelModel layers() {
+    VoxelModel model = test::block({64, 64, 64}, kFine, {0, 0, 0}, {64, 64, 44});
+    auto tissues = std::make_shared<TissueMap>(model.grid.leaf_count());
+    for (std::uint32_t leaf = 0; leaf < model.grid.leaf_count(); ++leaf) {
+      tissues->set_uniform(leaf, model.grid.leaf_origin(leaf).z() >= kSoftFrom);
+    }
+    model.tissues = tissues;
+    return model;
+  }
+  void step(Device& device) {
+    const TickContext context{run_.scene, fast_};
+    tick(context, device, run_.state, run_.scratch);
+    for (const Contact& contact : run_.scratch.bodies[0].contact.contacts) {
+      work_J_[contact.tissue] += static_cast<double>(contact.power_W) * kDt;
+    }
+    for (const Edit& edit : run_.scratch.edits) {
+      const Cell cell = run_.workpiece().grid().cell_of_linear(edit.voxel);
+      const std::size_t tissue = cell.z() >= kSoftFrom;
+      removed_J_[tissue] +=
+          run_.scene.tissues[tissue].specific_energy_J_per_m3 * kFine * kFine * kFine;
+    }
+  }
+
+  TickRun run_;
+  Burr fast_;
+  // By tissue, from the contacts' powers and from the edits.
+  std::array<double, 2> work_J_{}, removed_J_{};
+};
+
+TEST_F(Sandwich, WhatIsWorkedOnSoftTissueCutsNoHardTissueBelowIt) {
+  std::vector<Pose> poses;
+  for (int i = 0; i <= 400; ++i) poses.push_back(test::upright({0, 0, 0.26e-3 - i * 1e-6}));
+  ListDevice device(poses);
+  for (int i = 0; i <= 400; ++i) {
+    step(device);
+    for (const std::size_t tissue : {0u, 1u}) {
+      ASSERT_LE(removed_J_[tissue], work_J_[tissue] * (1 + 1e-9))
+          << "tissue " << tissue << ", " << i;
+    }
+  }
+  const RemovalState& state = run_.removal();
+  std::array<double, 2> stored_J{};
+  state.part_cut.for_each([&](std::uint32_t key, double energy_J) {
+    stored_J[cell_of_key(key).z() >= kSoftFrom] += energy_J;
+  });
+  for (const std::size_t tissue : {0u, 1u}) {
+    EXPECT_GT(removed_J_[tissue], 0.0) << tissue;
+    EXPECT_GT(state.by_tissue[tissue].heat_J, 0.0) << tissue;
+    EXPECT_NEAR(removed_J_[tissue] + stored_J[tissue] + state.by_tissue[tissue].heat_J,
+                work_J_[tissue], 1e-6 * work_J_[tissue])
+        << tissue;
+  }
+  EXPECT_NEAR(state.removed_J + state.stored_J() + state.heat_J, work_J_[0] + work_J_[1],
+              1e-6 * state.work_J);
 }
 
 TEST(Tick, BodiesOutOfReachAreNotTouched) {

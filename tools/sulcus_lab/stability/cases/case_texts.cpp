@@ -126,7 +126,7 @@ constexpr CaseText kCaseTexts[] = {
      "on the voxel size and the rate, and soft tissue may cut no faster than hard.",
      "A load of 1 N cuts sideways for 10 s, with three voxel sizes and three rates, in dentine "
      "and in enamel.",
-     "Energy of what was removed, plus what is stored, equals the work within 1e-6. The work "
+     "Energy of what was removed, what is stored and heat add up to the work within 1e-6. The work "
      "equals the power integrated apart, from the recorded tangential force, torque and speed, "
      "within 1 %. The volume is the same within 10 % over sizes and rates, and dentine cuts "
      "faster than enamel."},

@@ -310,6 +310,7 @@ struct SideCut {
 struct CutResult {
   double removed_mm3 = 0.0, removed_at_mm3 = 0.0;  // in all; when `early_s` had passed
   double balance = 0.0, integrated = 0.0;          // relative errors
+  double heat = 0.0;                               // of the work
   double load_N = 0.0;                             // mean contact force along the load
   std::vector<float> force_N;
 };
@@ -384,8 +385,9 @@ field = 'auto'
                            rig.simulation().workpiece().grid().voxel_volume_m3() *
                            scene.tissues.front().specific_energy_J_per_m3;
   result.removed_mm3 = static_cast<double>(removed) * voxel_mm3;
-  result.balance = std::abs((removed_J + state.stored_J()) / state.work_J - 1.0);
+  result.balance = std::abs((removed_J + state.stored_J() + state.heat_J) / state.work_J - 1.0);
   result.integrated = std::abs(integrated_J / state.work_J - 1.0);
+  result.heat = state.heat_J / state.work_J;
   result.load_N = sum_N / static_cast<double>(ticks);
   return result;
 }
@@ -419,6 +421,7 @@ void cutting_energy(CaseTrial& trial) {
     add("balance_error", setting, run.balance, at_most(kBalance));
     add("power_error", setting, run.integrated, at_most(kIntegrated));
     add("removed_mm3", setting, run.removed_mm3);
+    add("heat_of_work", setting, run.heat);
     add("load_N", setting, run.load_N);
     if (cut.tissue == "dentine") {
       add("dentine_by_enamel", "", enamel > 0.0 ? run.removed_mm3 / enamel : 0.0, at_least(1.0));
