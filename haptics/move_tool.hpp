@@ -29,7 +29,8 @@ ContactResult contact_with_bodies(const TickContext& context, const SimulationSt
 /// stays where it is. Sets the result's contact, commanded wrench and evaluations, and adds faults
 /// of a step that was too long for what it met: kFaultStepTooLong where the tool was to go further
 /// along a surface than a coupling can in a tick, or without one went more than a voxel deeper, or
-/// its middle through solid; kFaultToolInside where that is in solid afterwards.
+/// its surface more than a voxel further into what it cuts, or its middle through solid;
+/// kFaultToolInside where that is in solid afterwards.
 void move_tool(const TickContext& context, const DeviceReading& device, SimulationState& state,
                TickScratch& scratch, TickResult& result) noexcept;
 

@@ -175,7 +175,8 @@ TEST(BodyTick, OnlyACuttableOneIsCutAndTheEnergyIsItsOwn) {
     const RemovalState& removal = *run.neighbour().removal;
     EXPECT_EQ(removal.removed_voxels[0], edits);
     EXPECT_EQ(run.state.work_J(), removal.work_J);
-    EXPECT_NEAR(removal.removed_J + removal.stored_J(), removal.work_J, 1e-9 * removal.work_J);
+    EXPECT_NEAR(removal.removed_J + removal.stored_J() + removal.heat_J, removal.work_J,
+                1e-9 * removal.work_J);
   }
 }
 

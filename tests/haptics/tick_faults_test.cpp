@@ -1,3 +1,4 @@
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -147,6 +148,56 @@ TEST(TickFaults, AFreeSlideFasterThanTheCouplingsStepsIsTold) {
       told += (r.faults & kFaultStepTooLong) != 0 ? 1 : 0;
     }
     EXPECT_EQ(told > 0, speed_m_per_s > 1.0) << speed_m_per_s << ": " << told;
+  }
+}
+
+/// A groove as deep as 4 voxels, cut through a block at a constant speed.
+struct Groove {
+  static constexpr double kRadius_m = 0.7e-3, kDepth_m = 0.2e-3;
+  /// How steeply the burr goes into the solid at its rim, which is at the block's face.
+  static double rim() { return std::sqrt(1.0 - std::pow(1.0 - kDepth_m / kRadius_m, 2)); }
+
+  Groove(double speed_m_per_s, double rate_hz, bool cutting) {
+    TickRun run(cutting, test::block({160, 64, 64}, kVoxel, {0, 0, 0}, {160, 64, 32}));
+    run.scene.haptics.rate_hz = rate_hz;
+    run.begin_again();
+    Burr fast = burr();
+    fast.speed_rad_per_s = 2e4;
+    const TickContext context{run.scene, fast};
+    std::vector<Pose> poses;
+    const double step_m = speed_m_per_s / rate_hz;
+    for (double x = -2.5e-3; x < 2.5e-3; x += step_m) {
+      poses.push_back(test::upright({x, 0, -0.025e-3 - kDepth_m}));
+    }
+    ListDevice device(poses);
+    ticks = poses.size();
+    for (std::size_t i = 0; i < ticks; ++i) {
+      const TickResult result = tick(context, device, run.state, run.scratch);
+      told += (result.faults & kFaultStepTooLong) != 0 ? 1 : 0;
+      removed += result.removed;
+    }
+  }
+  std::size_t ticks = 0, told = 0;
+  std::uint64_t removed = 0;
+};
+
+TEST(TickFaults, AStepAlongTheSurfaceByWhichCuttingSuffersIsTold) {
+  for (const double step_voxels : {0.3, 0.7, 1.6, 4.0, 10.0}) {
+    SCOPED_TRACE(step_voxels);
+    const double speed_m_per_s = step_voxels * kVoxel * 1e3;
+    const Groove cut(speed_m_per_s, 1000.0, true);
+    const Groove fine(speed_m_per_s, 16000.0, true);
+    ASSERT_GT(fine.removed, 4000u);
+    EXPECT_EQ(fine.told, 0u);
+    const double lost = 1.0 - static_cast<double>(cut.removed) / static_cast<double>(fine.removed);
+    if (step_voxels * Groove::rim() < 1.0) {
+      EXPECT_LT(lost, 0.02);
+      EXPECT_EQ(cut.told, 0u);
+    } else {
+      EXPECT_GT(lost, 0.02);
+      EXPECT_GE(cut.told, cut.ticks / 2);
+    }
+    EXPECT_EQ(Groove(speed_m_per_s, 1000.0, false).told, 0u) << "nothing is cut";
   }
 }
 

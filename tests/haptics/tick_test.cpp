@@ -265,7 +265,7 @@ TEST(Tick, WhatWasCutIsRecordedAndBrakesTheSpindle) {
   EXPECT_FALSE(constant.state.spindle_rad_per_s);
 }
 
-/// Soft over hard, in voxels of 20 um, cut down through at 300,000 rpm.
+/// Dentine over enamel, in voxels of 20 um, cut down through at 300,000 rpm behind a coupling.
 class Sandwich : public ::testing::Test {
  protected:
   static constexpr double kFine = 20e-6, kDt = 1e-3;
@@ -275,6 +275,8 @@ class Sandwich : public ::testing::Test {
     run_.scene.tissues = {TissueSettings{}, TissueSettings{}};
     run_.scene.tissues[0].specific_energy_J_per_m3 = 3.5e9;
     run_.scene.tissues[1].specific_energy_J_per_m3 = 0.65e9;
+    run_.scene.coupling.emplace();
+    for (TissueSettings& tissue : run_.scene.tissues) tissue.stiffness_N_per_m = 300e3;
     fast_.speed_rad_per_s = 300e3 * 2.0 * std::numbers::pi / 60.0;
   }
   static VoxelModel layers() {

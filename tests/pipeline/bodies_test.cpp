@@ -11,6 +11,7 @@
 #include "engine/recording/recording_reader.hpp"
 #include "engine/recording/recording_writer.hpp"
 #include "engine/volume/workpiece.hpp"
+#include "tests/pipeline/energy_balance.hpp"
 #include "tests/pipeline/small_scenes.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
@@ -66,9 +67,7 @@ TEST_F(Bodies, WhatWasCutOfTheNeighbourIsCountedRecordedAndReplayed) {
               static_cast<double>(of_neighbour) * 0.0625 * 0.0625 * 0.0625, 1e-12);
   EXPECT_GT(body["contact_s"].get<double>(), 0.05);
   EXPECT_GT(body["peak_force_N"].get<double>(), 0.05);
-  const double work_J = summary["tangential_work_J"];
-  EXPECT_NEAR(summary["removed_energy_J"].get<double>() + summary["stored_energy_J"].get<double>(),
-              work_J, 1e-9 * work_J);
+  test::expect_energies_balance(summary);
 
   VoxelModel neighbour = reader.bodies().at(0);
   for (const Edit& edit : edits) {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/recording/recording_reader.hpp"
+#include "tests/pipeline/energy_balance.hpp"
 #include "tests/pipeline/small_scenes.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
@@ -88,10 +89,8 @@ TEST_F(Coupled, AHandPressesAndTheToolStaysOutAtAnyPaceWithTheSameBits) {
 
 TEST_F(Coupled, CuttingThroughACouplingKeepsItsBooksAndReplays) {
   const nlohmann::json summary = run(kPressScene + "[cutting]\n", "cut");
-  const double work_J = summary["tangential_work_J"];
   EXPECT_GT(summary["removed_voxels"].get<int>(), 500);
-  EXPECT_NEAR(summary["removed_energy_J"].get<double>() + summary["stored_energy_J"].get<double>(),
-              work_J, 1e-6 * work_J);
+  test::expect_energies_balance(summary);
   const auto verified = verify("cut");
   EXPECT_EQ(verified.status, 0) << verified.err;
 }

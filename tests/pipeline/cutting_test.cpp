@@ -8,6 +8,7 @@
 
 #include "engine/core/pose.hpp"
 #include "engine/recording/recording_reader.hpp"
+#include "tests/pipeline/energy_balance.hpp"
 #include "tests/pipeline/small_scenes.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
@@ -45,8 +46,7 @@ TEST_F(SideCutting, TheLoadIsHeldAndTheWorkIsThatOfTheRecordedForceTorqueAndSpee
       run("out", coarse_ + "--set spindle.stall_torque_mNm=0.5 --set spindle.inertia_g_mm2=1");
   const double work_J = summary["tangential_work_J"];
   ASSERT_GT(removed_mm3(summary), 0.1);
-  EXPECT_NEAR(summary["removed_energy_J"].get<double>() + summary["stored_energy_J"].get<double>(),
-              work_J, 1e-6 * work_J);
+  test::expect_energies_balance(summary);
   EXPECT_NEAR(summary["removed_energy_J"].get<double>(), 3.5 * removed_mm3(summary), 1e-6 * work_J);
 
   const RecordingReader reader(scratch_.path("out/recording.h5"));

@@ -81,6 +81,16 @@ TEST_F(Faults, AStepTooLongForWhatItMeetsIsALineAtTheEnd) {
   EXPECT_EQ(summary()["faults"]["step_too_long"], 1);
 }
 
+TEST_F(Faults, StepsTooLongToCutAllTheyPassAreALineAtTheEnd) {
+  // Into the block in 0.2 s; then along it in steps of 4 voxels, of which the burr goes in by 3 at
+  // its rim.
+  write_table({{0, -0.8, 1.2}, {0.2, -0.8, 0.9}, {0.208, 0.8, 0.9}, {0.3, 0.8, 0.9}});
+  const auto result = run(kTableScene);
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.err.find("fault step_too_long in 8 ticks"), std::string::npos) << result.err;
+  EXPECT_EQ(summary()["faults"]["step_too_long"], 8);
+}
+
 TEST_F(Faults, VoxelsTooCoarseForTheBurrAreSaid) {
   for (const std::string voxel_mm : {"10", "1"}) {
     const auto result =

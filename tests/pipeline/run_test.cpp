@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/pipeline/energy_balance.hpp"
 #include "tests/pipeline/small_scenes.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
@@ -54,8 +55,7 @@ TEST(Run, NamedPartsAreListedWithTheirMemory) {
   for (const auto& part : summary["parts"]) EXPECT_GT(part["memory_MiB"], 0.0) << part;
   EXPECT_GT(summary["removed_voxels"], 100);
   EXPECT_GT(summary["frames"], 1);
-  EXPECT_NEAR(summary["removed_energy_J"].get<double>() + summary["stored_energy_J"].get<double>(),
-              summary["tangential_work_J"].get<double>(), 1e-9);
+  test::expect_energies_balance(summary);
   for (const char* file : {"/recording.h5", "/forces.png", "/log.txt", "/frames/000000.png"}) {
     EXPECT_GT(std::filesystem::file_size(scratch.path("out") + file), 0u) << file;
     EXPECT_NE(result.out.find(scratch.path("out")), std::string::npos);
