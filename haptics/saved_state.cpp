@@ -65,6 +65,11 @@ class Reader {
     value = T{};
     if (layout_ >= layout) (*this)(value);
   }
+  /// One that the layouts from one on do not have any more.
+  template <class T>
+  void until(std::uint32_t layout, T value) {
+    if (layout_ < layout) (*this)(value);
+  }
   void set_layout(std::uint32_t layout) { layout_ = layout; }
   std::uint32_t layout() const { return layout_; }
   template <class T>

@@ -69,7 +69,8 @@ void passivity(Archive& archive, Passivity& p) {
   pose(archive, p.reference);
   vector(archive, p.moved.linear_m_per_s);
   vector(archive, p.moved.angular_rad_per_s);
-  all(archive, p.moved.spindle_rad_per_s, p.energy_J, p.least_J, p.lossless_J);
+  all(archive, p.moved.spindle_rad_per_s, p.energy_J, p.least_J);
+  if constexpr (requires { archive.until(3, 0.0); }) archive.until(3, 0.0);  // another reference
   wrench(archive, p.contact);
   for (auto* h : {&p.commanded, &p.sent, &p.held}) {
     wrench(archive, h->wrench);
@@ -77,6 +78,21 @@ void passivity(Archive& archive, Passivity& p) {
     archive(h->limited);
   }
   all(archive, p.given_before_J, p.dissipated_J, p.damped_ticks);
+}
+
+/// What the controller has beside it.
+template <class Archive, class Passivity>
+void trend(Archive& archive, Passivity& p) {
+  auto& t = p.trend;
+  for (int axis = 0; axis < 3; ++axis) {
+    archive.since(3, t.direction[axis]);
+    archive.since(3, t.step_m[axis]);
+  }
+  for (auto* value : {&t.drive_N, &t.stiffness_N_per_m, &t.stiffest_N_per_m, &t.length_m}) {
+    archive.since(3, *value);
+  }
+  archive.since(3, t.has_stiffness);
+  archive.since(3, p.credit_J);
 }
 
 template <class Archive, class Buzz>
@@ -97,6 +113,7 @@ void port(Archive& archive, Port& p) {
   passivity(archive, p.passivity);
   buzz(archive, p.buzz);
   archive.since(2, p.silent_ticks);
+  trend(archive, p.passivity);
 }
 
 /// Whether what follows is there, and whether the state has a place for it.

@@ -29,6 +29,9 @@ Pose at_reference(const Pose& pose, double reference_m) {
 PassivitySettings passivity_settings(const TickContext& context) {
   PassivitySettings settings;
   settings.dt_s = 1.0 / context.scene.haptics.rate_hz;
+  if (context.scene.coupling) {
+    settings.stiffness_N_per_m = context.scene.coupling->stiffness_N_per_m;
+  }
   if (const auto& device = context.scene.device) {
     settings.limit_N = device->force_limit_N;
     settings.renders_torque = device->torque_limit_Nm > 0.0;

@@ -11,7 +11,9 @@ namespace sulcus {
 /// A sampled wall gives out energy: its force, held over a tick, lags half a tick behind the
 /// motion, and with every step dx of a spring of stiffness K the hand gets K dx^2 / 2 more than the
 /// spring had. The observer [Hannaford and Ryu 2002] adds up what passes the device's port; the
-/// controller takes back out of the motion what was given. Once a tick, in this order:
+/// controller takes back out of the motion what was given. So it does with the energy of a force
+/// that has no potential, round an edge for example, which gives out something new with every turn
+/// of a closed way. Once a tick, in this order:
 ///
 ///   observe_passivity(reference, state)
 ///   wrench = control_passivity(wanted, settings, state)      only where a scene asks for it
@@ -19,7 +21,8 @@ namespace sulcus {
 ///   hold_wrench(sent, settings, state)                    without `control`, the observer alone
 struct PassivitySettings {
   double limit_N = 3.3;             // the damping takes no force beyond it
-  double damping_N_s_per_m = 10.0;  // at most; mass / tick, 45 for 45 g, would stop it at once
+  double damping_N_s_per_m = 10.0;  // of a leak, at most; mass / tick, 45 for 45 g, would stop it
+  double stiffness_N_per_m = 0.0;   // of the springs that a force comes through; 0: none are known
   bool renders_torque = false;      // the device does
   bool delayed = false;             // the device applies a wrench a tick after it was sent
   double dt_s = 1e-3;               // of a tick
@@ -34,19 +37,31 @@ struct PassivityState {
     bool limited =
         false;  // by a limit of the output; the damping in it is then not known, and zero here
   };
+  /// What the last of the way shows: means over kWay_m of it in `control_passivity`, however fast
+  /// it was gone, and over ticks, however short it was.
+  struct Trend {
+    Eigen::Vector3d direction = Eigen::Vector3d::Zero();  // of unit vectors: 1 where it is straight
+    double drive_N = 0.0;            // along the way, beyond what springs give back
+    double stiffness_N_per_m = 0.0;  // fall of the force along the way
+    double stiffest_N_per_m = 0.0;   // of this contact
+    bool has_stiffness = false;      // in this contact
+    Eigen::Vector3d step_m = Eigen::Vector3d::Zero();  // in a tick
+    double length_m = 0.0;                             // of steps
+  };
 
   bool has_reference = false;
-  Pose reference;               // [observe] at the last tick
-  Twist moved;                  // [observe] since the tick before: m, rad
-  double energy_J = 0.0;        // [observe] since the contact began
-  double least_J = 0.0;         // [observe] of the run
-  Wrench contact;               // [control] wanted, what the device renders of it
-  double lossless_J = 0.0;      // [control] what a contact that is not sampled would have absorbed
-  Held commanded;               // [control]
-  Held sent;                    // [hold]
-  Held held;                    // [hold] what the device has over the coming tick
-  double given_before_J = 0.0;  // by the contacts that are over
-  double dissipated_J = 0.0;    // by the controller
+  Pose reference;                  // [observe] at the last tick
+  Twist moved;                     // [observe] since the tick before: m, rad
+  double energy_J = 0.0;           // [observe] since the contact began
+  double least_J = 0.0;            // [observe] of the run
+  Wrench contact;                  // [control] wanted, what the device renders of it
+  Trend trend;                     // [control]
+  double credit_J = 0.0;           // [control] what the reserve has beside the energy
+  Held commanded;                  // [control]
+  Held sent;                       // [hold]
+  Held held;                       // [hold] what the device has over the coming tick
+  double given_before_J = 0.0;     // by the contacts that are over
+  double dissipated_J = 0.0;       // by the controller
   std::uint64_t damped_ticks = 0;  // on which the controller acted
 
   /// Sum of what was given out over the contacts of the run, the present one as it stands.
@@ -58,19 +73,30 @@ struct PassivityState {
 /// the last one where the device does not answer. The first call only takes the pose.
 void observe_passivity(const Pose& reference, PassivityState& state) noexcept;
 
-/// `wanted` with a damping force against the last displacement, where the contact has given out
-/// more than it had. Against what a contact without sampling would have absorbed, the trapezoid of
-/// the wanted wrenches [Ryu, Kim and Hannaford 2004: a reference energy], and ahead by what the
-/// coming tick will leak if it is as the last: waiting until the energy itself falls below zero, as
-/// the observer's authors do, leaves the last few ticks of a contact for all of it. None in air,
-/// none without motion, none that would reverse the wanted force: nothing sticks.
+/// `wanted` with a damping force against the motion, the larger part of two reasons together:
+///
+/// - A sampled force leaks. It is late by half a tick (one and a half with a delay), over which it
+///   would have changed by its stiffness times the way: so much is added, kLeakMargin times.
+/// - What passed the port since the contact began, less what the springs have stored of it, is the
+///   reserve; a potential has no part in it, and comes back undamped. What a force drives the
+///   motion with beyond that draws the reserve down: to zero, and no further. The damping that
+///   takes the drive away comes with kStep_N a tick, so that it begins as early as that needs: a
+///   drive f may last while f^2 / 2 kStep_N steps' way of it are in the reserve. Of a contact
+///   behind springs the stored energy is F^2 / 2k; elsewhere k is the stiffest that the contact has
+///   shown.
+///
+/// Where the reserve is overdrawn the first part grows, up to kMostLeakMargin, until it is paid.
+/// The damping changes by kStep_N a tick at most, or where it has much to damp (a tap at 50 mm/s on
+/// 1 N/mm with a delay) by half of what the leak needs. None in air, none that would reverse the
+/// wanted force: nothing sticks.
 Wrench control_passivity(const Wrench& wanted, const PassivitySettings& settings,
                          PassivityState& state) noexcept;
 
 /// Takes what was sent, after the limits. A contact begins with the first wrench after a tick
 /// without any, and the energy with it at zero: what an earlier contact's cutting dissipated would
-/// hide for long what a later one gives out. What the limits took is not the contact's to give or
-/// to take, so where it changed the force the reference starts from what was exchanged.
+/// hide for long what a later one gives out. A force of under a millinewton, which a coupling
+/// leaves in air, is none. What the limits took is not the contact's to give or to take, so where
+/// they changed the force an overdrawn reserve starts from zero.
 void hold_wrench(const Wrench& sent, const PassivitySettings& settings,
                  PassivityState& state) noexcept;
 

@@ -151,14 +151,20 @@ class SavedState : public ::testing::Test {
     fields::removal(count, removal);
     return count.bytes;
   }
-  /// As it was written before there were energies of each tissue, the last of a removal's, but
-  /// behind it the cached normals' leaves; and in the first layout a count of silent ticks, the
-  /// last of the port's.
-  std::vector<std::byte> of_layout(int layout) const {
+  /// As it was written before the third layout: without energies of each tissue, the last of a
+  /// removal's, but behind it the cached normals' leaves; with another reference of the passivity
+  /// controller's and without what it goes by now, the last of the port's. In the first layout
+  /// without the count of silent ticks before that.
+  std::vector<std::byte> of_layout(int layout) {
+    PassivityState& passivity = run_.state.port.passivity;
+    passivity.trend = {};
+    passivity.credit_J = 0.0;
     std::vector<std::byte> old = run_.saved();
+    const auto at = [&](std::size_t place) {
+      return old.begin() + static_cast<std::ptrdiff_t>(place);
+    };
     const auto erase = [&](std::size_t end, std::size_t bytes) {
-      old.erase(old.begin() + static_cast<std::ptrdiff_t>(end - bytes),
-                old.begin() + static_cast<std::ptrdiff_t>(end));
+      old.erase(at(end - bytes), at(end));
     };
     for (const std::size_t b : {1u, 0u}) {
       const std::size_t end = end_of_part_cut(b) + removal_bytes();
@@ -166,10 +172,19 @@ class SavedState : public ::testing::Test {
       cache[0] = std::byte{1};
       constexpr std::uint32_t kLeaves = 2;
       std::memcpy(&cache[1], &kLeaves, sizeof kLeaves);
-      old.insert(old.begin() + static_cast<std::ptrdiff_t>(end), cache.begin(), cache.end());
+      old.insert(at(end), cache.begin(), cache.end());
       erase(end, sizeof(RemovalState::by_tissue));
     }
-    if (layout == 1) erase(4 + 8 + 1 + 7 * 8 + port_bytes(), 8);
+    constexpr std::size_t kTrend = 11 * 8 + 1;
+    const std::size_t end_of_port = 4 + 8 + 1 + 7 * 8 + port_bytes();
+    erase(end_of_port, kTrend);
+    if (layout == 1) erase(end_of_port - kTrend, 8);
+    // Behind the pose, the limiter, and of the passivity a pose, a motion and two energies.
+    constexpr std::size_t kBefore =
+        4 + 8 + 1 + 7 * 8 + (7 * 8 + 1) + (7 * 8 + 4 * 8) + (1 + 16 * 8);
+    const double reference_J = 7.0;
+    const auto* reference = reinterpret_cast<const std::byte*>(&reference_J);
+    old.insert(at(kBefore), reference, reference + sizeof reference_J);
     old[0] = static_cast<std::byte>(layout);
     return old;
   }
@@ -232,7 +247,8 @@ TEST_F(SavedState, WhateverOfItChangesTheHashChanges) {
 TEST_F(SavedState, AStateOfTheFirstLayoutIsReadAsOneOfADeviceThatAnswers) {
   TickedRun again;
   again.cut_as(run_);
-  ASSERT_TRUE(load_state(of_layout(1), again.state));
+  const std::vector<std::byte> old = of_layout(1);
+  ASSERT_TRUE(load_state(old, again.state));
   again.state.bodies[0].removal->by_tissue = run_.state.bodies[0].removal->by_tissue;
   again.state.bodies[1].removal->by_tissue = run_.state.bodies[1].removal->by_tissue;
   EXPECT_EQ(again.state.hash(), run_.state.hash());
@@ -241,7 +257,10 @@ TEST_F(SavedState, AStateOfTheFirstLayoutIsReadAsOneOfADeviceThatAnswers) {
 TEST_F(SavedState, WhatWaitedToBeSpentInTheSecondLayoutIsHeat) {
   constexpr double kWaiting_J = 1.25e-3;
   std::vector<std::byte> old = of_layout(2);
-  std::memcpy(old.data() + end_of_part_cut(0) + sizeof(double), &kWaiting_J, sizeof kWaiting_J);
+  // In the second layout the port is shorter by what the controller goes by, and a number longer.
+  constexpr std::size_t kShorter = 11 * 8 + 1 - 8;
+  std::memcpy(old.data() + end_of_part_cut(0) - kShorter + sizeof(double), &kWaiting_J,
+              sizeof kWaiting_J);
   TickedRun again;
   again.cut_as(run_);
   ASSERT_TRUE(load_state(old, again.state));

@@ -86,10 +86,15 @@ void walk(const F& f, PassivityState::Held& held) {
   walk_all(f, wrench, damping, changed);
 }
 template <class F>
+void walk(const F& f, PassivityState::Trend& trend) {
+  auto& [direction, drive, stiffness, stiffest, has_stiffness, step, length] = trend;
+  walk_all(f, direction, drive, stiffness, stiffest, has_stiffness, step, length);
+}
+template <class F>
 void walk(const F& f, PassivityState& passivity) {
-  auto& [has_reference, reference, moved, energy, least, contact, lossless, outputs, sent, held,
-         given_before, dissipated, damped_ticks] = passivity;
-  walk_all(f, has_reference, reference, moved, energy, least, contact, lossless, outputs, sent,
+  auto& [has_reference, reference, moved, energy, least, contact, trend, credit, outputs, sent,
+         held, given_before, dissipated, damped_ticks] = passivity;
+  walk_all(f, has_reference, reference, moved, energy, least, contact, trend, credit, outputs, sent,
            held, given_before, dissipated, damped_ticks);
 }
 template <class F>

@@ -182,7 +182,7 @@ TEST(Passivity, TheDampingStopsAtTheLimitOfTheForce) {
   const PassivitySettings settings{.limit_N = 1.0};
   PassivityState state;
   under(0.0, force(0.0), state, settings);
-  EXPECT_NEAR(under(100e-6, force(-0.95), state, settings).force_N.x(), -1.0, 1e-12);
+  EXPECT_NEAR(under(100e-6, force(-0.995), state, settings).force_N.x(), -1.0, 1e-12);
   // One that is beyond it already is not made larger.
   state = {};
   under(0.0, force(0.0), state, settings);
@@ -190,11 +190,18 @@ TEST(Passivity, TheDampingStopsAtTheLimitOfTheForce) {
 }
 
 TEST(Passivity, TheDampingConstantIsBounded) {
-  const PassivitySettings settings{.limit_N = 100.0, .damping_N_s_per_m = 0.1};
+  // By four times that of what a wall leaks, K T / 2, however much there is to be taken back.
+  constexpr double kStiffness = 1000.0, kStep_m = 20e-6;
   PassivityState state;
-  under(0.0, force(0.0), state, settings);
-  under(100e-6, force(-5.0), state, settings);
-  EXPECT_NEAR(under(200e-6, force(-10.0), state, settings).force_N.x(), -10.0 - 0.1 * 0.1, 1e-12);
+  under(0.0, force(0.0), state);
+  state.energy_J = -1.0;
+  for (int i = 1; i < 50; ++i) {
+    const double wall_N = -kStiffness * kStep_m * i;
+    const double own_N = under(kStep_m * i, force(wall_N), state).force_N.x() - wall_N;
+    state.energy_J = std::min(state.energy_J, -1.0);
+    EXPECT_LE(-own_N, 4.0 * 0.5 * kStiffness * kStep_m * (1.0 + 1e-12)) << i;
+    if (i > 20) EXPECT_GE(-own_N, 1.9 * kStiffness * kStep_m) << "all of it";
+  }
 }
 
 TEST(Passivity, InAirAndAtRestThereIsNoDamping) {
@@ -218,13 +225,24 @@ TEST(Passivity, WhatAContactLeftUnpaidIsNotTakenFromTheNext) {
   EXPECT_GE(force_N, -0.03) << "half a tick's rise and one ahead, with their margin, are 0.011 N";
 }
 
-TEST(Passivity, AConstantForceIsLeftAlone) {
-  // It stores nothing and leaks nothing, wherever it moves.
+TEST(Passivity, AConstantForceIsLeftAloneUntilItHasGivenBackWhatItTook) {
+  // It leaks nothing, wherever it moves.
   PassivityState state;
-  for (int i = 0; i < 100; ++i) {
-    const double x_m = 1e-3 * ((i * 37) % 11);
-    EXPECT_EQ(under(x_m, force(-1.0), state).force_N.x(), -1.0);
-  }
+  double x_m = 0.0;
+  const auto go = [&](double to_m) {
+    const double way_m = to_m - x_m;
+    const auto steps = static_cast<int>(std::lround(std::abs(way_m) / 20e-6));
+    double least_N = HUGE_VAL;
+    for (int i = 1; i <= steps; ++i) {
+      const double now_m = x_m + way_m * i / steps;
+      least_N = std::min(least_N, -under(now_m, force(-1.0), state).force_N.x());
+    }
+    x_m = to_m;
+    return least_N;
+  };
+  for (const double to_m : {3e-3, 1e-3, 2e-3, 1e-3, 3e-3, 1e-3}) EXPECT_EQ(go(to_m), 1.0);
+  EXPECT_LT(go(-3e-3), 1e-3);
+  EXPECT_GE(state.energy_J, -0.015 * 20e-6) << "but for a step of the damping, in a tick";
 }
 
 TEST(Passivity, WhatTheEdgeHeldBackIsNotTheContactsDebt) {
