@@ -6,7 +6,7 @@ namespace sulcus {
 
 namespace {
 
-constexpr double kWindow_s = 0.07, kSilence_s = 0.05;
+constexpr double kWindow_s = 0.07, kShortWindow_s = 0.047, kSilence_s = 0.05;
 /// Of a swing to that before the last. Impacts that die away lose more than that, but for the
 /// rounding to quanta, on which two swings in a row may be equal though the motion dies.
 constexpr double kSustained = 0.95;
@@ -39,9 +39,15 @@ void follow(const Eigen::Vector3d& force_N, double threshold_N, BuzzState& state
   state.furthest_N = force_N;
 }
 
-bool sustained(const BuzzState& state) {
-  for (std::size_t i = 2; i < BuzzState::kReversals; ++i) {
-    if (state.swings_N[i] < kSustained * state.swings_N[i - 2]) return false;
+/// Whether the last `count` reversals were seen within a time, and each of their swings is at least
+/// kSustained of that `apart` before.
+bool sustained(const BuzzState& state, std::size_t count, std::size_t apart, double window_s,
+               double dt_s) {
+  if (state.seen < count) return false;
+  const std::size_t first = BuzzState::kReversals - count;
+  if (static_cast<double>(state.tick - state.seen_ticks[first]) * dt_s > window_s) return false;
+  for (std::size_t i = first + apart; i < BuzzState::kReversals; ++i) {
+    if (state.swings_N[i] < kSustained * state.swings_N[i - apart]) return false;
   }
   return true;
 }
@@ -56,10 +62,8 @@ bool buzz(const Eigen::Vector3d& force_N, double threshold_N, double dt_s,
     state.turn_N = state.furthest_N = force_N;
   }
   follow(force_N, threshold_N, state);
-  return state.seen >= BuzzState::kReversals &&
-         static_cast<double>(state.tick - state.seen_ticks.front()) * dt_s <= kWindow_s &&
-         static_cast<double>(state.tick - state.seen_ticks.back()) * dt_s <= kSilence_s &&
-         sustained(state);
+  return static_cast<double>(state.tick - state.seen_ticks.back()) * dt_s <= kSilence_s &&
+         (sustained(state, 4, 2, kWindow_s, dt_s) || sustained(state, 3, 1, kShortWindow_s, dt_s));
 }
 
 }  // namespace sulcus

@@ -20,10 +20,13 @@ struct BuzzState {
   std::array<std::uint64_t, kReversals> seen_ticks{};  // at which those were seen
 };
 
-/// Whether a force buzzes: true when its last four reversals were seen within 70 ms (at a tick of
-/// `dt_s`), so from 22 Hz on, as slowly as a heavy arm begins to, the last within 50 ms, and the
-/// swings did not die away, each at least 0.95 of that before the last, which went the same way. A
-/// reversal is seen when the force has come back from where it was furthest by more than
+/// Whether a force buzzes, at a tick of `dt_s`: true when the last reversal was seen within 50 ms
+/// and the swings do not die away. That is
+/// - its last three reversals within 47 ms, each swing at least 0.95 of the last: the second time
+///   that a heavy arm comes back, from 22 Hz on, as slowly as it begins to; or
+/// - the last four within 70 ms, each at least 0.95 of that before the last, which went the same
+///   way: for swings that quanta make uneven.
+/// A reversal is seen when the force has come back from where it was furthest by more than
 /// `threshold_N`, along the line on which it came but for 60 degrees: so it is counted along
 /// whatever direction the force changes in, and a force that turns a corner does not reverse. The
 /// threshold is to lie above what a device's resolution makes of a wall of stiffness K at rest,

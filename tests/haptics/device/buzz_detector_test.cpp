@@ -210,6 +210,33 @@ TEST(BuzzDetector, ItHearsFrom23To250HzAndNotBelow20) {
   }
 }
 
+TEST(BuzzDetector, ASlowOneIsHeardTheSecondTimeItComesBack) {
+  // As slowly as a heavy arm swings, from rest on.
+  for (const double hz : {23.0, 24.0, 27.0, 35.0}) {
+    const std::vector<double> force_N = wave(hz, 0.2, 1000);
+    const std::vector<int> ticks = spoken(force_N, 0.1);
+    ASSERT_FALSE(ticks.empty()) << hz;
+    EXPECT_LE(ticks.front() - first_fall(force_N, 0.1), 50) << hz;
+  }
+}
+
+TEST(BuzzDetector, ASwingThatDiesAwayIsNone) {
+  // Each way 0.93 of the last; quanta round it to 0.05 N.
+  for (const double hz : {23.0, 35.0, 60.0, 120.0}) {
+    for (const double quantum_N : {1e-6, 0.05}) {
+      std::vector<double> force_N(50, 3.0);
+      for (int i = 0; i < 1000; ++i) {
+        const double halves = 2.0 * hz * i * kTick_s;
+        const double swing_N = 3.0 * std::pow(0.93, halves) * std::sin(M_PI * halves);
+        force_N.push_back(quantum_N * std::round((3.0 + swing_N) / quantum_N));
+      }
+      // As far down as its quanta do not make two ways alike.
+      force_N.resize(50 + static_cast<std::size_t>(12.0 / (2.0 * hz * kTick_s)));
+      EXPECT_TRUE(spoken(force_N, 0.1).empty()) << hz << " Hz, " << quantum_N << " N";
+    }
+  }
+}
+
 TEST(BuzzDetector, TheWindowIsATimeNotANumberOfTicks) {
   for (const double dt_s : {2e-3, 1e-3, 0.25e-3}) {
     const auto ticks = static_cast<int>(std::lround(1.0 / dt_s));
