@@ -9,6 +9,8 @@ namespace sulcus::lab {
 
 /// How fluently a run at real pace is drawn, and what drawing it costs its ticks.
 void add_frames_command(CLI::App& program);
+/// The laws of the force: no history, no favoured axis, no energy from nowhere.
+void add_laws_command(CLI::App& program);
 /// Errors and times of the normal methods on shapes whose normals are known.
 void add_normals_command(CLI::App& program);
 /// What a tick costs against how true its force is, on the molar.
