@@ -53,7 +53,9 @@ constexpr Law kLaws[] = {
      "no voxel goes, no friction is felt", jump_and_silence},
     {"long_steps", "A step too long for what it meets is told",
      "The tool is drawn through a block in steps of up to 2 mm, and through a wall of one voxel.",
-     "where more than 1 % less is cut, or the wall is crossed, a fault is set", long_steps},
+     "a fault is set where more than 5 % less is cut or the wall is crossed, none at 0.02 mm a "
+     "tick",
+     long_steps},
     {"free_slide", "A free slide costs nothing",
      "Behind the coupling, pressed with 0.7 N, no friction: the force along a plane.",
      "at most 0.01 N on a plane; 250 Hz within 0.02 N of 1 kHz", free_slide},

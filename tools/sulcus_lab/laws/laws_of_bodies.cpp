@@ -99,7 +99,7 @@ void two_bodies(LawTrial& trial) {
       trial.add(where, "force_off_percent", 100.0 * forces.apart_N / forces.most_N, at_most(1.0));
       trial.add(where, "sideways_percent", 100.0 * forces.sideways_N / forces.most_N, at_most(1.0));
       const Scene cutting = law_scene({.scaling = scaling,
-                                       .burr = "speed_rpm = 40000",
+                                       .burr = "speed_rpm = 150000",
                                        .tables = "[cutting]\n",
                                        .tissues = "'dentine'"});
       LawRig one(cutting, shape.model);

@@ -29,7 +29,7 @@ struct EnergyOfWay {
 };
 
 std::string way_words(double depth_m, bool back) {
-  return with_number("%g mm deep, ", depth_m / kMillimetre) + (back ? "back" : "forth");
+  return with_number("%g mm deep ", depth_m / kMillimetre) + (back ? "back" : "forth");
 }
 
 /// Once round a closed way that begins and ends in free air. Force in straight lines from pose to
@@ -115,32 +115,35 @@ void coupled_way(LawTrial& trial) {
 
 namespace {
 
-/// What a simulated device was given a turn of its hand, from the handle's own motion under the
-/// force that it held.
+/// What a simulated device was given in a turn of its hand, from the handle's own motion under the
+/// force that it held. In the mean of the turns but the first.
 EnergyOfWay energy_at_port(const Scene& scene, const LawShape& shape,
                            const std::vector<Vector3d>& way, int turns) {
-  const int settling = 1;
-  const Trajectory hand = round_and_round(way, settling + turns);
+  const Trajectory hand = round_and_round(way, 1 + turns);
   SimulatedDevice device(*scene.device, hand, scene.haptics.rate_hz, scene.burr.reference_m);
   LawRig rig(scene, shape.model);
-  EnergyOfWay energy;
+  EnergyOfWay mean;
   Vector3d sent_N = Vector3d::Zero(), before = device.state().position;
-  const std::size_t from = way.size() * static_cast<std::size_t>(settling);
-  const std::size_t all = way.size() * static_cast<std::size_t>(settling + turns);
-  for (std::size_t t = 0; t < all; ++t) {
-    const TickResult result = rig.step(device);
-    const Vector3d now = device.state().position;
-    if (t >= from) energy.add(sent_N.dot(now - before));
-    before = now;
-    sent_N = result.sent.force_N;
+  for (int turn = 0; turn <= turns; ++turn) {
+    EnergyOfWay energy;
+    for (std::size_t t = 0; t < way.size(); ++t) {
+      const TickResult result = rig.step(device);
+      const Vector3d now = device.state().position;
+      energy.add(sent_N.dot(now - before));
+      before = now;
+      sent_N = result.sent.force_N;
+    }
+    if (turn == 0) continue;
+    mean.given_J += energy.given_J / turns;
+    mean.stored_J += energy.stored_J / turns;
   }
-  energy.given_J /= turns;
-  return energy;
+  return mean;
 }
 
 }  // namespace
 
-/// The same of a simulated device whose hand goes round, with and without the passivity controller.
+/// The same of a simulated device whose hand goes round at 3 mm/s, with and without the passivity
+/// controller.
 void device_way(LawTrial& trial) {
   const int turns = trial.quick() ? 2 : 6;
   for (const std::string& name : trial.shapes({"box", "wall"}, kAllWays)) {
@@ -153,15 +156,17 @@ void device_way(LawTrial& trial) {
                                              "hand = 'firm'\npassivity_controller = ") +
                                  (controlled ? "true\n" : "false\n"),
                        .coupling = true});
-        for (const bool back : {false, true}) {
-          const std::vector<Vector3d> way = circle_over(shape, 0.7e-3, 0.6e-3, 10e-6, back);
-          const EnergyOfWay energy = energy_at_port(scene, shape, way, turns);
-          const LawPlace where{name, scaling,
-                               std::string(controlled ? "controlled" : "not controlled") +
-                                   (back ? ", back" : ", forth")};
-          trial.add(where, "stored_uJ", energy.stored_J / kMicrojoule);
-          trial.add(where, "given_out_uJ", energy.given_J / kMicrojoule,
-                    controlled ? at_most(0.0) : RowLimit{});
+        for (const double depth_m : trial.settings<double>({0.4e-3}, {0.4e-3, 0.6e-3})) {
+          for (const bool back : {false, true}) {
+            const std::vector<Vector3d> way = circle_over(shape, depth_m, 0.3e-3, 3e-6, back);
+            const EnergyOfWay energy = energy_at_port(scene, shape, way, turns);
+            const LawPlace where{
+                name, scaling,
+                way_words(depth_m, back) + (controlled ? " controlled" : " not controlled")};
+            trial.add(where, "stored_uJ", energy.stored_J / kMicrojoule);
+            trial.add(where, "given_out_uJ", energy.given_J / kMicrojoule,
+                      controlled ? at_most(0.0) : RowLimit{});
+          }
         }
       }
     }

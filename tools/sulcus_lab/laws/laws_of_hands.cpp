@@ -58,7 +58,7 @@ void slide_on_planes(LawTrial& trial, const std::string& name, const Vector3d& u
     for (const std::string& scaling : trial.scalings()) {
       for (const double speed : trial.settings<double>({50, 400}, {50, 100, 200, 400, 500})) {
         const std::string setting =
-            with_number("voxels of %g um, ", voxel_um) + with_number("%g mm/s", speed);
+            with_number("voxels of %g um ", voxel_um) + with_number("%g mm/s", speed);
         trial.add({name, scaling, setting}, "drag_N",
                   drag_N(scaling, solid, up, {.speed_m_per_s = 1e-3 * speed}), at_most(0.01));
       }
@@ -66,7 +66,7 @@ void slide_on_planes(LawTrial& trial, const std::string& name, const Vector3d& u
       const double at_1_kHz_N = drag_N(scaling, solid, up, {});
       for (const double rate_hz : trial.settings<double>({250}, {100, 250, 4000})) {
         const double off_N = drag_N(scaling, solid, up, {.rate_hz = rate_hz}) - at_1_kHz_N;
-        trial.add({name, scaling, with_number("%g Hz against 1 kHz, 100 mm/s", rate_hz)},
+        trial.add({name, scaling, with_number("%g Hz against 1 kHz at 100 mm/s", rate_hz)},
                   "drag_off_N", std::abs(off_N), rate_hz == 250 ? at_most(0.02) : RowLimit{});
       }
     }

@@ -18,6 +18,8 @@ std::string kept_words(bool kept) { return kept ? "normals kept" : "normals foun
 
 std::string kept_key(bool kept) { return kept ? "" : "keep_normals = false"; }
 
+constexpr double kFast_m = 0.1e-3, kSlow_m = 10e-6;  // a tick: 100 and 10 mm/s
+
 double distance_N(const Wrench& a, const Wrench& b) { return (a.force_N - b.force_N).norm(); }
 
 /// Places of the ball's middle a little aside of where a shape is touched, and some depth below.
@@ -36,15 +38,15 @@ std::vector<Vector3d> places_in(const LawShape& shape, bool few) {
   return places;
 }
 
-/// From `from` to a place at 10 mm/s, at a millisecond a tick.
-TickResult come(LawRig& rig, const Vector3d& from, const Vector3d& place) {
-  return rig.steps(poses_along(std::vector<Vector3d>{from, place}, 10e-6));
+/// From `from` to a place, in steps of so much a tick.
+TickResult come(LawRig& rig, const Vector3d& from, const Vector3d& place, double step_m) {
+  return rig.steps(poses_along(std::vector<Vector3d>{from, place}, step_m));
 }
 
 }  // namespace
 
-/// The tool comes down to a place and stays there for a hundred ticks. The force of all of them but
-/// the first is that of the second.
+/// The tool comes down to a place at 100 mm/s, so that its normals are new, and stays there for a
+/// hundred ticks. The force of all of them but the first is that of the second.
 void at_rest(LawTrial& trial) {
   for (const std::string& name : trial.shapes(kSomeShapes, kEveryShape)) {
     const LawShape shape = law_shape(name);
@@ -55,7 +57,7 @@ void at_rest(LawTrial& trial) {
         double most_N = 0.0;
         for (const Vector3d& place : places) {
           LawRig rig(scene, shape.model);
-          come(rig, place + 0.3e-3 * shape.normal, place);
+          come(rig, place + 0.3e-3 * shape.normal, place, kFast_m);
           const Pose pose = pose_at_centre(place);
           const Wrench second = rig.step(pose).contact.wrench;
           for (int t = 2; t < 100; ++t) {
@@ -68,24 +70,31 @@ void at_rest(LawTrial& trial) {
   }
 }
 
-/// The same place reached along the normal, along the surface from each side, and out of a deeper
-/// one: the force in the tick of the arrival and in the one after it.
+/// The same place reached along the normal, slowly and fast, along the surface from each side, and
+/// out of a deeper one: the force in the tick of the arrival and in the one after it.
 void another_way(LawTrial& trial) {
   for (const std::string& name : trial.shapes(kSomeShapes, kEveryShape)) {
     const LawShape shape = law_shape(name);
     const std::vector<Vector3d> places = places_in(shape, trial.quick());
-    const Vector3d ways[] = {0.3e-3 * shape.normal, 0.3e-3 * shape.across, 0.3e-3 * shape.along(),
-                             -0.25e-3 * shape.across,
-                             Vector3d(-0.1e-3 * shape.normal + 0.1e-3 * shape.along())};
+    struct Way {
+      Vector3d from;  // the place
+      double step_m;
+    };
+    const Way ways[] = {{0.3e-3 * shape.normal, kSlow_m},
+                        {0.3e-3 * shape.normal, kFast_m},
+                        {0.3e-3 * shape.across, kSlow_m},
+                        {0.3e-3 * shape.along(), kFast_m},
+                        {-0.25e-3 * shape.across, kSlow_m},
+                        {-0.1e-3 * shape.normal + 0.1e-3 * shape.along(), kSlow_m}};
     for (const std::string& scaling : trial.scalings()) {
       for (const bool kept : {true, false}) {
         const Scene scene = law_scene({.scaling = scaling, .haptics = kept_key(kept)});
         double arriving_N = 0.0, arrived_N = 0.0;
         for (const Vector3d& place : places) {
           std::vector<Wrench> first, second;
-          for (const Vector3d& way : ways) {
+          for (const Way& way : ways) {
             LawRig rig(scene, shape.model);
-            first.push_back(come(rig, place + way, place).contact.wrench);
+            first.push_back(come(rig, place + way.from, place, way.step_m).contact.wrench);
             second.push_back(rig.step(pose_at_centre(place)).contact.wrench);
           }
           for (std::size_t w = 1; w < first.size(); ++w) {

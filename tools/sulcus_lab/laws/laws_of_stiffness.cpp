@@ -19,19 +19,21 @@ namespace {
 constexpr std::string_view kOfWholeContact[] = {"count", "smooth", "potential"};
 
 /// Force over K of a ball of radius R, D deep in a plane whose every area counts alike, m. On the
-/// sphere's points of depth d the plane has the area 2 pi (R - d) dd, so that sum f(d) is the
-/// integral of f(d) (R - d):
+/// sphere's points of depth d the plane has the area 2 pi (R - d) dd, so that sum f(d) is 2 pi
+/// times the integral of f(d) (R - d). With S0 the least sum of weights, ten voxels of 34.8 um:
 ///   count      the mean of d
-///   smooth     sum d^2 / sum d
-///   potential  the derivative of 2/3 sum d^3 / sum d
+///   smooth     sum d^2 / max(sum d, S0)
+///   potential  the derivative of 2/3 sum d^3 / (sum d + S0)
 double force_over_stiffness_m(std::string_view scaling, double radius, double deep) {
+  constexpr double kLeast_m3 = 4.2e-13 / (2.0 * std::numbers::pi);
   const auto sum = [&](int n) {  // of d^n
     return radius * std::pow(deep, n + 1) / (n + 1) - std::pow(deep, n + 2) / (n + 2);
   };
   if (scaling == "count") return sum(1) / sum(0);
-  if (scaling == "smooth") return sum(2) / sum(1);
+  if (scaling == "smooth") return sum(2) / std::max(sum(1), kLeast_m3);
   const auto by_depth = [&](int n) { return std::pow(deep, n) * (radius - deep); };
-  return 2.0 / 3.0 * (by_depth(3) * sum(1) - sum(3) * by_depth(1)) / (sum(1) * sum(1));
+  const double weights = sum(1) + kLeast_m3;
+  return 2.0 / 3.0 * (by_depth(3) * weights - sum(3) * by_depth(1)) / (weights * weights);
 }
 
 /// A half space whose plane goes through the origin.
@@ -59,7 +61,7 @@ void stiffness_and_voxels(LawTrial& trial) {
       for (const std::string& scaling : trial.scalings(kOfWholeContact)) {
         const Scene scene = law_scene({.scaling = scaling, .haptics = "keep_normals = false"});
         LawRig rig(scene, solid);
-        for (const double deep_m : {0.1e-3, 0.2e-3}) {
+        for (const double deep_m : {0.03e-3, 0.06e-3, 0.1e-3, 0.2e-3}) {
           double force_N = 0.0;
           constexpr int kPlaces = 12;  // of the voxels below it, which it is the mean of
           for (int i = 0; i < kPlaces; ++i) {
@@ -74,7 +76,7 @@ void stiffness_and_voxels(LawTrial& trial) {
           const double wanted_N = scene.tissues[0].stiffness_N_per_m *
                                   force_over_stiffness_m(scaling, kLawRadius_m, deep_m);
           const LawPlace where{plane.name, scaling,
-                               with_number("voxels of %g mm, ", voxel_mm) +
+                               with_number("voxels of %g mm ", voxel_mm) +
                                    with_number("%g mm deep", deep_m / kMillimetre)};
           // The paper's depth is at the voxel's centre, half a voxel in: of that it is only told.
           const bool held = voxel_mm <= 0.1 && scaling != "count";

@@ -158,14 +158,14 @@ void turned_cut(LawTrial& trial) {
   for (const std::string& name :
        trial.shapes({"box"}, {"box", "blob", "groove", "wall", "molar"})) {
     const LawShape shape = law_shape(name);
-    const Vector3d deep = touching_centre(shape) - 0.12e-3 * shape.normal;
+    const Vector3d deep = touching_centre(shape) - 0.15e-3 * shape.normal;
     const std::vector<Vector3d> corners{deep + 0.3e-3 * shape.normal - 0.2e-3 * shape.along(),
                                         deep - 0.2e-3 * shape.along(),
                                         deep + 0.2e-3 * shape.along() - 0.1e-3 * shape.across};
     const std::vector<Pose> way = poses_along(corners, trial.quick() ? 4e-6 : 2e-6);
     for (const std::string& scaling : trial.scalings()) {
       const Scene scene = law_scene({.scaling = scaling,
-                                     .burr = "speed_rpm = 40000",
+                                     .burr = "speed_rpm = 300000",
                                      .tables = "[cutting]\n",
                                      .tissues = "'dentine'"});
       const Cut straight = cut_along(scene, shape.model, way);
