@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 
-#include "engine/import/load_burr.hpp"
 #include "engine/scene/scene_file.hpp"
 
 namespace sulcus::lab {
@@ -26,6 +26,30 @@ Scene with_voxels(Scene scene, const VoxelGrid& grid) {
   scene.workpiece.voxel_m = grid.voxel_m;
   scene.workpiece.cells = grid.cells;
   return scene;
+}
+
+/// A generated burr. Its field takes longer to make than most runs take: that of an earlier one
+/// with the same shape and grid is taken again. For one thread.
+Burr burr_of(const Scene& scene) {
+  struct MadeField {
+    BurrShape shape;
+    double diameter_m;
+    std::optional<double> length_m;
+    DistanceField field;
+  };
+  static std::vector<MadeField> made;
+  const BurrSettings& burr = scene.burr;
+  const auto source = [&](const FieldGrid& grid, const TriangleMesh*, const auto& make) {
+    for (const MadeField& m : made) {
+      if (m.shape == burr.shape && m.diameter_m == burr.diameter_m && m.length_m == burr.length_m &&
+          m.field.grid().samples == grid.samples &&
+          m.field.grid().origin_tool == grid.origin_tool && m.field.spacing_m() == grid.spacing_m) {
+        return m.field;
+      }
+    }
+    return made.emplace_back(burr.shape, burr.diameter_m, burr.length_m, make()).field;
+  };
+  return make_burr(burr, scene.workpiece.voxel_m, scene.file, source);
 }
 
 }  // namespace
@@ -78,7 +102,7 @@ Scene law_scene(const LawSceneSettings& settings) {
 
 LawRig::LawRig(const Scene& scene, std::vector<VoxelModel> solids)
     : scene_(with_voxels(scene, solids.front().grid)),
-      burr_(load_burr(scene_)),
+      burr_(burr_of(scene_)),
       state_(initial_state(scene_, as_workpieces(std::move(solids)))),
       scratch_(scene_),
       context_{scene_, burr_} {}
