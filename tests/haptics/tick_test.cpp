@@ -310,9 +310,9 @@ class Sandwich : public ::testing::Test {
 
 TEST_F(Sandwich, WhatIsWorkedOnSoftTissueCutsNoHardTissueBelowIt) {
   std::vector<Pose> poses;
-  for (int i = 0; i <= 400; ++i) poses.push_back(test::upright({0, 0, 0.26e-3 - i * 1e-6}));
+  for (int i = 0; i <= 800; ++i) poses.push_back(test::upright({0, 0, 0.26e-3 - i * 1e-6}));
   ListDevice device(poses);
-  for (int i = 0; i <= 400; ++i) {
+  for (int i = 0; i <= 800; ++i) {
     step(device);
     for (const std::size_t tissue : {0u, 1u}) {
       ASSERT_LE(removed_J_[tissue], work_J_[tissue] * (1 + 1e-9))
