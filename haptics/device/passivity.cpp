@@ -13,11 +13,13 @@ namespace {
 constexpr double kLeakMargin = 2.0, kMostLeakMargin = 4.0;
 /// Of what the damping has taken this part is not counted: poses in quanta show it so well.
 constexpr double kUncounted = 0.1;
-constexpr double kWay_m = 200e-6;     // of the means along the way: four quanta
-constexpr double kRepaid_m = 300e-6;  // of way over which what is overdrawn is paid
-constexpr double kStepTicks = 2.0, kLengthTicks = 10.0;  // of the means over ticks
-constexpr double kStep_N = 0.015;                        // of the damping, in a tick
-constexpr double kLeakTicks = 2.0;                       // in which the damping of a leak may come
+// Way of the means along it: four quanta; and over which what is overdrawn is paid.
+constexpr double kWay_m = 200e-6, kRepaid_m = 300e-6;
+// Of the means over ticks. That of steps also takes in a way, so that it goes on from one quantum
+// to the next.
+constexpr double kStepTicks = 2.0, kStepWay_m = 40e-6, kLengthTicks = 10.0;
+constexpr double kStep_N = 0.015;   // of the damping, in a tick
+constexpr double kLeakTicks = 2.0;  // in which what is more for a leak may come
 constexpr double kFaint_N = 1e-3, kFaint_Nm = 4e-5;
 
 /// Work of a wrench on the device over a motion.
@@ -30,22 +32,25 @@ bool is_faint(const PassivityState::Held& held) {
 }
 
 /// Of the springs that a force comes through; 0: not known.
-double spring(const PassivitySettings& settings, const PassivityState& state) {
+double spring_stiffness(const PassivitySettings& settings, const PassivityState& state) {
   return settings.stiffness_N_per_m > 0.0 ? settings.stiffness_N_per_m
                                           : state.trend.stiffest_N_per_m;
 }
 
-double stored_J(const Eigen::Vector3d& force_N, double stiffness_N_per_m) {
+double spring_energy_J(const Eigen::Vector3d& force_N, double stiffness_N_per_m) {
   return stiffness_N_per_m > 0.0 ? 0.5 * force_N.squaredNorm() / stiffness_N_per_m : 0.0;
 }
 
 /// Takes the last step into the means.
-void follow(const Wrench& contact, const PassivitySettings& settings, PassivityState& state) {
+void update_trend(const Wrench& contact, const PassivitySettings& settings, PassivityState& state) {
   PassivityState::Trend& trend = state.trend;
   const Eigen::Vector3d& step_m = state.moved.linear_m_per_s;
   const double length_m = step_m.norm();
   trend.length_m += (length_m - trend.length_m) / kLengthTicks;
-  trend.step_m += (step_m - trend.step_m) / kStepTicks;
+  const double ticks = kStepWay_m < kLengthTicks * trend.length_m
+                           ? std::max(kStepTicks, kStepWay_m / trend.length_m)
+                           : kLengthTicks;
+  trend.step_m += (step_m - trend.step_m) / ticks;
   const bool in_air = contact.force_N.norm() < kFaint_N;
   if (in_air) trend.drive_N = trend.stiffest_N_per_m = trend.stiffness_N_per_m = 0.0;
   if (in_air) trend.has_stiffness = false;
@@ -65,15 +70,15 @@ void follow(const Wrench& contact, const PassivitySettings& settings, PassivityS
   }
   // The trapezoid: what a sampled force leaks is not in it.
   const double given_J = 0.5 * (now_J + before_J);
-  const double k = spring(settings, state);
-  const double from_springs_J = stored_J(before_N, k) - stored_J(contact.force_N, k);
+  const double k = spring_stiffness(settings, state);
+  const double from_springs_J = spring_energy_J(before_N, k) - spring_energy_J(contact.force_N, k);
   trend.drive_N += weight * ((given_J - from_springs_J) / length_m - trend.drive_N);
 }
 
 /// What the port has taken in beyond what is stored, once what is under way has acted, too.
 double reserve_J(const Wrench& contact, const PassivitySettings& settings, PassivityState& state) {
   state.credit_J += kUncounted * state.held.damping_N.dot(state.moved.linear_m_per_s);
-  const double stored = stored_J(contact.force_N, spring(settings, state));
+  const double stored = spring_energy_J(contact.force_N, spring_stiffness(settings, state));
   double reserve = state.energy_J + state.credit_J - stored;
   if (state.sent.limited && reserve < 0.0) {
     state.credit_J -= reserve;
@@ -150,7 +155,7 @@ Wrench control_passivity(const Wrench& wanted, const PassivitySettings& settings
                          PassivityState& state) noexcept {
   Wrench contact = wanted;
   if (!settings.renders_torque) contact.torque_Nm.setZero();
-  follow(contact, settings, state);
+  update_trend(contact, settings, state);
   state.contact = contact;
   const Eigen::Vector3d before_N = state.commanded.damping_N;
   state.commanded = {.wrench = wanted};

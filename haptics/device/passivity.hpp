@@ -73,7 +73,7 @@ struct PassivityState {
 /// the last one where the device does not answer. The first call only takes the pose.
 void observe_passivity(const Pose& reference, PassivityState& state) noexcept;
 
-/// `wanted` with a damping force against the motion, the larger part of two reasons together:
+/// `wanted` with a damping force against the motion, for two reasons:
 ///
 /// - A sampled force leaks. It is late by half a tick (one and a half with a delay), over which it
 ///   would have changed by its stiffness times the way: so much is added, kLeakMargin times.
@@ -86,9 +86,12 @@ void observe_passivity(const Pose& reference, PassivityState& state) noexcept;
 ///   shown.
 ///
 /// Where the reserve is overdrawn the first part grows, up to kMostLeakMargin, until it is paid.
-/// The damping changes by kStep_N a tick at most, or where it has much to damp (a tap at 50 mm/s on
-/// 1 N/mm with a delay) by half of what the leak needs. None in air, none that would reverse the
-/// wanted force: nothing sticks.
+/// Both come along with the way rather than with time, so that they do not go up and down with the
+/// quanta of a slow pose. The damping changes by kStep_N a tick at most, or where a leak takes more
+/// than that (a tap at 50 mm/s on 1 N/mm) by half of it. [Ryu, Kim and Hannaford 2004] have the
+/// trapezoid of the wanted wrenches as a reference energy instead of the reserve: of a force
+/// without a potential it says that all it gives out is its own. None in air, none that would
+/// reverse the wanted force: nothing sticks.
 Wrench control_passivity(const Wrench& wanted, const PassivitySettings& settings,
                          PassivityState& state) noexcept;
 

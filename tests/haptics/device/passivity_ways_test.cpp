@@ -77,8 +77,6 @@ struct Turns {
 
   double put_in_J = 0.0, given_in_turns_J = 0.0, given_J = 0.0;
   int steps_a_turn = 0;
-  double swirls_J =
-      0.0;  // of what is sent, over all turns, without the controller's part: to learn
 
   void run() {
     const double step_m = speed_m_per_s * kTick_s;
