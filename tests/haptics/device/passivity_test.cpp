@@ -200,7 +200,9 @@ TEST(Passivity, TheDampingConstantIsBounded) {
     const double own_N = under(kStep_m * i, force(wall_N), state).force_N.x() - wall_N;
     state.energy_J = std::min(state.energy_J, -1.0);
     EXPECT_LE(-own_N, 4.0 * 0.5 * kStiffness * kStep_m * (1.0 + 1e-12)) << i;
-    if (i > 20) EXPECT_GE(-own_N, 1.9 * kStiffness * kStep_m) << "all of it";
+    if (i > 20) {
+      EXPECT_GE(-own_N, 1.9 * kStiffness * kStep_m) << "all of it";
+    }
   }
 }
 

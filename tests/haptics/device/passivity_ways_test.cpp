@@ -130,7 +130,9 @@ TEST(PassivityWays, WithItNoneIsGivenOutOverWholeWaysAndItIsQuiet) {
           turns.run();
           EXPECT_LE(turns.given_in_turns_J, 0.0) << of(turns);
           EXPECT_LE(turns.given_J, 0.0) << of(turns);
-          if (!delayed) EXPECT_LT(turns.port.largest_step_N, 0.02) << of(turns);
+          if (!delayed) {
+            EXPECT_LT(turns.port.largest_step_N, 0.02) << of(turns);
+          }
         }
       }
     }
