@@ -18,8 +18,9 @@ constexpr double kWay_m = 200e-6, kRepaid_m = 300e-6;
 // Of the means over ticks. That of steps also takes in a way, so that it goes on from one quantum
 // to the next.
 constexpr double kStepTicks = 2.0, kStepWay_m = 40e-6, kLengthTicks = 10.0;
-constexpr double kStep_N = 0.015;   // of the damping, in a tick
-constexpr double kLeakTicks = 2.0;  // in which what is more for a leak may come
+constexpr double kLongest_m = 0.5e-3;  // of a step that is a motion, which goes on
+constexpr double kStep_N = 0.015;    // of the damping, in a tick
+constexpr double kLeakTicks = 2.0;   // in which what is more for a leak may come
 constexpr double kFaint_N = 1e-3, kFaint_Nm = 4e-5;
 
 /// Work of a wrench on the device over a motion.
@@ -46,6 +47,7 @@ void update_trend(const Wrench& contact, const PassivitySettings& settings, Pass
   PassivityState::Trend& trend = state.trend;
   const Eigen::Vector3d& step_m = state.moved.linear_m_per_s;
   const double length_m = step_m.norm();
+  if (length_m > kLongest_m) return;
   trend.length_m += (length_m - trend.length_m) / kLengthTicks;
   const double ticks = kStepWay_m < kLengthTicks * trend.length_m
                            ? std::max(kStepTicks, kStepWay_m / trend.length_m)

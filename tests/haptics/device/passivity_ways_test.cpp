@@ -172,6 +172,16 @@ TEST(PassivityWays, ASpringIsDampedByNoMoreThanFourTimesWhatSamplingLeaks) {
   }
 }
 
+TEST(PassivityWays, AJumpIsNoMotionThatGoesOn) {
+  const auto wall = [](const Vector3d& x_m) {
+    return Vector3d(-700.0 * std::max(0.0, x_m.x()), 0, 0);
+  };
+  LedPort port;
+  for (int i = 0; i <= 40; ++i) port.go(Vector3d(5e-6 * i, 0, 0), wall);
+  for (int i = 0; i <= 100; ++i) port.go(Vector3d(3.2e-3 + 5e-6 * i, 0, 0), wall);
+  EXPECT_LE(port.largest_step_N, 0.0151);
+}
+
 TEST(PassivityWays, SoItIsInQuanta) {
   for (const double speed : {0.002, 0.005, 0.02}) {
     const LedPort port = pressed(speed, 55e-6, 700.0);
