@@ -13,7 +13,7 @@ namespace sulcus::lab {
 
 /// The laws of a contact's stiffness that are measured, by their names in a scene: one that is
 /// added to the engine is measured as soon as it stands here.
-inline constexpr std::string_view kLawScalings[] = {"none", "count", "smooth"};
+inline constexpr std::string_view kLawScalings[] = {"none", "count", "smooth", "potential"};
 
 /// How much of a law is measured.
 struct LawOptions {

@@ -20,20 +20,21 @@ constexpr std::string_view kOfWholeContact[] = {"count", "smooth", "potential"};
 
 /// Force over K of a ball of radius R, D deep in a plane whose every area counts alike, m. On the
 /// sphere's points of depth d the plane has the area 2 pi (R - d) dd, so that sum f(d) is 2 pi
-/// times the integral of f(d) (R - d). With S0 the least sum of weights, ten voxels of 34.8 um:
+/// times the integral of f(d) (R - d):
 ///   count      the mean of d
-///   smooth     sum d^2 / max(sum d, S0)
-///   potential  the derivative of 2/3 sum d^3 / (sum d + S0)
+///   smooth     sum d^2 / max(sum d, S), S ten voxels of 34.8 um
+///   potential  the derivative of 5/9 sum d^4 / (sum d^2 + S0)
 double force_over_stiffness_m(std::string_view scaling, double radius, double deep) {
-  constexpr double kLeast_m3 = 4.2e-13 / (2.0 * std::numbers::pi);
+  constexpr double kWhole = 2.0 * std::numbers::pi;
+  constexpr double kLeast_m3 = 4.2e-13 / kWhole, kLeast_m4 = 4.6e-18 / kWhole;
   const auto sum = [&](int n) {  // of d^n
     return radius * std::pow(deep, n + 1) / (n + 1) - std::pow(deep, n + 2) / (n + 2);
   };
   if (scaling == "count") return sum(1) / sum(0);
   if (scaling == "smooth") return sum(2) / std::max(sum(1), kLeast_m3);
   const auto by_depth = [&](int n) { return std::pow(deep, n) * (radius - deep); };
-  const double weights = sum(1) + kLeast_m3;
-  return 2.0 / 3.0 * (by_depth(3) * weights - sum(3) * by_depth(1)) / (weights * weights);
+  const double weights = sum(2) + kLeast_m4;
+  return 5.0 / 9.0 * (by_depth(4) * weights - sum(4) * by_depth(2)) / (weights * weights);
 }
 
 /// A half space whose plane goes through the origin.
