@@ -375,6 +375,7 @@ QuantityWords quantity_words(const std::string& quantity) {
       {"_Hz", "Hz"},
       {"_mN", "mN"},
       {"_mJ", "mJ"},
+      {"_uJ", "\u00b5J"},
       {"_mm", "mm"},
       {"_um", "\u00b5m"},
       {"_ms", "ms"},
