@@ -64,9 +64,10 @@ struct ClosestPointOf {
 };
 using ClosestPoint = ClosestPointOf<float>;
 
-// The numbers are floats or vectors of them: the same operations in the same order either way.
-// Always inline: two files instantiate them for vectors, in two instruction sets, and the linker
-// would keep one for both.
+// The numbers are floats or vectors of them: the same operations in the same order either way. What
+// x and y have in common is added up first, so that exchanging them exchanges the results to the
+// bit. Always inline: two files instantiate them for vectors, in two instruction sets, and the
+// linker would keep one for both.
 #define SULCUS_EVERY_SET [[gnu::always_inline]] inline
 
 /// Coefficients in columns, z outward and half a voxel beyond the centre of the outermost solid
@@ -92,7 +93,7 @@ SULCUS_EVERY_SET QuadricOf<Number> quadric_of(const std::array<Integer, kQuadric
 template <class Number>
 SULCUS_EVERY_SET void complete(ColumnQuadricOf<Number>& q) noexcept {
   const auto& c = q.c;
-  const Number g2 = 1.0f / (1.0f + c[1] * c[1] + c[2] * c[2]);
+  const Number g2 = 1.0f / (1.0f + (c[1] * c[1] + c[2] * c[2]));
   q.t_x = g2 * (2.0f * c[3] * c[1] + c[4] * c[2]);
   q.t_y = g2 * (c[4] * c[1] + 2.0f * c[5] * c[2]);
   q.quartic = 0.5f * g2 * (q.t_x * c[1] + q.t_y * c[2]);
@@ -119,16 +120,17 @@ SULCUS_EVERY_SET ColumnQuadricOf<Number> column_quadric(const QuadricOf<Number>&
   const Number txx = tx * tx, txy = 2.0f * tx * ty, tyy = ty * ty;
   const Number x4 = c[3] * (txx + k * c[3]);
   const Number x3y = c[3] * txy + c[4] * (txx + 2.0f * k * c[3]);
-  const Number x2y2 = c[3] * tyy + c[4] * (txy + k * c[4]) + c[5] * (txx + 2.0f * k * c[3]);
+  const Number x2y2 =
+      (c[3] * tyy + c[5] * txx) + (c[4] * (txy + k * c[4]) + 2.0f * k * (c[3] * c[5]));
   const Number xy3 = c[5] * txy + c[4] * (tyy + 2.0f * k * c[5]);
   const Number y4 = c[5] * (tyy + k * c[5]);
   const FilterAnswersOf<Number>& a = answers;
   q.c[0] = c[0] - fourth * (a.value_x4 * (x4 + y4) + a.value_x2y2 * x2y2);
   q.c[1] = c[1] - second * (a.slope_x3 * x3 + a.slope_xy2 * xy2);
   q.c[2] = c[2] - second * (a.slope_x3 * y3 + a.slope_xy2 * x2y);
-  q.c[3] = c[3] - second * (a.curvature_x4 * x4 + a.curvature_x2y2 * x2y2 + a.curvature_y4 * y4);
+  q.c[3] = c[3] - second * ((a.curvature_x4 * x4 + a.curvature_y4 * y4) + a.curvature_x2y2 * x2y2);
   q.c[4] = c[4] - second * a.twist_x3y * (x3y + xy3);
-  q.c[5] = c[5] - second * (a.curvature_x4 * y4 + a.curvature_x2y2 * x2y2 + a.curvature_y4 * x4);
+  q.c[5] = c[5] - second * ((a.curvature_x4 * y4 + a.curvature_y4 * x4) + a.curvature_x2y2 * x2y2);
   complete(q);
   return q;
 }
@@ -167,15 +169,15 @@ SULCUS_EVERY_SET ClosestPointOf<Number> closest_point_of(const ColumnQuadricOf<N
                                                          const SquareRoot& square_root) noexcept {
   const auto& c = q.c;
   // At the origin, the step, and there.
-  const Number first = -c[0] / (1.0f + c[1] * c[1] + c[2] * c[2]);
+  const Number first = -c[0] / (1.0f + (c[1] * c[1] + c[2] * c[2]));
   const Number x = first * c[1], y = first * c[2];
-  const Number z2 = (c[3] * x + c[4] * y) * x + c[5] * y * y;
-  const Number more = 1.0f + q.t_x * x + q.t_y * y;
-  const Number z = c[0] + c[1] * x + c[2] * y + z2 * more;
+  const Number z2 = (c[3] * x * x + c[5] * y * y) + c[4] * (x * y);
+  const Number more = 1.0f + (q.t_x * x + q.t_y * y);
+  const Number z = c[0] + (c[1] * x + c[2] * y) + z2 * more;
   const Number slope_x = c[1] + (2.0f * c[3] * x + c[4] * y) * more + z2 * q.t_x;
   const Number slope_y = c[2] + (c[4] * x + 2.0f * c[5] * y) * more + z2 * q.t_y;
-  const Number shrink = 1.0f / square_root(1.0f + slope_x * slope_x + slope_y * slope_y);
-  return {-slope_x * shrink, -slope_y * shrink, shrink, (z - slope_x * x - slope_y * y) * shrink};
+  const Number shrink = 1.0f / square_root(1.0f + (slope_x * slope_x + slope_y * slope_y));
+  return {-slope_x * shrink, -slope_y * shrink, shrink, (z - (slope_x * x + slope_y * y)) * shrink};
 }
 
 #undef SULCUS_EVERY_SET

@@ -23,7 +23,7 @@ bool add(const PlaneSums& step, float share, int stride, HeightPlane& plane) {
   plane.c2 += scale * more->c2;
   const auto voxels = static_cast<float>(stride);
   const float x = plane.c1 / voxels, y = plane.c2 / voxels;
-  plane.cosine = 1.0f / std::sqrt(1.0f + x * x + y * y);
+  plane.cosine = 1.0f / std::sqrt(1.0f + (x * x + y * y));
   return plane.cosine >= kLeastPlaneCosine;
 }
 

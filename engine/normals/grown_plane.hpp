@@ -23,7 +23,7 @@ inline std::optional<PlaneSolution> solve_plane(const PlaneSums& s) noexcept {
   const float determinant = ii * jj - ij * ij;
   if (!(determinant > 0.0f)) return {};
   const float c1 = (jj * iz - ij * jz) / determinant, c2 = (ii * jz - ij * iz) / determinant;
-  return PlaneSolution{(s.z - c1 * s.i - c2 * s.j) / s.n, c1, c2};
+  return PlaneSolution{(s.z - (c1 * s.i + c2 * s.j)) / s.n, c1, c2};
 }
 
 /// The plane through a closest point, by the columns of a map of this stride; those are on it that

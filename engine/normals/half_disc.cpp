@@ -18,7 +18,7 @@ std::optional<HeightPlane> plane_of(const PlaneSums& s) {
   const std::optional<PlaneSolution> twice = solve_plane(s);
   if (!twice) return {};
   HeightPlane plane{0.5f * twice->c0, 0.5f * twice->c1, 0.5f * twice->c2};
-  plane.cosine = 1.0f / std::sqrt(1.0f + plane.c1 * plane.c1 + plane.c2 * plane.c2);
+  plane.cosine = 1.0f / std::sqrt(1.0f + (plane.c1 * plane.c1 + plane.c2 * plane.c2));
   plane.slack = kPlaneInHalf.beyond_half_cosine + 0.5f * plane.cosine;
   return plane;
 }
@@ -31,6 +31,44 @@ struct Candidate {
   HalfDisc disc;
 };
 
+/// Cosine of a normal to a direction, summed alike for both axes across the columns.
+float along(const ClosestPoint& closest, const Eigen::Vector3f& direction) {
+  return (closest.normal_x * direction.x() + closest.normal_y * direction.y()) +
+         closest.normal_z * direction.z();
+}
+
+/// The nearest of those that the tool does not veto: the mean of equals, and where that is vetoed,
+/// of those of them that are not.
+std::optional<HalfDisc> nearest_of(std::span<const HalfDisc> discs,
+                                   const Eigen::Vector3f& outward) {
+  for (const bool by_disc : {false, true}) {
+    const auto is_left = [&](const HalfDisc& disc) {
+      return !(by_disc && along(disc.closest, outward) < 0.0f);
+    };
+    const HalfDisc* nearest = nullptr;
+    for (const HalfDisc& disc : discs) {
+      if (is_left(disc) && (!nearest || disc.score < nearest->score)) nearest = &disc;
+    }
+    if (!nearest) return {};
+    Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+    float offset = 0.0f, count = 0.0f;
+    for (const HalfDisc& disc : discs) {
+      if (!is_left(disc) || disc.score > nearest->score + kEqualScore) continue;
+      normal +=
+          Eigen::Vector3f(disc.closest.normal_x, disc.closest.normal_y, disc.closest.normal_z);
+      offset += disc.closest.offset;
+      count += 1.0f;
+    }
+    HalfDisc mean = *nearest;
+    if (count > 1.0f) {
+      normal.normalize();
+      mean.closest = {normal.x(), normal.y(), normal.z(), offset / count};
+    }
+    if (!(along(mean.closest, outward) < 0.0f)) return mean;
+  }
+  return {};
+}
+
 /// What half `d` has to offer.
 std::optional<Candidate> candidate_of(const HeightMap& map, int d, const PlaneSums& sums,
                                       const Eigen::Vector3f& coarse) {
@@ -40,14 +78,12 @@ std::optional<Candidate> candidate_of(const HeightMap& map, int d, const PlaneSu
   map_kernels().on_plane(map, d, *first, inliers);
   const std::optional<HeightPlane> plane = plane_of(inliers);
   if (!plane) return {};
-  const Eigen::Vector3f normal(-plane->c1 * plane->cosine, -plane->c2 * plane->cosine,
-                               plane->cosine);
-  if (normal.dot(coarse) < kLeastCosineToCoarse) return {};
-  const float offset = plane->cosine * plane->c0;
-  if (offset < kMostInside || offset > kMostOutside) return {};
-  const float score = std::abs(offset) - kScorePerColumn * inliers.n;
-  return Candidate{
-      d, *first, *plane, inliers.n, {{normal.x(), normal.y(), normal.z(), offset}, score}};
+  const ClosestPoint closest{-plane->c1 * plane->cosine, -plane->c2 * plane->cosine, plane->cosine,
+                             plane->cosine * plane->c0};
+  if (along(closest, coarse) < kLeastCosineToCoarse) return {};
+  if (closest.offset < kMostInside || closest.offset > kMostOutside) return {};
+  const float score = std::abs(closest.offset) - kScorePerColumn * inliers.n;
+  return Candidate{d, *first, *plane, inliers.n, {closest, score}};
 }
 
 /// Whether its plane explains what lies on the first.
@@ -77,8 +113,8 @@ struct CurvedSide {
 /// Looks for one radius at the sides that nothing has explained, side by side.
 void look_at_sides(const HeightMap& map, const Eigen::Vector3f& coarse, float behind, float radius,
                    std::span<CurvedSide> sides, TiltedFitter& fitter) {
-  std::array<TiltedFit, kMostSides> fits;
-  std::array<CurvedSide*, kMostSides> of;
+  std::array<TiltedFit, kHalves> fits;
+  std::array<CurvedSide*, kHalves> of;
   std::size_t count = 0;
   for (CurvedSide& side : sides) {
     if (side.settled) continue;
@@ -95,8 +131,7 @@ void look_at_sides(const HeightMap& map, const Eigen::Vector3f& coarse, float be
     if (!fits[k].closest) continue;
     of[k]->settled = true;
     const ClosestPoint& closest = *fits[k].closest;
-    const Eigen::Vector3f normal(closest.normal_x, closest.normal_y, closest.normal_z);
-    if (normal.dot(coarse) < kLeastCosineToCoarse || closest.offset < kMostInside ||
+    if (along(closest, coarse) < kLeastCosineToCoarse || closest.offset < kMostInside ||
         closest.offset > kMostOutside) {
       continue;
     }
@@ -125,7 +160,7 @@ std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vec
                                           TiltedFitter& fitter) noexcept {
   std::array<PlaneSums, kHalves> halves;
   map_kernels().halves(map, halves);
-  // The best first, and the first of equals.
+  // The best first; equals are taken together, so that the order of the halves does not matter.
   std::array<Candidate, kHalves> candidates;
   auto end = candidates.begin();
   for (int d = 0; d < kHalves; ++d) {
@@ -142,39 +177,41 @@ std::optional<HalfDisc> nearest_half_disc(const HeightMap& map, const Eigen::Vec
   // so that no answer without a veto depends on the tool.
   bool any = false;
   const auto curved_sides = [&](std::span<const float> behinds) {
-    std::array<CurvedSide, kMostSides> sides;
+    std::array<CurvedSide, kHalves> sides;
     std::size_t count = 0;
-    for (auto c = candidates.begin(); c != end && count < sides.size(); ++c) {
+    for (auto c = candidates.begin(); c != end; ++c) {
       if (c->inliers < kLeastShareInHalf * halves[static_cast<std::size_t>(c->half)].n) continue;
+      if (count >= kMostSides &&
+          c->disc.score > sides[count - 1].candidate->disc.score + kEqualScore) {
+        break;
+      }
       sides[count++].candidate = &*c;
     }
     find_curved(map, coarse, behinds, std::span(sides).first(count), fitter);
-    std::optional<HalfDisc> nearest;
+    std::array<HalfDisc, kHalves> discs;
+    std::size_t found = 0;
     for (const CurvedSide& side : sides) {
-      if (!side.disc) continue;
-      any = true;
-      if (nearest && !(side.disc->score < nearest->score)) continue;
-      const ClosestPoint& closest = side.disc->closest;
-      const Eigen::Vector3f normal(closest.normal_x, closest.normal_y, closest.normal_z);
-      if (!(normal.dot(outward) < 0.0f)) nearest = side.disc;
+      if (side.disc) discs[found++] = *side.disc;
     }
-    return nearest;
+    any |= found > 0;
+    return nearest_of(std::span(discs).first(found), outward);
   };
   if (place == VoxelPlace::kInsideFace) {
     const std::optional<HalfDisc> nearest = curved_sides(kBehindInside);
     if (any) return nearest;
   }
-  for (auto c = candidates.begin(); c != end; ++c) {
-    if (!holds(map, *c)) continue;
-    any = true;
-    HalfDisc disc = c->disc;
-    if (const std::optional<ClosestPoint> face =
-            grow_plane(map, disc.closest, kFewestOnGrown, PlaneStart::kFit)) {
-      disc.closest = *face;
+  for (auto c = candidates.begin(); c != end;) {
+    const float score = c->disc.score;
+    std::array<HalfDisc, kHalves> discs;
+    std::size_t found = 0;
+    for (; c != end && c->disc.score <= score + kEqualScore; ++c) {
+      if (!holds(map, *c)) continue;
+      discs[found++] = {grow_plane(map, c->disc.closest, kFewestOnGrown, PlaneStart::kFit)
+                            .value_or(c->disc.closest),
+                        score};
     }
-    const Eigen::Vector3f normal(disc.closest.normal_x, disc.closest.normal_y,
-                                 disc.closest.normal_z);
-    if (!(normal.dot(outward) < 0.0f)) return disc;
+    any |= found > 0;
+    if (const auto nearest = nearest_of(std::span(discs).first(found), outward)) return nearest;
   }
   if (any) return {};
   return curved_sides(kBehindElse);

@@ -19,6 +19,14 @@ constexpr int most_uneven(int rings) {
   return rings < kManyRings ? kMostUneven : kMostUnevenOfMany;
 }
 
+/// What a trace follows first: where the surface is steep or has several layers, heights depend on
+/// it.
+enum class TraceOrder : std::uint8_t {
+  kRowFirst,     // the middle row outward, then the other columns outward from it
+  kColumnFirst,  // the middle column, then the others from it
+  kBoth,         // what both find alike
+};
+
 /// A local distance map [Kim and Park 2019, V]: heights of the surface above the plane through a
 /// voxel across a grid axis, in the direction of that axis (not outward), in whole voxels; the
 /// height of a column is that of its outermost solid voxel. Row by row: (i, j) lies in lane
@@ -32,6 +40,7 @@ struct HeightMap {
   int ns = 0;      // neighbourhood, columns
   int stride = 1;  // voxels from one column to the next: 1 or 2; 2 needs ns < 8
   int sign = 1;    // of the outward direction along the axis
+  TraceOrder order = TraceOrder::kRowFirst;
   // Set by the trace.
   int lanes = 0;        // of a row: 16 or 32
   int whole_rings = 0;  // all heights in these rings are found and within the trace; -1: none

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "engine/normals/equal_axes.hpp"
 #include "engine/normals/grown_plane.hpp"
 #include "engine/normals/half_disc.hpp"
 #include "engine/normals/map_batch.hpp"
@@ -114,7 +115,7 @@ class Refinement {
         k_(k),
         axes_(batch.axes(k)),
         coarse_(batch.coarse(k)),
-        hint_(tool_hint(batch.query(k).outward, coarse_)),
+        hint_(tool_hint(batch.tool(k), coarse_)),
         windows_(axes_.window()) {}
 
   /// From the closest point on the quadric that explains the whole map.
@@ -153,11 +154,13 @@ class Refinement {
 
   void trace_wide_map(HeightMap& map) noexcept {
     windows_ |= SurfaceEstimate::kWideWindow;
-    trace_wide(batch_.workpiece(), batch_.query(k_).voxel, axes_, batch_.neighbourhood(),
+    trace_wide(batch_.workpiece(), batch_.query(k_).voxel, axes_, coarse_, batch_.neighbourhood(),
                batch_.trace(), map);
   }
   std::optional<ClosestPoint> fit_wide(WideSurface wanted, const ClosestPoint& first) noexcept;
   std::optional<SurfaceEstimate> nearest_face(VoxelPlace place) noexcept;
+  std::optional<SurfaceEstimate> nearest_face(VoxelPlace place, std::span<const MapAxes> others,
+                                              const Vector3f& hint) noexcept;
   /// What is not consistent gives way to the nearest face, or to the last resort.
   SurfaceEstimate checked(SurfaceEstimate estimate) noexcept {
     if (!is_consistent(estimate.normal, coarse_, hint_)) {
@@ -201,29 +204,93 @@ std::optional<ClosestPoint> Refinement::fit_wide(WideSurface wanted,
 
 /// The face nearest to the voxel that its map, or one across the second axis, has.
 std::optional<SurfaceEstimate> Refinement::nearest_face(VoxelPlace place) noexcept {
-  const auto nearest_on = [&](const HeightMap& map, const MapAxes& along) {
-    return nearest_half_disc(map, to_map_space(coarse_, along).normalized(),
-                             to_map_space(hint_, along), place, fitter_);
-  };
-  const HeightMap& map = batch_.map(k_);
-  const std::optional<HalfDisc> nearest = nearest_on(map, axes_);
   Vector3f rest = coarse_.cwiseAbs();
   const float component = rest[axes_.axis];
   rest[axes_.axis] = -1.0f;
-  MapAxes second;
-  if (rest.maxCoeff(&second.axis) > kSecondAxis * component) {
-    second.sign = coarse_[second.axis] > 0.0f ? 1 : -1;
-    windows_ |= second.window();
-    HeightMap other;
-    other.ns = map.ns;
-    trace_along(batch_.workpiece(), batch_.query(k_).voxel, second, batch_.trace(), other);
-    const std::optional<HalfDisc> across = nearest_on(other, second);
-    if (across && (!nearest || across->score < nearest->score)) {
-      return to_index_space(across->closest, second);
+  const float largest = rest.maxCoeff();
+  std::array<MapAxes, 2> others;  // both, where they are equal
+  std::size_t count = 0;
+  for (int axis = 0; axis < 3 && largest > kSecondAxis * component; ++axis) {
+    if (rest[axis] == largest) others[count++] = {axis, coarse_[axis] > 0.0f ? 1 : -1};
+  }
+  if (count == 2 && !hint_.isZero()) {
+    // What the tool vetoes first is the mean of equals.
+    const auto face = nearest_face(place, others, Vector3f::Zero());
+    if (!face || !(face->normal.dot(hint_) < 0.0f)) return face;
+  }
+  return nearest_face(place, std::span(others).first(count), hint_);
+}
+
+std::optional<SurfaceEstimate> Refinement::nearest_face(VoxelPlace place,
+                                                        std::span<const MapAxes> others,
+                                                        const Vector3f& hint) noexcept {
+  const auto nearest_on = [&](const HeightMap& map, const MapAxes& along) {
+    return nearest_half_disc(map, to_map_space(coarse_, along).normalized(),
+                             to_map_space(hint, along), place, fitter_);
+  };
+  const HeightMap& map = batch_.map(k_);
+  std::optional<SurfaceEstimate> face, across_first;
+  float score = 0.0f;
+  if (const auto nearest = nearest_on(map, axes_)) {
+    face = to_index_space(nearest->closest, axes_);
+    score = nearest->score;
+  }
+  for (const MapAxes& other : others) {
+    windows_ |= other.window();
+    HeightMap other_map;
+    other_map.ns = map.ns;
+    trace_along(batch_.workpiece(), batch_.query(k_).voxel, other, coarse_, batch_.trace(),
+                other_map);
+    const auto across = nearest_on(other_map, other);
+    if (!across) continue;
+    const SurfaceEstimate estimate = to_index_space(across->closest, other);
+    if (across_first && std::abs(across->score - score) <= kEqualScore) {
+      const SurfaceEstimate mean = mean_of(std::array{*across_first, estimate});
+      if (mean.defined) face = mean;
+    } else if (!face || across->score < score) {
+      face = across_first = estimate;
+      score = across->score;
     }
   }
-  if (nearest) return to_index_space(nearest->closest, axes_);
-  return {};
+  return face;
+}
+
+/// Estimates of the voxels of a batch.
+void estimate_batch(MapBatch& batch, std::size_t count, TiltedFitter& fitter,
+                    SurfaceEstimate* to) noexcept {
+  VoxelBits rest = batch.has_direction & ~batch.in_tile;
+  for (const std::size_t k : batch.trace_some(rest)) batch.fit_traced(k);
+  batch.find_surfaces(SurfaceParts::kAll);
+  const VoxelBits explained = find_explained(batch);
+  Balls balls;
+  find_balls(batch, batch.has_direction & ~explained, fitter, balls);
+  for (std::size_t g = 0; g < batch.group_count(); ++g) {
+    map_kernels().sharpen_group(batch.groups[g]);
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    if (!has_bit(batch.has_direction, k)) {
+      to[k] = {};
+      continue;
+    }
+    const SurfaceGroup& group = batch.group(k);
+    const int lane = MapBatch::lane(k);
+    const bool is_explained = has_bit(explained, k);
+    const Flatness flatness =
+        flatness_of(group.curvature[lane], group.normal_z[lane], batch.neighbourhood());
+    if (is_explained && !flatness.level && !flatness.planar && group.consistent[lane] != 0) {
+      to[k] = {group.normal(lane), group.offset[lane], true, batch.axes(k).window()};
+      continue;
+    }
+    Refinement refinement(batch, k, fitter);
+    const bool has_ball = has_bit(balls.found, k);
+    if (is_explained) {
+      to[k] = refinement.from_map(group.closest_point(lane), flatness);
+    } else if (has_ball && !has_bit(balls.small, k)) {
+      to[k] = refinement.from_ball(balls.closest[k]);
+    } else {
+      to[k] = refinement.near_edge(has_ball ? std::optional(balls.closest[k]) : std::nullopt);
+    }
+  }
 }
 
 }  // namespace
@@ -234,40 +301,10 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
   TiltedFitter fitter;
   for (std::size_t first = 0, count; first < queries.size(); first += count) {
     count = batch.take(first, MapBatch::kMaps);
-    VoxelBits rest = batch.has_direction & ~batch.in_tile;
-    for (const std::size_t k : batch.trace_some(rest)) batch.fit_traced(k);
-    batch.find_surfaces(SurfaceParts::kAll);
-    const VoxelBits explained = find_explained(batch);
-    Balls balls;
-    find_balls(batch, batch.has_direction & ~explained, fitter, balls);
-    for (std::size_t g = 0; g < batch.group_count(); ++g) {
-      map_kernels().sharpen_group(batch.groups[g]);
-    }
-    for (std::size_t k = 0; k < count; ++k) {
-      SurfaceEstimate& estimate = estimates[first + k];
-      if (!has_bit(batch.has_direction, k)) {
-        estimate = {};
-        continue;
-      }
-      const SurfaceGroup& group = batch.group(k);
-      const int lane = MapBatch::lane(k);
-      const bool is_explained = has_bit(explained, k);
-      const Flatness flatness =
-          flatness_of(group.curvature[lane], group.normal_z[lane], neighbourhood);
-      if (is_explained && !flatness.level && !flatness.planar && group.consistent[lane] != 0) {
-        estimate = {group.normal(lane), group.offset[lane], true, batch.axes(k).window()};
-        continue;
-      }
-      Refinement refinement(batch, k, fitter);
-      const bool has_ball = has_bit(balls.found, k);
-      if (is_explained) {
-        estimate = refinement.from_map(group.closest_point(lane), flatness);
-      } else if (has_ball && !has_bit(balls.small, k)) {
-        estimate = refinement.from_ball(balls.closest[k]);
-      } else {
-        estimate = refinement.near_edge(has_ball ? std::optional(balls.closest[k]) : std::nullopt);
-      }
-    }
+    SurfaceEstimate* const to = estimates.data() + first;
+    const auto estimate = [&](SurfaceEstimate* of) { estimate_batch(batch, count, fitter, of); };
+    estimate(to);
+    estimate_equal_axes(batch, estimate, to);
   }
 }
 

@@ -97,6 +97,8 @@ inline constexpr float kMostAway = 2.0f;
 /// of distance [p].
 inline constexpr float kMostInside = -0.25f, kMostOutside = 1.0f;
 inline constexpr float kLeastCosineToCoarse = 0.42f, kScorePerColumn = 0.004f;
+/// Scores this near to one another are equal: what chooses between them would be rounding.
+inline constexpr float kEqualScore = 1e-4f;
 /// Sides of balls: of how many halves, the best first, of which so large a share must lie on the
 /// first plane; how far behind the voxel a side begins, where the voxel is inside a face and else;
 /// radii; and what these are worth in the score. [m] of three halves, three radii and the side's

@@ -22,7 +22,25 @@ void MapBatch::take_axes() noexcept {
   for (std::size_t k = 0; k < count_; ++k) {
     group_of(k).put_voxel(lane(k), query(k).voxel.data(), query(k).outward.data(), sums[k].data());
   }
-  has_direction = map_kernels().choose_axes(groups.data(), count_);
+  const VoxelAxes axes = map_kernels().choose_axes(groups.data(), count_, EqualAxes::kFirst);
+  has_direction = axes.has_direction;
+  two_equal = axes.two_equal;
+  three_equal = axes.three_equal;
+}
+
+void MapBatch::retake(VoxelBits which, EqualAxes equal, UseOfTool use) noexcept {
+  for_each(which, [&](std::size_t k) {
+    SurfaceGroup& group = group_of(k);
+    const int l = lane(k);
+    const bool has_side = (group.around[0][l] | group.around[1][l] | group.around[2][l]) != 0;
+    const bool has_tool = use == UseOfTool::kAlways || !has_side;
+    for (int axis = 0; axis < 3; ++axis) {
+      group.tool[axis][l] = has_tool ? query(k).outward[axis] : 0.0f;
+    }
+  });
+  has_direction = map_kernels().choose_axes(groups.data(), count_, equal).has_direction & which;
+  map_count_ = 0;
+  fit_in_tiles();
 }
 
 void MapBatch::fit_in_tiles() noexcept {
@@ -60,6 +78,7 @@ std::span<const std::size_t> MapBatch::trace_some(VoxelBits& rest) noexcept {
     HeightMap& map = maps_[map_count_];
     map.ns = neighbourhood_;
     map.sign = axes(k).sign;
+    map.order = trace_order(coarse(k), axes(k));
     traced_[map_count_] = k;
     slots_[k] = map_count_++;
   }

@@ -24,6 +24,9 @@ void for_each(VoxelBits bits, const Each& each) {
   for (; bits != 0; bits &= bits - 1) each(static_cast<std::size_t>(std::countr_zero(bits)));
 }
 
+/// When a voxel's query takes the tool into account: always, or only where the solid has no side.
+enum class UseOfTool : std::uint8_t { kAlways, kWhereAlone };
+
 /// Voxels whose maps are traced, each along the dominant axis of its own coarse normal, and fitted
 /// together stage by stage: one after the other a voxel's stages wait for one another, side by side
 /// they do not.
@@ -46,6 +49,9 @@ class MapBatch {
   /// tool where the solid has none, the axes of their maps, and fits of the maps that are in tiles.
   /// Returns how many; what is in the batch is valid until the next.
   std::size_t take(std::size_t first, std::size_t most) noexcept;
+  /// Takes some of the batch's voxels again, whose coarse normals several axes dominate, along
+  /// another of these.
+  void retake(VoxelBits which, EqualAxes equal, UseOfTool use) noexcept;
   /// Traces the maps of the first kMaps of `rest`, and takes them off it. Returns their voxels; the
   /// maps are there until the next.
   std::span<const std::size_t> trace_some(VoxelBits& rest) noexcept;
@@ -72,14 +78,20 @@ class MapBatch {
     const SurfaceGroup& g = group(k);
     return {g.coarse[0][lane(k)], g.coarse[1][lane(k)], g.coarse[2][lane(k)]};
   }
+  /// What the tool says, as far as it is used.
+  Eigen::Vector3f tool(std::size_t k) const {
+    const SurfaceGroup& g = group(k);
+    return {g.tool[0][lane(k)], g.tool[1][lane(k)], g.tool[2][lane(k)]};
+  }
   /// All rows of a map that is whole, and the map itself, which is cut out of its tile where it is
   /// there alone. `map` of no more than kMaps voxels.
   MapRows rows(std::size_t k) const noexcept;
   const HeightMap& map(std::size_t k) noexcept;
 
-  VoxelBits has_direction = 0;      // a coarse normal, and so a map
-  VoxelBits whole = 0, partly = 0;  // fitted: the whole map, or some rings of it
-  VoxelBits in_tile = 0;            // whose maps are in their tiles alone
+  VoxelBits has_direction = 0;               // a coarse normal, and so a map
+  VoxelBits two_equal = 0, three_equal = 0;  // axes that dominate it (VoxelAxes)
+  VoxelBits whole = 0, partly = 0;           // fitted: the whole map, or some rings of it
+  VoxelBits in_tile = 0;                     // whose maps are in their tiles alone
   std::array<SurfaceGroup, 8> groups;
 
  private:
@@ -133,10 +145,12 @@ inline ColumnBits::Windows columns_about(const Workpiece& workpiece, const Cell&
                                     voxel[axes.axis] - kLevel);
 }
 
-/// Traces the map of a voxel along an axis; `map.ns` and `map.stride` are set.
+/// Traces the map of a voxel with this coarse normal along an axis; `map.ns` and `map.stride` are
+/// set.
 inline void trace_along(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes,
-                        int trace, HeightMap& map) noexcept {
+                        const Eigen::Vector3f& coarse, int trace, HeightMap& map) noexcept {
   map.sign = axes.sign;
+  map.order = trace_order(coarse, axes);
   const ColumnBits::Windows columns = columns_about(workpiece, voxel, axes);
   map_kernels().trace(&columns, 1, trace, &map);
 }

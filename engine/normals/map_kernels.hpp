@@ -204,6 +204,15 @@ struct PlaneLook {
 /// side of the direction of 45 d degrees from i towards j, the line between the halves in both.
 inline constexpr int kDiscReach = 6, kHalves = 8;
 
+/// Of axes along which a coarse normal has equally large components, the one that a map is traced
+/// along: where three are, all of these differ, where two are, the first and the last.
+enum class EqualAxes : std::uint8_t { kFirst, kLast, kMiddle };
+/// Of up to 64 voxels, a bit for each that has a coarse normal, whose largest component two or more
+/// axes share, and three.
+struct VoxelAxes {
+  std::uint64_t has_direction = 0, two_equal = 0, three_equal = 0;
+};
+
 /// Which of up to 64 voxels have maps in their tiles, a bit for each: even throughout, or not.
 struct TileMaps {
   std::uint64_t even = 0, partly = 0;
@@ -244,9 +253,9 @@ struct MapKernels {
               QuadricSums& sums) noexcept = nullptr;
 
   /// Coarse normals of so many voxels, 1 to 64, in their groups, of the tool where the solid has
-  /// none; the axis and sign of their maps, and where they are in their tiles. A bit for each that
-  /// has a side, and for none beyond them.
-  std::uint64_t (*choose_axes)(SurfaceGroup* groups, std::size_t voxels) noexcept = nullptr;
+  /// none; the axis and sign of their maps, and where they are in their tiles. No bits beyond them.
+  VoxelAxes (*choose_axes)(SurfaceGroup* groups, std::size_t voxels,
+                           EqualAxes equal) noexcept = nullptr;
   /// Heights at the centres, from the columns of so many groups' voxels in their tiles, and which
   /// of the voxels are of the leaf that begins at `origin` and have maps of at least so many even
   /// rings.

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include <Eigen/Core>
 
 #include "engine/normals/column_quadric.hpp"
+#include "engine/normals/height_map.hpp"
 #include "engine/normals/surface_estimate.hpp"
 
 namespace sulcus {
@@ -19,6 +21,16 @@ struct MapAxes {
   int first() const { return axis == 2 ? 0 : axis + 1; }
   int second() const { return axis == 0 ? 2 : axis - 1; }
 };
+
+/// How the map of a voxel with this coarse normal is traced: first along the larger of its
+/// components across the axis, whichever that is, so that equal shapes have equal maps with their
+/// axes exchanged, too.
+inline TraceOrder trace_order(const Eigen::Vector3f& coarse, const MapAxes& axes) noexcept {
+  const float first = std::abs(coarse[axes.first()]), second = std::abs(coarse[axes.second()]);
+  return first > second   ? TraceOrder::kRowFirst
+         : first < second ? TraceOrder::kColumnFirst
+                          : TraceOrder::kBoth;
+}
 
 /// A direction of index space in map space, and back.
 inline Eigen::Vector3f to_map_space(const Eigen::Vector3f& v, const MapAxes& axes) noexcept {

@@ -47,7 +47,7 @@ std::optional<ClosestPoint> close_plane(const HeightMap& map) noexcept {
   const std::optional<PlaneSolution> twice = solve_plane(sums);
   if (!twice) return {};
   const float slope_x = 0.5f * twice->c1, slope_y = 0.5f * twice->c2;
-  const float cosine = 1.0f / std::sqrt(1.0f + slope_x * slope_x + slope_y * slope_y);
+  const float cosine = 1.0f / std::sqrt(1.0f + (slope_x * slope_x + slope_y * slope_y));
   return ClosestPoint{-slope_x * cosine, -slope_y * cosine, cosine, 0.5f * twice->c0 * cosine};
 }
 

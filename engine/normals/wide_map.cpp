@@ -8,10 +8,11 @@
 namespace sulcus {
 
 void trace_wide(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes,
-                int neighbourhood, int trace, HeightMap& map) noexcept {
+                const Eigen::Vector3f& coarse, int neighbourhood, int trace,
+                HeightMap& map) noexcept {
   map.ns = neighbourhood;
   map.stride = 2;
-  trace_along(workpiece, voxel, axes, trace, map);
+  trace_along(workpiece, voxel, axes, coarse, trace, map);
 }
 
 ColumnQuadric fit_whole(const HeightMap& map, const QuadricFilter& filter) noexcept {

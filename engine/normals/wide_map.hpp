@@ -9,10 +9,11 @@
 
 namespace sulcus {
 
-/// Traces the map of a voxel of every other column, which sees twice as far, where
-/// `has_wide_maps`.
+/// Traces the map of a voxel with this coarse normal of every other column, which sees twice as
+/// far, where `has_wide_maps`.
 void trace_wide(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes,
-                int neighbourhood, int trace, HeightMap& map) noexcept;
+                const Eigen::Vector3f& coarse, int neighbourhood, int trace,
+                HeightMap& map) noexcept;
 
 /// The surface of a whole map, by its filter.
 ColumnQuadric fit_whole(const HeightMap& map, const QuadricFilter& filter) noexcept;
@@ -22,7 +23,7 @@ ColumnQuadric fit_whole(const HeightMap& map, const QuadricFilter& filter) noexc
 inline bool is_curved_at_most(float most, const ColumnQuadric& surface, const ClosestPoint& closest,
                               int neighbourhood) {
   const float curvatures =
-      std::abs(surface.c[3]) + std::abs(surface.c[4]) + std::abs(surface.c[5]);  // a column out
+      (std::abs(surface.c[3]) + std::abs(surface.c[5])) + std::abs(surface.c[4]);  // a column out
   return curvatures * closest.normal_z <= most / static_cast<float>(neighbourhood * neighbourhood);
 }
 inline bool is_face(const ColumnQuadric& surface, const ClosestPoint& closest, int neighbourhood) {

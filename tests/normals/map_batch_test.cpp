@@ -31,7 +31,7 @@ TEST(MapBatch, HasTheMapsOfItsVoxelsAndOfNoneBefore) {
       if (batch.coarse(k).isZero()) continue;
       HeightMap one;
       one.ns = kNs;
-      trace_along(workpiece, queries[first + k].voxel, batch.axes(k), kTrace, one);
+      trace_along(workpiece, queries[first + k].voxel, batch.axes(k), batch.coarse(k), kTrace, one);
       ASSERT_EQ(has_bit(batch.whole, k), one.whole_rings == kNs);
       tiled += has_bit(batch.in_tile, k) ? 1 : 0;
       const HeightMap& map = batch.map(k);

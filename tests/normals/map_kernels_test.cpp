@@ -15,14 +15,19 @@ namespace {
 class MapKernelsTest : public test::MapKernelsFixture {};
 INSTANTIATE_TEST_SUITE_P(Sets, MapKernelsTest, test::fast_sets(), test::set_of);
 
+constexpr TraceOrder kOrders[] = {TraceOrder::kRowFirst, TraceOrder::kColumnFirst,
+                                  TraceOrder::kBoth};
+
 TEST_P(MapKernelsTest, TracesAreTheSameBitForBit) {
-  int whole = 0, broken = 0;
+  int whole = 0, broken = 0, count = 0;
   for_maps([&](const ColumnBits::Windows& columns, int sign) {
     for (const int ns : {1, 4, 6, 7, 12}) {
       for (const int stride : {1, 2}) {
         if (stride == 2 && ns > 7) continue;
         for (const int trace : {5, 12, kMaxTrace}) {
-          HeightMap a = ask(ns, stride, sign), b = a;
+          HeightMap a = ask(ns, stride, sign);
+          a.order = kOrders[count++ % 3];
+          HeightMap b = a;
           trace_one(*plain_, columns, trace, a);
           trace_one(*fast_, columns, trace, b);
           ASSERT_EQ(a.lanes, b.lanes);
@@ -178,7 +183,9 @@ TEST_P(MapKernelsTest, MapsCutOutOfATileAreTheTracedOnesBitForBit) {
             }
           }
         }
+        // In whatever order.
         HeightMap traced = ask(ns, 1, axes.sign);
+        traced.order = kOrders[all / 2 % 3];
         trace_one(*plain_, windows(workpiece, c, axes.axis), trace, traced);
         for (const MapKernels* kernels : {plain_, fast_}) {
           ++all;

@@ -172,7 +172,7 @@ Eigen::Vector3d away_from_solid(const Workpiece& workpiece, const Cell& voxel) {
 }
 
 TEST_P(SurfaceGroupTest, VoxelsAreAimedAwayFromTheSolidAroundThem) {
-  int sided = 0, of_tool = 0;
+  int sided = 0, of_tool = 0, equals = 0;
   const Vector3f tool(0.3f, -0.9f, 0.8f);  // along y, downward
   for (const Workpiece& workpiece : shapes()) {
     const std::vector<Cell> cells = test::surface_cells(workpiece);
@@ -187,13 +187,44 @@ TEST_P(SurfaceGroupTest, VoxelsAreAimedAwayFromTheSolidAroundThem) {
           groups[k / 8].put_voxel(static_cast<int>(k % 8), c.data(), says.data(), sums.data());
         }
       }
-      const std::uint64_t with_side = plain_->choose_axes(plain, 64);
-      ASSERT_EQ(fast_->choose_axes(fast, 64), with_side);
+      for (const EqualAxes equal : {EqualAxes::kLast, EqualAxes::kMiddle, EqualAxes::kFirst}) {
+        const VoxelAxes a = plain_->choose_axes(plain, 64, equal),
+                        b = fast_->choose_axes(fast, 64, equal);
+        ASSERT_EQ(a.has_direction, b.has_direction);
+        ASSERT_EQ(a.two_equal, b.two_equal);
+        ASSERT_EQ(a.three_equal, b.three_equal);
+        for (int g = 0; g < 8; ++g) {
+          for (int k = 0; k < SurfaceGroup::kSize; ++k) {
+            ASSERT_EQ(plain[g].axis[k], fast[g].axis[k]);
+            ASSERT_EQ(plain[g].sign[k], fast[g].sign[k]);
+          }
+        }
+        for (std::size_t k = 0; k < 64; ++k) {
+          const auto& coarse = plain[k / 8].coarse;
+          std::vector<int> largest;
+          float most = 0.0f;
+          for (const auto& c : coarse) most = std::max(most, std::abs(c[k % 8]));
+          for (int axis = 0; axis < 3; ++axis) {
+            if (std::abs(coarse[axis][k % 8]) == most) largest.push_back(axis);
+          }
+          if (most == 0.0f) largest.clear();
+          ASSERT_EQ((a.two_equal >> k & 1) != 0, largest.size() >= 2);
+          ASSERT_EQ((a.three_equal >> k & 1) != 0, largest.size() == 3);
+          equals += largest.size() >= 2;
+          if (largest.empty() || (equal == EqualAxes::kMiddle && largest.size() < 3)) continue;
+          const int expected = equal == EqualAxes::kFirst  ? largest.front()
+                               : equal == EqualAxes::kLast ? largest.back()
+                                                           : 1;
+          ASSERT_EQ(plain[k / 8].axis[k % 8], expected);
+        }
+      }
+      const std::uint64_t with_side =
+          plain_->choose_axes(plain, 64, EqualAxes::kFirst).has_direction;
       // Lanes beyond so many voxels have no side, whatever they hold.
       for (const std::size_t voxels : {std::size_t{1}, std::size_t{13}}) {
         const std::uint64_t of_these = with_side & ~std::uint64_t{0} >> (64 - voxels);
-        ASSERT_EQ(plain_->choose_axes(plain, voxels), of_these);
-        ASSERT_EQ(fast_->choose_axes(fast, voxels), of_these);
+        ASSERT_EQ(plain_->choose_axes(plain, voxels, EqualAxes::kFirst).has_direction, of_these);
+        ASSERT_EQ(fast_->choose_axes(fast, voxels, EqualAxes::kFirst).has_direction, of_these);
       }
       for (std::size_t k = 0; k < 64; ++k) {
         const Cell& c = cells[first + k];
@@ -227,6 +258,7 @@ TEST_P(SurfaceGroupTest, VoxelsAreAimedAwayFromTheSolidAroundThem) {
   }
   EXPECT_GT(sided, 1000);
   EXPECT_GT(of_tool, 100);
+  EXPECT_GT(equals, 100);
 }
 
 /// The map about a voxel, traced voxel by voxel as MapKernels::trace says. Heights are layers from
@@ -270,11 +302,14 @@ class TracedByVoxels {
     return rings;
   }
   /// Whether each column changes between solid and empty once, and as the surface does, within 12
-  /// layers below and 11 above a leaf whose lowest layer is so far from the voxel's: there can be
-  /// no doubt what is meant.
-  bool is_alone(int leaf) const {
+  /// layers below and 11 above a leaf whose lowest layer is so far from the voxel's, and is no more
+  /// than a step from those beside it: there can be no doubt what is meant, in whatever order.
+  bool is_certain(int leaf) const {
     for (int j = -ns_; j <= ns_; ++j) {
       for (int i = -ns_; i <= ns_; ++i) {
+        const int height = heights_[index(i, j)];
+        if (i > -ns_ && std::abs(height - heights_[index(i - 1, j)]) > kMaxStep) return false;
+        if (j > -ns_ && std::abs(height - heights_[index(i, j - 1)]) > kMaxStep) return false;
         int changes = 0;
         for (int h = leaf - 12; h < leaf + 19; ++h) {
           changes += is_solid(workpiece_, cell(i, j, h)) != is_solid(workpiece_, cell(i, j, h + 1));
@@ -336,8 +371,8 @@ TEST_P(SurfaceGroupTest, MapsInTilesAreThoseThatAreTracedVoxelByVoxel) {
           groups[k / 8].put_voxel(static_cast<int>(k % 8), c.data(), tool.data(), sums.data());
         }
       }
-      plain_->choose_axes(plain, 64);
-      fast_->choose_axes(fast, 64);
+      plain_->choose_axes(plain, 64, EqualAxes::kFirst);
+      fast_->choose_axes(fast, 64, EqualAxes::kFirst);
       for (std::size_t k = 0; k < 64; ++k) {
         const SurfaceGroup& g = plain[k / 8];
         axes[k] = {g.axis[k % 8], g.sign[k % 8] > 0.0f ? 1 : -1};
@@ -382,9 +417,9 @@ TEST_P(SurfaceGroupTest, MapsInTilesAreThoseThatAreTracedVoxelByVoxel) {
             ASSERT_EQ(groups[k / 8].centre[k % 8], map.centre() + c[axes[k].axis] % 8) << k;
           }
         } else if (whole && rings >= kLeastRings) {
-          ASSERT_FALSE(map.is_alone(origin[axes[k].axis] - c[axes[k].axis])) << k;
+          ASSERT_FALSE(map.is_certain(origin[axes[k].axis] - c[axes[k].axis])) << k;
         }
-        certain += whole && map.is_alone(origin[axes[k].axis] - c[axes[k].axis]);
+        certain += whole && map.is_certain(origin[axes[k].axis] - c[axes[k].axis]);
         even += is_even, partly += is_partly;
       }
     }

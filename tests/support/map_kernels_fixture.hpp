@@ -69,7 +69,7 @@ class MapKernelsFixture : public ::testing::TestWithParam<InstructionSet> {
 
   /// Of a surface across itself, a column out.
   static float curvature_of(const ColumnQuadric& surface) {
-    return (std::abs(surface.c[3]) + std::abs(surface.c[4]) + std::abs(surface.c[5])) *
+    return (std::abs(surface.c[3]) + std::abs(surface.c[5]) + std::abs(surface.c[4])) *
            closest_point_of(surface).normal_z;
   }
 

@@ -117,7 +117,7 @@ inline void half_sums(const HeightMap& map, std::array<PlaneSums, kHalves>& sums
 
 inline RowLanes residual_across(const HeightPlane& plane, const RowLanes& x, float y,
                                 const RowLanes& z2) {
-  return (z2 * 0.5f - (plane.c0 + plane.c2 * y) - plane.c1 * x) * plane.cosine;
+  return (z2 * 0.5f - plane.c0 - (plane.c1 * x + plane.c2 * y)) * plane.cosine;
 }
 
 inline void sums_on_plane(const HeightMap& map, int half, const HeightPlane& plane,

@@ -71,16 +71,20 @@ int even_rings(const HeightMap& map) {
   });
 }
 
-void trace_map(const ColumnBits::Windows& columns, int trace, HeightMap& map) {
+using TracedHeights = std::array<int, HeightMap::kMaxRows * HeightMap::kMaxLanes>;
+
+/// Traces first along the rows, or with `exchanged` first along the columns.
+void trace_first_along(bool exchanged, const ColumnBits::Windows& columns, const HeightMap& map,
+                       TracedHeights& traced) {
   const int ns = map.ns;
-  map.lanes = lanes_of(ns);
-  std::array<int, HeightMap::kMaxRows * HeightMap::kMaxLanes> traced;
-  const auto height = [&](int i, int j) -> int& {
-    return traced[static_cast<std::size_t>(map.place(i, j))];
+  const auto height = [&](int along, int across) -> int& {
+    const int place = exchanged ? map.place(across, along) : map.place(along, across);
+    return traced[static_cast<std::size_t>(place)];
   };
-  const auto trace_column = [&](int i, int j, int from) {
+  const auto trace_column = [&](int along, int across, int from) {
+    const int i = exchanged ? across : along, j = exchanged ? along : across;
     const auto w = static_cast<std::uint32_t>(columns.window(i * map.stride, j * map.stride));
-    height(i, j) = follow(map.sign > 0 ? w & ~(w >> 1) : w & ~(w << 1), from, map.sign);
+    height(along, across) = follow(map.sign > 0 ? w & ~(w >> 1) : w & ~(w << 1), from, map.sign);
   };
   trace_column(0, 0, 0);
   for (int i = 1; i <= ns; ++i) {
@@ -93,12 +97,21 @@ void trace_map(const ColumnBits::Windows& columns, int trace, HeightMap& map) {
       trace_column(i, -j, height(i, 1 - j));
     }
   }
+}
+
+void trace_map(const ColumnBits::Windows& columns, int trace, HeightMap& map) {
+  const int ns = map.ns;
+  map.lanes = lanes_of(ns);
+  TracedHeights traced, exchanged;
+  trace_first_along(map.order == TraceOrder::kColumnFirst, columns, map, traced);
+  if (map.order == TraceOrder::kBoth) trace_first_along(true, columns, map, exchanged);
   map.height.fill(HeightMap::kNone);
   for (int j = -ns; j <= ns; ++j) {
     for (int i = -ns; i <= ns; ++i) {
-      if (std::abs(height(i, j)) > trace) continue;
-      map.height[static_cast<std::size_t>(map.place(i, j))] =
-          static_cast<signed char>(height(i, j));
+      const auto place = static_cast<std::size_t>(map.place(i, j));
+      if (std::abs(traced[place]) > trace) continue;
+      if (map.order == TraceOrder::kBoth && traced[place] != exchanged[place]) continue;
+      map.height[place] = static_cast<signed char>(traced[place]);
     }
   }
   map.whole_rings =
@@ -150,7 +163,7 @@ void read_tile(const ColumnBits::Windows& columns, HeightTile& tile) noexcept {
       for (int i = -ns; i <= ns; ++i) {
         if (tile.at(u + i, v + j) == HeightMap::kNone) return false;
         if (j > -ns && !follows(u + i, v + j, u + i, v + j - 1)) return false;
-        if (j == 0 && i > -ns && !follows(u + i, v, u + i - 1, v)) return false;
+        if (i > -ns && !follows(u + i, v + j, u + i - 1, v + j)) return false;
       }
     }
     return true;

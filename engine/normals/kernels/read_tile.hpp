@@ -183,18 +183,19 @@ inline void read_heights(const ColumnBits::Windows& windows, HeightTile& tile, T
   for (int r = rows; r < TileWords::kRoom; ++r) {
     words.of[0][r] = words.of[1][r] = words.of[2][r] = 0;
   }
-  // All eight rows of the leaf side by side: in a map's rows, then its columns, and in its middle
-  // row.
-  __m256i bad = load_bits(gaps);
-  for (int r = 1; r <= 2 * ns; ++r) bad = _mm256_or_si256(bad, load_bits(broken + r));
-  const __m256i middle = load_bits(beside + ns);
+  // All eight rows of the leaf side by side: in a map's rows, then its columns.
+  __m256i bad = load_bits(gaps), across = load_bits(beside);
+  for (int r = 1; r <= 2 * ns; ++r) {
+    bad = _mm256_or_si256(bad, load_bits(broken + r));
+    across = _mm256_or_si256(across, load_bits(beside + r));
+  }
   __m256i near = bad;
   for (int d = 1; d <= ns; ++d) {
-    const __m256i left = _mm256_or_si256(bad, middle);
+    const __m256i left = _mm256_or_si256(bad, across);
     const __m128i count = _mm_cvtsi32_si128(d), less = _mm_cvtsi32_si128(d - 1);
     near = _mm256_or_si256(near, _mm256_sll_epi32(left, count));
     near = _mm256_or_si256(near, _mm256_srl_epi32(bad, count));
-    near = _mm256_or_si256(near, _mm256_srl_epi32(middle, less));
+    near = _mm256_or_si256(near, _mm256_srl_epi32(across, less));
   }
   alignas(32) std::uint32_t unsound[kEdge];
   _mm256_store_si256(reinterpret_cast<__m256i*>(unsound), near);

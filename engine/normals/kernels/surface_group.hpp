@@ -81,9 +81,14 @@ inline std::uint64_t bits_of_groups(SurfaceGroup* groups, std::size_t count, con
   return bits;
 }
 
-inline std::uint64_t choose_axes(SurfaceGroup* groups, std::size_t voxels) noexcept {
+inline VoxelAxes choose_axes(SurfaceGroup* groups, std::size_t voxels, EqualAxes equal) noexcept {
   const std::size_t count = (voxels + SurfaceGroup::kSize - 1) / SurfaceGroup::kSize;
-  const std::uint64_t has_side = bits_of_groups(groups, count, [](SurfaceGroup& g) {
+  const IntLanes none{}, all = ~none;
+  const IntLanes prefers_y = equal == EqualAxes::kMiddle ? all : none,
+                 prefers_z = equal == EqualAxes::kLast ? all : none;
+  VoxelAxes axes;
+  for (std::size_t e = 0; e < count; ++e) {
+    SurfaceGroup& g = groups[e];
     const IntLanes x = load(g.around[0]), y = load(g.around[1]), z = load(g.around[2]);
     const IntLanes solid = (x | y | z) != 0;
     const auto or_tool = [&](const IntLanes& sum, const float* tool) {
@@ -91,10 +96,12 @@ inline std::uint64_t choose_axes(SurfaceGroup* groups, std::size_t voxels) noexc
     };
     const Vectors out{or_tool(x, g.tool[0]), or_tool(y, g.tool[1]), or_tool(z, g.tool[2])};
     for (unsigned a = 0; a < 3; ++a) store(out[a], g.coarse[a]);
-    // The axis of the largest component, the first of two.
-    const Lanes along_x = abs(out[0]), along_y = abs(out[1]), along_z = abs(out[2]);
-    const IntLanes is_z = (along_z > along_x) & (along_z > along_y);
-    const IntLanes is_y = ~is_z & (along_y > along_x);
+    const Lanes size[] = {abs(out[0]), abs(out[1]), abs(out[2])};
+    const Lanes largest = larger(larger(size[0], size[1]), size[2]);
+    const IntLanes x_is = size[0] == largest, y_is = size[1] == largest, z_is = size[2] == largest;
+    const IntLanes two_equal = (x_is & y_is) | ((x_is | y_is) & z_is);
+    const IntLanes is_y = y_is & (prefers_y | (prefers_z & ~z_is) | (~prefers_z & ~x_is));
+    const IntLanes is_z = z_is & (prefers_z | ~(x_is | y_is));
     const auto by_axis = [&](const auto& if_x, const auto& if_y, const auto& if_z) {
       return is_z ? if_z : is_y ? if_y : if_x;
     };
@@ -106,9 +113,20 @@ inline std::uint64_t choose_axes(SurfaceGroup* groups, std::size_t voxels) noexc
                    k = load(g.voxel[2]) & in_leaf;
     store(by_axis(k, i, j) * HeightTile::kEdge + by_axis(j, k, i), g.column);
     store(by_axis(i, j, k), g.layer);
-    return (out[0] != 0.0f) | (out[1] != 0.0f) | (out[2] != 0.0f);
-  });
-  return has_side & ~std::uint64_t{0} >> (64 - voxels);  // the last group may not be full
+    const IntLanes has_direction = largest != 0.0f;
+    const auto put = [&](const IntLanes& mask, std::uint64_t& bits) {
+      bits |= std::uint64_t{bits_of(mask & has_direction)} << (SurfaceGroup::kSize * e);
+    };
+    put(all, axes.has_direction);
+    put(two_equal, axes.two_equal);
+    put(x_is & y_is & z_is, axes.three_equal);
+  }
+  const std::uint64_t are_voxels =
+      ~std::uint64_t{0} >> (64 - voxels);  // the last group may not be full
+  axes.has_direction &= are_voxels;
+  axes.two_equal &= are_voxels;
+  axes.three_equal &= are_voxels;
+  return axes;
 }
 
 inline TileMaps look_up(const HeightTile::Column* columns, const std::int32_t* origin, int ns,
@@ -145,7 +163,7 @@ inline IntLanes store_closest(const ColumnQuadricOf<Lanes>& q, SurfaceGroup& g) 
   const ClosestPointOf<Lanes> closest = closest_point_of(q, square_root);
   store(closest.normal_x, g.normal_x), store(closest.normal_y, g.normal_y);
   store(closest.normal_z, g.normal_z), store(closest.offset, g.offset);
-  store((abs(q.c[3]) + abs(q.c[4]) + abs(q.c[5])) * closest.normal_z, g.curvature);
+  store((abs(q.c[3]) + abs(q.c[5]) + abs(q.c[4])) * closest.normal_z, g.curvature);
   return consistent(store_normals(closest, g), g);
 }
 
