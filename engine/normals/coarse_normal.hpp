@@ -12,6 +12,11 @@ namespace sulcus {
 /// voxel is symmetric (a lone voxel, a wall of one voxel). Pure, no allocation.
 Eigen::Vector3i coarse_normal(const Workpiece& workpiece, const Cell& voxel) noexcept;
 
+/// Sum of the offsets of the solid voxels within 4 along each axis: where components of the coarse
+/// normal are equal, mostly more than the neighbours nearest to the voxel tells them apart. Pure,
+/// no allocation.
+Eigen::Vector3i solid_offsets(const Workpiece& workpiece, const Cell& voxel) noexcept;
+
 /// The rows that MapKernels::coarse adds up for it.
 inline ColumnBits::Windows coarse_rows(const Workpiece& workpiece, const Cell& c) noexcept {
   return workpiece.columns().around(0, c.y(), c.z(), c.x() - 2);

@@ -11,57 +11,70 @@ namespace sulcus {
 /// The unit mean of normals, and the mean of offsets; undefined where the normals cancel out, or
 /// one is undefined. Its windows are those of all.
 SurfaceEstimate mean_of(std::span<const SurfaceEstimate> estimates) noexcept;
+/// An estimate by a map along an axis.
+struct AxisEstimate {
+  SurfaceEstimate estimate;
+  int axis = 0;
+};
+/// Of estimates along different axes the mean of those that are most level over their own, within
+/// kAsLevel: their maps show most.
+SurfaceEstimate most_level(std::span<const AxisEstimate> estimates) noexcept;
 
 /// Estimates of the voxels of a batch whose coarse normals have two or three equally large
 /// components, as at the edge of a box and all over a plane of 45 degrees. No axis comes first
-/// there: it is the mean of the estimates along each. What the tool vetoes is first the mean, so
-/// that no answer without a veto depends on it, then the estimates themselves.
+/// there: it is the mean of the estimates along each (most_level). What the tool vetoes is first
+/// that, so that no answer without a veto depends on it, then the estimates themselves.
 ///
 /// `estimates` holds those along the first axes, as the batch was taken; `estimate(to)` finds those
-/// of all voxels that have a direction, anew.
+/// of what is in the batch. It holds others afterwards.
 template <class Estimate>
 void estimate_equal_axes(MapBatch& batch, const Estimate& estimate,
                          SurfaceEstimate* estimates) noexcept {
   const VoxelBits two = batch.two_equal, three = batch.three_equal;
   if (two == 0) return;
-  std::array<std::array<SurfaceEstimate, MapBatch::kSize>, 3> along;
-  const auto mean = [&](std::size_t k, const Eigen::Vector3f& hint) {
-    const std::array<SurfaceEstimate, 3> all{along[0][k], along[1][k], along[2][k]};
-    const SurfaceEstimate of = mean_of(std::span(all).first(has_bit(three, k) ? 3 : 2));
-    return of.defined ? of : last_resort(batch.coarse(k), hint, of.windows);
-  };
-  const auto look_along_others = [&](VoxelBits which, UseOfTool use) {
-    batch.retake(which, EqualAxes::kLast, use);
-    estimate(along[1].data());
-    if ((which & three) == 0) return;
-    batch.retake(which & three, EqualAxes::kMiddle, use);
-    estimate(along[2].data());
-  };
+  constexpr std::size_t kSize = MapBatch::kSize;
+  // Kept, since the batch goes on to others.
+  std::array<Eigen::Vector3f, kSize> coarse, outward;
+  std::array<std::array<AxisEstimate, kSize>, 3> along;
   VoxelBits with_tool = 0;
   for_each(two, [&](std::size_t k) {
-    if (!batch.query(k).outward.isZero()) with_tool |= bit_of(k);
+    coarse[k] = batch.coarse(k);
+    outward[k] = batch.query(k).outward;
+    along[0][k] = {estimates[k], batch.axes(k).axis};
+    if (!outward[k].isZero()) with_tool |= bit_of(k);
   });
-  if (with_tool != 0) {
-    batch.retake(with_tool, EqualAxes::kFirst, UseOfTool::kWhereAlone);
-    estimate(along[0].data());
-  }
-  for_each(two & ~with_tool, [&](std::size_t k) { along[0][k] = estimates[k]; });
-  look_along_others(two, UseOfTool::kWhereAlone);
+  std::array<SurfaceEstimate, kSize> found;
+  const auto look_along = [&](EqualAxes axis, VoxelBits which, UseOfTool use) {
+    if (which == 0) return;
+    batch.retake(which, axis, use);
+    estimate(found.data());
+    std::size_t n = 0;
+    for_each(which, [&](std::size_t k) {
+      along[static_cast<std::size_t>(axis)][k] = {found[n], batch.axes(n).axis};
+      ++n;
+    });
+  };
+  const auto put = [&](VoxelBits which, UseOfTool use) {
+    look_along(EqualAxes::kFirst, which & with_tool, use);
+    look_along(EqualAxes::kLast, which, use);
+    look_along(EqualAxes::kMiddle, which & three, use);
+    for_each(which, [&](std::size_t k) {
+      const std::array<AxisEstimate, 3> all{along[0][k], along[1][k], along[2][k]};
+      estimates[k] = most_level(std::span(all).first(has_bit(three, k) ? 3 : 2));
+      if (estimates[k].defined) return;
+      const Eigen::Vector3f hint = tool_hint(outward[k], coarse[k]);
+      const bool is_used = use == UseOfTool::kAlways;
+      estimates[k] =
+          last_resort(coarse[k], is_used ? hint : Eigen::Vector3f(Eigen::Vector3f::Zero()),
+                      estimates[k].windows);
+    });
+  };
+  put(two, UseOfTool::kWhereAlone);
   VoxelBits vetoed = 0;
-  for_each(two, [&](std::size_t k) {
-    const SurfaceEstimate without_tool = mean(k, Eigen::Vector3f::Zero());
-    const Eigen::Vector3f hint = tool_hint(batch.query(k).outward, batch.coarse(k));
-    if (without_tool.normal.dot(hint) < 0.0f) {
-      along[0][k] = estimates[k];
-      vetoed |= bit_of(k);
-    }
-    estimates[k] = without_tool;
+  for_each(with_tool, [&](std::size_t k) {
+    if (estimates[k].normal.dot(tool_hint(outward[k], coarse[k])) < 0.0f) vetoed |= bit_of(k);
   });
-  if (vetoed == 0) return;
-  look_along_others(vetoed, UseOfTool::kAlways);
-  for_each(vetoed, [&](std::size_t k) {
-    estimates[k] = mean(k, tool_hint(batch.query(k).outward, batch.coarse(k)));
-  });
+  if (vetoed != 0) put(vetoed, UseOfTool::kAlways);
 }
 
 }  // namespace sulcus

@@ -10,6 +10,7 @@
 #include "engine/normals/half_disc.hpp"
 #include "engine/normals/map_batch.hpp"
 #include "engine/normals/tilted_fit.hpp"
+#include "engine/normals/turned_map.hpp"
 #include "engine/normals/wide_map.hpp"
 
 namespace sulcus {
@@ -56,12 +57,15 @@ struct Balls {
 
 /// The largest balls that are explained, of so many voxels, no more than kMaps.
 void find_balls(MapBatch& batch, VoxelBits which, TiltedFitter& fitter, Balls& balls) noexcept {
+  std::array<TurnedMap, MapBatch::kMaps> maps;
   std::array<TiltedFit, MapBatch::kMaps> fits;
   std::array<std::size_t, MapBatch::kMaps> of;
   std::size_t count = 0;
   for_each(which, [&](std::size_t k) {
-    const Vector3f tilt = to_map_space(batch.coarse(k), batch.axes(k)).normalized();
-    fits[count] = {&batch.map(k), tilt, 0.0f, {}, {}};
+    const Vector3f coarse = to_map_space(batch.coarse(k), batch.axes(k));
+    TurnedMap& turned = maps[k];
+    turned.turn(batch.map(k), coarse);
+    fits[count] = {&turned.map(), turned.turns()[0].of(coarse).normalized(), 0.0f, {}, {}};
     of[count++] = k;
   });
   const float wide = std::max(1.0f, static_cast<float>(batch.neighbourhood()) / 6.0f);
@@ -73,7 +77,7 @@ void find_balls(MapBatch& batch, VoxelBits which, TiltedFitter& fitter, Balls& b
     std::size_t left = 0;
     for (std::size_t n = 0; n < count; ++n) {
       if (fits[n].closest) {
-        balls.closest[of[n]] = *fits[n].closest;
+        balls.closest[of[n]] = maps[of[n]].back(*fits[n].closest);
         balls.found |= bit_of(of[n]);
         if (radius < kNearEdge) balls.small |= bit_of(of[n]);
       } else {
@@ -83,6 +87,10 @@ void find_balls(MapBatch& batch, VoxelBits which, TiltedFitter& fitter, Balls& b
     }
     count = left;
   }
+}
+
+bool is_vetoed(const ClosestPoint& closest, const Vector3f& outward) {
+  return Vector3f(closest.normal_x, closest.normal_y, closest.normal_z).dot(outward) < 0.0f;
 }
 
 /// How the quadric of a whole map lies, where a wide map may see more.
@@ -104,6 +112,39 @@ bool has_near_whole_slopes(const ClosestPoint& closest) noexcept {
     return std::min(over, 1.0f - over) <= kNearWhole;
   };
   return closest.normal_z > kLeastPlaneCosine && near(closest.normal_x) && near(closest.normal_y);
+}
+
+/// nearest_half_disc on a map as TurnedMap sees it. Where that is symmetric itself, the mean of
+/// what it finds in each of its turns, which the tool vetoes first; `coarse` of any length.
+std::optional<HalfDisc> nearest_turned(const HeightMap& map, const Vector3f& coarse,
+                                       const Vector3f& outward, VoxelPlace place,
+                                       TiltedFitter& fitter) noexcept {
+  TurnedMap turned;
+  turned.turn(map, coarse);
+  const auto turns = turned.turns();
+  const Vector3f turned_coarse = turns[0].of(coarse).normalized();
+  const auto nearest = [&](const Vector3f& says) {
+    return nearest_half_disc(turned.map(), turned_coarse, says, place, fitter);
+  };
+  const bool ask_tool = turns.size() == 1;
+  std::optional<HalfDisc> mean =
+      nearest(ask_tool ? turns[0].of(outward) : Vector3f(Vector3f::Zero()));
+  if (mean) mean->closest = turned.back(mean->closest);
+  if (ask_tool || !mean || !is_vetoed(mean->closest, outward)) return mean;
+  Vector3f normal = Vector3f::Zero();
+  float offset = 0.0f, score = 0.0f, count = 0.0f;
+  for (const MapTurn& turn : turns) {
+    const std::optional<HalfDisc> one = nearest(turn.of(outward));
+    if (!one) continue;
+    const ClosestPoint closest = turn.back(one->closest);
+    normal += Vector3f(closest.normal_x, closest.normal_y, closest.normal_z);
+    offset += closest.offset;
+    score = count == 0.0f ? one->score : std::min(score, one->score);
+    count += 1.0f;
+  }
+  if (count == 0.0f) return {};
+  normal.normalize();
+  return HalfDisc{{normal.x(), normal.y(), normal.z(), offset / count}, score};
 }
 
 /// Looks farther than the batch did for the surface of one of its voxels.
@@ -225,8 +266,8 @@ std::optional<SurfaceEstimate> Refinement::nearest_face(VoxelPlace place,
                                                         std::span<const MapAxes> others,
                                                         const Vector3f& hint) noexcept {
   const auto nearest_on = [&](const HeightMap& map, const MapAxes& along) {
-    return nearest_half_disc(map, to_map_space(coarse_, along).normalized(),
-                             to_map_space(hint, along), place, fitter_);
+    return nearest_turned(map, to_map_space(coarse_, along), to_map_space(hint, along), place,
+                          fitter_);
   };
   const HeightMap& map = batch_.map(k_);
   std::optional<SurfaceEstimate> face, across_first;
@@ -256,8 +297,7 @@ std::optional<SurfaceEstimate> Refinement::nearest_face(VoxelPlace place,
 }
 
 /// Estimates of the voxels of a batch.
-void estimate_batch(MapBatch& batch, std::size_t count, TiltedFitter& fitter,
-                    SurfaceEstimate* to) noexcept {
+void estimate_batch(MapBatch& batch, TiltedFitter& fitter, SurfaceEstimate* to) noexcept {
   VoxelBits rest = batch.has_direction & ~batch.in_tile;
   for (const std::size_t k : batch.trace_some(rest)) batch.fit_traced(k);
   batch.find_surfaces(SurfaceParts::kAll);
@@ -267,7 +307,7 @@ void estimate_batch(MapBatch& batch, std::size_t count, TiltedFitter& fitter,
   for (std::size_t g = 0; g < batch.group_count(); ++g) {
     map_kernels().sharpen_group(batch.groups[g]);
   }
-  for (std::size_t k = 0; k < count; ++k) {
+  for (std::size_t k = 0; k < batch.count(); ++k) {
     if (!has_bit(batch.has_direction, k)) {
       to[k] = {};
       continue;
@@ -302,7 +342,7 @@ void estimate_ldm(const Workpiece& workpiece, std::span<const VoxelQuery> querie
   for (std::size_t first = 0, count; first < queries.size(); first += count) {
     count = batch.take(first, MapBatch::kMaps);
     SurfaceEstimate* const to = estimates.data() + first;
-    const auto estimate = [&](SurfaceEstimate* of) { estimate_batch(batch, count, fitter, of); };
+    const auto estimate = [&](SurfaceEstimate* of) { estimate_batch(batch, fitter, of); };
     estimate(to);
     estimate_equal_axes(batch, estimate, to);
   }

@@ -28,6 +28,9 @@ namespace sulcus {
 ///   to the voxel; where none is plane, and first of all where that ball is inside a face, what
 ///   explains the part of a ball on one side;
 /// - normal and offset are those of the closest point to the voxel's centre.
+/// - equal shapes have equal normals, however they lie in the grid: exchanging axes, or their
+///   directions, changes rounding alone (TraceOrder, TurnedMap; estimate_equal_axes where two axes
+///   or three dominate the coarse normal).
 /// No normal points away from the coarse one. `VoxelQuery::outward` stands in for the coarse normal
 /// where the solid around the voxel is symmetric (a lone voxel, a wall of one voxel), and vetoes:
 /// where the normal points away from it though the coarse one does not do so by 120 degrees, as

@@ -71,7 +71,7 @@ VoxelBits find_wide_faces(MapBatch& batch, Faces& faces) {
 }
 
 /// Estimates of the voxels of a batch.
-void estimate_batch_fast(MapBatch& batch, std::size_t count, SurfaceEstimate* to) noexcept {
+void estimate_batch_fast(MapBatch& batch, SurfaceEstimate* to) noexcept {
   Faces faces;
   for (VoxelBits rest = batch.has_direction & ~batch.in_tile; rest != 0;) {
     const std::span<const std::size_t> traced = batch.trace_some(rest);
@@ -100,7 +100,7 @@ void estimate_batch_fast(MapBatch& batch, std::size_t count, SurfaceEstimate* to
     to[k] = last_resort(batch.coarse(k), hint(k), batch.axes(k).window());
   });
   for_each(wide, [&](std::size_t k) { to[k].windows |= SurfaceEstimate::kWideWindow; });
-  for (std::size_t k = 0; k < count; ++k) {
+  for (std::size_t k = 0; k < batch.count(); ++k) {
     if (!has_bit(batch.has_direction, k)) to[k] = {};
   }
 }
@@ -114,7 +114,7 @@ void estimate_ldm_fast(const Workpiece& workpiece, std::span<const VoxelQuery> q
   for (std::size_t first = 0, count; first < queries.size(); first += count) {
     count = batch.take(first, MapBatch::kSize);
     SurfaceEstimate* const to = estimates.data() + first;
-    const auto estimate = [&](SurfaceEstimate* of) { estimate_batch_fast(batch, count, of); };
+    const auto estimate = [&](SurfaceEstimate* of) { estimate_batch_fast(batch, of); };
     estimate(to);
     estimate_equal_axes(batch, estimate, to);
   }

@@ -24,6 +24,7 @@ namespace sulcus {
 ///   column sees twice as far, and is taken if it is flat too;
 /// - edges: where no more than two rings are even, the face that the voxel's nearest columns and
 ///   half of the map's lie on (grow_plane), where there is one.
+/// - symmetry: as with estimate_ldm.
 /// No normal points away from the coarse one; what does, or what `VoxelQuery::outward` vetoes as in
 /// estimate_ldm, gives way to it. Undefined only where `outward` and the coarse normal are
 /// zero. 1 <= neighbourhood <= kMaxNeighbourhood, 1 <= trace <= kMaxTrace. Pure, no allocation. One

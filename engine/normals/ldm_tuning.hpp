@@ -25,6 +25,10 @@ inline constexpr float kLeastPlaneCosine = 0.2f;
 /// Queries in a leaf for which a tile pays.
 inline constexpr std::size_t kLeastQueriesForTile = 6;
 
+/// Of estimates along equally dominant axes those count whose components along their own axes are
+/// so near to the largest [m: a plane near (1, 1, 1) 0.78 with the mean of all, 0.45 so].
+inline constexpr float kAsLevel = 0.005f;
+
 // --- Whole maps ---------------------------------------------------------------------------------
 
 /// A quadric explains a map whose largest residual is so far beyond cos / 2 [p, q], or of a map of

@@ -1,6 +1,8 @@
 #include "engine/normals/map_batch.hpp"
 
 #include <algorithm>
+#include <cstdlib>
+#include <limits>
 
 #include "engine/normals/coarse_normal.hpp"
 
@@ -9,38 +11,67 @@ namespace sulcus {
 std::size_t MapBatch::take(std::size_t first, std::size_t most) noexcept {
   first_ = first;
   count_ = tiles_.advance_to(first, most);
-  map_count_ = 0;
-  take_axes();
+  for (std::size_t k = 0; k < count_; ++k) {
+    of_taken_[k] = k;
+    windows_[k] = coarse_rows(workpiece_, query(k).voxel);
+  }
+  map_kernels().coarse(windows_.data(), count_, sums_.data());
+  for (std::size_t k = 0; k < count_; ++k) {
+    group_of(k).put_voxel(lane(k), query(k).voxel.data(), query(k).outward.data(), sums_[k].data());
+  }
+  choose_axes(EqualAxes::kFirst);
+  if (two_equal != 0) {
+    for_each(two_equal, [&](std::size_t k) { tell_apart(k); });
+    choose_axes(EqualAxes::kFirst);
+  }
   fit_in_tiles();
   return count_;
 }
 
-void MapBatch::take_axes() noexcept {
-  std::array<std::array<std::int32_t, 3>, kSize> sums;
-  for (std::size_t k = 0; k < count_; ++k) windows_[k] = coarse_rows(workpiece_, query(k).voxel);
-  map_kernels().coarse(windows_.data(), count_, sums.data());
-  for (std::size_t k = 0; k < count_; ++k) {
-    group_of(k).put_voxel(lane(k), query(k).voxel.data(), query(k).outward.data(), sums[k].data());
+void MapBatch::retake(VoxelBits which, EqualAxes equal, UseOfTool use) noexcept {
+  count_ = 0;
+  for_each(which, [&](std::size_t taken) {
+    const std::size_t k = count_++;
+    of_taken_[k] = taken;
+    const std::array<std::int32_t, 3>& sums = sums_[taken];
+    const bool has_side = (sums[0] | sums[1] | sums[2]) != 0;
+    const bool has_tool = use == UseOfTool::kAlways || !has_side;
+    const Eigen::Vector3f tool =
+        has_tool ? query(k).outward : Eigen::Vector3f(Eigen::Vector3f::Zero());
+    group_of(k).put_voxel(lane(k), query(k).voxel.data(), tool.data(), sums.data());
+  });
+  choose_axes(equal);
+  fit_in_tiles();
+}
+
+void MapBatch::tell_apart(std::size_t k) noexcept {
+  std::array<std::int32_t, 3>& sums = sums_[k];
+  if ((sums[0] | sums[1] | sums[2]) == 0) return;  // the tool's direction stands in
+  const Eigen::Vector3i offsets = solid_offsets(workpiece_, query(k).voxel);
+  const auto size = [&](int axis) { return std::abs(sums[static_cast<std::size_t>(axis)]); };
+  const auto solid = [&](int axis) {
+    return sums[static_cast<std::size_t>(axis)] < 0 ? -offsets[axis] : offsets[axis];
+  };
+  const int largest = std::max({size(0), size(1), size(2)});
+  int most = std::numeric_limits<int>::min(), of_most = 0, how_many = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (size(axis) != largest || solid(axis) < most) continue;
+    how_many = solid(axis) == most ? how_many + 1 : 1;
+    most = solid(axis);
+    of_most = axis;
   }
-  const VoxelAxes axes = map_kernels().choose_axes(groups.data(), count_, EqualAxes::kFirst);
+  if (how_many > 1) return;
+  std::int32_t& sum = sums[static_cast<std::size_t>(of_most)];
+  sum += sum < 0 ? -1 : 1;  // a part in 120 of a voxel's
+  group_of(k).put_voxel(lane(k), query(k).voxel.data(), query(k).outward.data(), sums.data());
+}
+
+void MapBatch::choose_axes(EqualAxes equal) noexcept {
+  map_count_ = 0;
+  const VoxelAxes axes = map_kernels().choose_axes(groups.data(), count_, equal);
   has_direction = axes.has_direction;
   two_equal = axes.two_equal;
   three_equal = axes.three_equal;
-}
-
-void MapBatch::retake(VoxelBits which, EqualAxes equal, UseOfTool use) noexcept {
-  for_each(which, [&](std::size_t k) {
-    SurfaceGroup& group = group_of(k);
-    const int l = lane(k);
-    const bool has_side = (group.around[0][l] | group.around[1][l] | group.around[2][l]) != 0;
-    const bool has_tool = use == UseOfTool::kAlways || !has_side;
-    for (int axis = 0; axis < 3; ++axis) {
-      group.tool[axis][l] = has_tool ? query(k).outward[axis] : 0.0f;
-    }
-  });
-  has_direction = map_kernels().choose_axes(groups.data(), count_, equal).has_direction & which;
-  map_count_ = 0;
-  fit_in_tiles();
 }
 
 void MapBatch::fit_in_tiles() noexcept {

@@ -49,8 +49,8 @@ class MapBatch {
   /// tool where the solid has none, the axes of their maps, and fits of the maps that are in tiles.
   /// Returns how many; what is in the batch is valid until the next.
   std::size_t take(std::size_t first, std::size_t most) noexcept;
-  /// Takes some of the batch's voxels again, whose coarse normals several axes dominate, along
-  /// another of these.
+  /// Takes some of the voxels that the batch was taken with again, alone in it and in their order,
+  /// along another of several axes that dominate their coarse normals.
   void retake(VoxelBits which, EqualAxes equal, UseOfTool use) noexcept;
   /// Traces the maps of the first kMaps of `rest`, and takes them off it. Returns their voxels; the
   /// maps are there until the next.
@@ -66,10 +66,11 @@ class MapBatch {
   const Workpiece& workpiece() const { return workpiece_; }
   int neighbourhood() const { return neighbourhood_; }
   int trace() const { return trace_; }
+  std::size_t count() const { return count_; }
   std::size_t group_count() const { return (count_ + kLanes - 1) / kLanes; }
   const SurfaceGroup& group(std::size_t k) const { return groups[k / kLanes]; }
   static int lane(std::size_t k) { return static_cast<int>(k % kLanes); }
-  const VoxelQuery& query(std::size_t k) const { return queries_[first_ + k]; }
+  const VoxelQuery& query(std::size_t k) const { return queries_[first_ + of_taken_[k]]; }
   MapAxes axes(std::size_t k) const {
     return {group(k).axis[lane(k)], group(k).sign[lane(k)] > 0.0f ? 1 : -1};
   }
@@ -101,7 +102,10 @@ class MapBatch {
   SurfaceGroup& group_of(std::size_t k) { return groups[k / kLanes]; }
   /// Its column in its tile.
   unsigned column(std::size_t k) const { return static_cast<unsigned>(group(k).column[lane(k)]); }
-  void take_axes() noexcept;
+  void choose_axes(EqualAxes equal) noexcept;
+  /// Where the coarse normal of a voxel has equal components, makes the one larger that more of the
+  /// solid lies along, if there is one.
+  void tell_apart(std::size_t k) noexcept;
   void fit_in_tiles() noexcept;
 
   const Workpiece& workpiece_;
@@ -109,7 +113,9 @@ class MapBatch {
   std::span<const VoxelQuery> queries_;
   FitWindow window_;
   LeafTiles tiles_;
-  std::size_t first_ = 0, count_ = 0;  // of the queries
+  std::size_t first_ = 0, count_ = 0;        // of the queries
+  std::array<std::size_t, kSize> of_taken_;  // the place of each among those that were taken
+  std::array<std::array<std::int32_t, 3>, kSize> sums_;  // about those, of solid voxels
   std::array<const HeightTile*, kSize> tile_of_{};
   std::array<HeightTile::Column, kSize> columns_;   // of the tiles
   std::array<ColumnBits::Windows, kSize> windows_;  // of coarse normals, then of what is traced

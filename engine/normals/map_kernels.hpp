@@ -231,10 +231,10 @@ struct MapKernels {
 
   /// Traces so many maps, at least one, of one neighbourhood and stride, each from the columns
   /// around its voxel (ColumnBits::around, the voxel at kLevel). The middle row is traced outward
-  /// from the voxel's own column, the others outward from it row by row: a column starts at its
-  /// inner neighbour's height and takes the surface nearest to it, the outer one of two, at most
-  /// kMaxStep away, so that the map follows the surface down slopes and does not jump to the far
-  /// side of a thin wall.
+  /// from the voxel's own column, the others outward from it row by row, or as the map's order
+  /// says: a column starts at its inner neighbour's height and takes the surface nearest to it, the
+  /// outer one of two, at most kMaxStep away, so that the map follows the surface down slopes and
+  /// does not jump to the far side of a thin wall.
   void (*trace)(const ColumnBits::Windows* columns, std::size_t count, int trace,
                 HeightMap* maps) noexcept = nullptr;
 

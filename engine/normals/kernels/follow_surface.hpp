@@ -3,6 +3,7 @@
 #pragma once
 
 #include "engine/normals/kernels/simd.hpp"
+#include "engine/normals/kernels/trace_window.hpp"
 #include "engine/normals/map_kernels.hpp"
 
 namespace sulcus {
@@ -75,6 +76,13 @@ inline const StepTable& steps_to(int sign) { return sign > 0 ? kUpward : kDownwa
 inline __m256i apart_in_reach(__m256i a, __m256i b) {
   const __m256i nowhere = _mm256_set1_epi8(64);  // and more; windows end below it
   return _mm256_xor_si256(_mm256_min_epi8(a, nowhere), _mm256_min_epi8(b, nowhere));
+}
+
+/// Surface bits of sixteen columns, as far as they are known.
+template <int kSign>
+inline Sixteen traceable(const std::uint32_t* lower, const std::uint32_t* upper, unsigned shift) {
+  return bits_and(surfaces_at<kSign>(lower, upper, shift),
+                  sixteen_of(static_cast<int>(kTraceable)));
 }
 
 /// Where a trace may find surfaces, or with `beyond` see them.

@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "engine/normals/kernels/kernel_table.hpp"
+#include "engine/normals/kernels/trace_window.hpp"
 
 namespace sulcus {
 
@@ -84,7 +85,8 @@ void trace_first_along(bool exchanged, const ColumnBits::Windows& columns, const
   const auto trace_column = [&](int along, int across, int from) {
     const int i = exchanged ? across : along, j = exchanged ? along : across;
     const auto w = static_cast<std::uint32_t>(columns.window(i * map.stride, j * map.stride));
-    height(along, across) = follow(map.sign > 0 ? w & ~(w >> 1) : w & ~(w << 1), from, map.sign);
+    const std::uint32_t surface = (map.sign > 0 ? w & ~(w >> 1) : w & ~(w << 1)) & kTraceable;
+    height(along, across) = follow(surface, from, map.sign);
   };
   trace_column(0, 0, 0);
   for (int i = 1; i <= ns; ++i) {

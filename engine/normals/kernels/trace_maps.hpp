@@ -91,7 +91,7 @@ inline bool read_columns(const ColumnBits::Windows& windows, int ns, int trace,
   for (int r = 0; r <= 2 * ns; ++r) {
     const std::uint32_t* lower = windows.words + kStride * ((r - ns) * windows.row - kRowLanes / 2);
     const auto sixteen = [&](int k) {
-      return surfaces_at<kSign>(lower + k, lower + windows.plane + k, windows.shift);
+      return traceable<kSign>(lower + k, lower + windows.plane + k, windows.shift);
     };
     Sixteen surface;
     if constexpr (kStride == 1) {

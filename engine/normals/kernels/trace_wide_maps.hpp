@@ -162,8 +162,8 @@ void trace_wide(const ColumnBits::Windows& windows, int trace, HeightMap& map) n
   const auto row_at = [&](int j) {
     const std::uint32_t* lower = windows.words + j * windows.row - WideColumns::kMiddle;
     const std::uint32_t* upper = lower + windows.plane;
-    return WideRow{surfaces_at<kSign>(lower, upper, windows.shift),
-                   surfaces_at<kSign>(lower + 16, upper + 16, windows.shift)};
+    return WideRow{traceable<kSign>(lower, upper, windows.shift),
+                   traceable<kSign>(lower + 16, upper + 16, windows.shift)};
   };
   if (map.order == TraceOrder::kRowFirst) {
     trace_wide_rows<false>(row_at, trace, map);
