@@ -10,8 +10,9 @@
 namespace sulcus::test {
 
 /// Removed, stored and heat are the work, in all and of each tissue of each body; and what all
-/// tissues have is what there is in all.
-inline void expect_energies_balance(const nlohmann::json& summary) {
+/// tissues have is what there is in all; unless, as where a run goes on from an earlier build's,
+/// tissues were not counted from its first tick on.
+inline void expect_energies_balance(const nlohmann::json& summary, bool tissues_from_start = true) {
   const double work_J = summary["tangential_work_J"], heat_J = summary["heat_J"];
   EXPECT_GT(work_J, 0.0);
   EXPECT_GE(heat_J, 0.0);
@@ -34,6 +35,7 @@ inline void expect_energies_balance(const nlohmann::json& summary) {
   for (const auto& body : summary.value("bodies", nlohmann::json::array())) {
     if (body.contains("tissue_energy_J")) add(body["tissue_energy_J"]);
   }
+  if (!tissues_from_start) return;
   EXPECT_NEAR(work_of_all_J, work_J, 1e-9 * work_J);
   EXPECT_NEAR(heat_of_all_J, heat_J, 1e-9 * work_J);
 }

@@ -9,6 +9,7 @@
 
 #include "app/playback/recorded_film.hpp"
 #include "app/playback/recorded_state.hpp"
+#include "engine/core/error.hpp"
 #include "tests/pipeline/small_scenes.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
@@ -90,10 +91,16 @@ TEST_F(Scrub, ARecordingOfVersion1IsRunFromItsStart) {
   RecordedState state(run);
   state.seek_row(60);
   const Hashes there = hashes(state);
-  state.seek_row(99);
-  EXPECT_EQ(state.simulation().workpiece().hash(), run.reader.state_hashes().back().volume);
+  VoxelModel then = run.reader.workpiece();
+  for (const Edit& edit : run.reader.edits()) {
+    if (edit.tick <= 70) then.set(then.grid.cell_of_linear(edit.voxel), false);
+  }
+  state.seek_row(70);
+  EXPECT_EQ(state.simulation().workpiece().hash(), Workpiece(std::move(then)).hash());
   state.seek_row(60);
   EXPECT_EQ(hashes(state), there);
+  // In tick 71 this build removes other voxels than that one did.
+  EXPECT_THROW(state.seek_row(99), InputError);
 }
 
 TEST_F(Scrub, AShapeGoesOnAndBack) {
