@@ -15,7 +15,7 @@ namespace sulcus {
 struct TissueEnergy {
   double work_J = 0.0;     // of the tangential force on its voxels, all ticks
   double removed_J = 0.0;  // spent on its voxels that are gone
-  double heat_J = 0.0;     // what none of its voxels could take
+  double heat_J = 0.0;     // what the voxel that it was done on could not take
   double carried_J = 0.0;  // had been stored in its voxels of loose pieces
 };
 
