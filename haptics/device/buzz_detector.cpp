@@ -6,10 +6,12 @@ namespace sulcus {
 
 namespace {
 
-constexpr double kWindow_s = 0.07, kShortWindow_s = 0.047, kSilence_s = 0.05;
+constexpr double kWindow_s = 0.07, kSlow_s = 0.033, kShortWindow_s = 0.047, kSilence_s = 0.05;
 /// Of a swing to that before the last. Impacts that die away lose more than that, but for the
 /// rounding to quanta, on which two swings in a row may be equal though the motion dies.
 constexpr double kSustained = 0.95;
+/// Of two swings in a row, where fewer are asked for: with rounding alone.
+constexpr double kKept = 0.99, kMostOfForce = 0.5;
 
 void note(double swing_N, BuzzState& state) {
   std::shift_left(state.swings_N.begin(), state.swings_N.end(), 1);
@@ -40,14 +42,14 @@ void follow(const Eigen::Vector3d& force_N, double threshold_N, BuzzState& state
 }
 
 /// Whether the last `count` reversals were seen within a time, and each of their swings is at least
-/// kSustained of that `apart` before.
-bool sustained(const BuzzState& state, std::size_t count, std::size_t apart, double window_s,
-               double dt_s) {
+/// `kept` of that `apart` before.
+bool sustained(const BuzzState& state, std::size_t count, std::size_t apart, double kept,
+               double window_s, double dt_s) {
   if (state.seen < count) return false;
   const std::size_t first = BuzzState::kReversals - count;
   if (static_cast<double>(state.tick - state.seen_ticks[first]) * dt_s > window_s) return false;
   for (std::size_t i = first + apart; i < BuzzState::kReversals; ++i) {
-    if (state.swings_N[i] < kSustained * state.swings_N[i - apart]) return false;
+    if (state.swings_N[i] < kept * state.swings_N[i - apart]) return false;
   }
   return true;
 }
@@ -62,8 +64,14 @@ bool buzz(const Eigen::Vector3d& force_N, double threshold_N, double dt_s,
     state.turn_N = state.furthest_N = force_N;
   }
   follow(force_N, threshold_N, state);
-  return static_cast<double>(state.tick - state.seen_ticks.back()) * dt_s <= kSilence_s &&
-         (sustained(state, 4, 2, kWindow_s, dt_s) || sustained(state, 3, 1, kShortWindow_s, dt_s));
+  if (static_cast<double>(state.tick - state.seen_ticks.back()) * dt_s > kSilence_s) return false;
+  // Four reversals of a faster one are soon there.
+  const std::uint64_t last_three = state.seen_ticks.back() - state.seen_ticks[1];
+  const bool is_slow = static_cast<double>(last_three) * dt_s >= kSlow_s;
+  const double most_N = std::max(state.turn_N.norm(), state.furthest_N.norm());
+  const bool is_most = state.swings_N.back() >= kMostOfForce * most_N;
+  return sustained(state, 4, 2, kSustained, kWindow_s, dt_s) ||
+         (is_slow && is_most && sustained(state, 3, 1, kKept, kShortWindow_s, dt_s));
 }
 
 }  // namespace sulcus

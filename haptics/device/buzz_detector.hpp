@@ -22,8 +22,9 @@ struct BuzzState {
 
 /// Whether a force buzzes, at a tick of `dt_s`: true when the last reversal was seen within 50 ms
 /// and the swings do not die away. That is
-/// - its last three reversals within 47 ms, each swing at least 0.95 of the last: the second time
-///   that a heavy arm comes back, from 22 Hz on, as slowly as it begins to; or
+/// - its last three reversals took 33 to 47 ms, each swing at least 0.99 of the last and the
+///   last at least half of the force: the second time that a heavy arm comes back, from 22 Hz on,
+///   as slowly as it begins to; or
 /// - the last four within 70 ms, each at least 0.95 of that before the last, which went the same
 ///   way: for swings that quanta make uneven.
 /// A reversal is seen when the force has come back from where it was furthest by more than
