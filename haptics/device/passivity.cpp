@@ -19,8 +19,8 @@ constexpr double kWay_m = 200e-6, kRepaid_m = 300e-6;
 // to the next.
 constexpr double kStepTicks = 2.0, kStepWay_m = 40e-6, kLengthTicks = 10.0;
 constexpr double kLongest_m = 0.5e-3;  // of a step that is a motion, which goes on
-constexpr double kStep_N = 0.015;    // of the damping, in a tick
-constexpr double kLeakTicks = 2.0;   // in which what is more for a leak may come
+constexpr double kStep_N = 0.015;      // of the damping, in a tick
+constexpr double kLeakTicks = 2.0;     // in which what is more for a leak may come
 constexpr double kFaint_N = 1e-3, kFaint_Nm = 4e-5;
 
 /// Work of a wrench on the device over a motion.
