@@ -40,7 +40,7 @@ constexpr NotYet kNotYet[] = {
     {"stiffness_and_voxels", "smooth", "", "voxels of 0.1 mm 0.06 mm", ""},
     {"stiffness_and_voxels", "smooth", "steep plane", "voxels of 0.05 mm 0.03 mm", ""},
     {"stiffness_and_voxels", "potential", "steep plane", "voxels of 0.1 mm 0.06 mm", ""},
-    {"long_steps", "", "block", "1 mm a tick", "lost_untold"},
+    {"long_steps", "", "block", "1 mm a tick", "lost_without_fault"},
     {"free_slide", "", "flat", "voxels of 34.8 um 400 mm/s", "drag"},
     {"free_slide", "", "flat", "250 Hz", "drag_off"},
     {"quiet_controller", "", "hand_cut", "", "controllers_own_step"},

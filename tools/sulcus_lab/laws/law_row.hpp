@@ -15,7 +15,7 @@ struct LawRow {
   std::string setting;   // what sets it apart from others of the same shape: "0.1 mm deep, forth"
   std::string quantity;  // with its unit: "given_out_uJ"
   double value = 0.0;
-  std::optional<double> limit;  // none: only told
+  std::optional<double> limit;  // none: only reported
   bool at_least = false;        // the limit is the least that passes, else the most
   /// What is not a number passes no limit.
   bool pass() const { return !limit || (at_least ? value >= *limit : value <= *limit); }

@@ -84,7 +84,7 @@ class LawTrial {
   std::vector<LawRow>& rows_;
 };
 
-/// What only a force with a potential is held to; of the others it is told.
+/// What only a force with a potential is held to; of the others it is reported.
 inline RowLimit wanted_of_potential(std::string_view scaling, double most) {
   return scaling == "potential" ? at_most(most) : RowLimit{};
 }

@@ -43,7 +43,7 @@ constexpr Law kLaws[] = {
      "all of the work accounted for; nothing spent on enamel that was worked elsewhere",
      cutting_balance},
     {"removed_and_voxels", "What is removed does not depend on the voxel size",
-     "A push of 1 N for 10 s, scenes/side_cut.toml.", "only told", removed_and_voxels},
+     "A push of 1 N for 10 s, scenes/side_cut.toml.", "only reported", removed_and_voxels},
     {"stiffness_and_voxels", "Stiffness does not depend on the voxel size",
      "The force of a ball in a plane, against the integral of the law over the ball.",
      "within 5 % with voxels of up to 0.1 mm", stiffness_and_voxels},
@@ -51,7 +51,7 @@ constexpr Law kLaws[] = {
      "The device jumps by 20 mm into contact, or is silent and comes back elsewhere, the spindle "
      "standing.",
      "no voxel goes, no friction is felt", jump_and_silence},
-    {"long_steps", "A step too long for what it meets is told",
+    {"long_steps", "A step too long for what it meets is reported",
      "The tool is drawn through a block in steps of up to 2 mm, and through a wall of one voxel.",
      "a fault is set where more than 5 % less is cut or the wall is crossed, none at 0.02 mm a "
      "tick",

@@ -98,7 +98,7 @@ void add_laws_command(CLI::App& program) {
       "  laws.html   each law, what is wanted, what was measured\n"
       "  laws.csv    law,shape,scaling,setting,quantity,value,limit,pass\n"
       "  laws.png    energy given out by closed ways\n"
-      "A row without a limit is only told. The scaling `potential` is held to more than the\n"
+      "A row without a limit is only reported. The scaling `potential` is held to more than the\n"
       "others, which have none.");
   command->callback([laws_command] { measure_laws(*laws_command); });
 }

@@ -189,7 +189,7 @@ constexpr double kShortStep_m = 5e-6;
 
 struct LongStep {
   double removed_mm3 = 0.0;
-  bool told = false;
+  bool fault = false;
 };
 
 /// Drawn 3.6 mm through a block's face at a speed, the spindle standing: the work, and so the
@@ -203,7 +203,7 @@ LongStep draw_through(Scene scene, const VoxelModel& block, double speed_m_per_s
   LongStep drawn;
   const double before_mm3 = removed_mm3(rig);
   for (const Pose& pose : poses_along(std::vector<Vector3d>{from, from + way}, step_m)) {
-    drawn.told |= (rig.step(pose).faults & kFaultStepTooLong) != 0;
+    drawn.fault |= (rig.step(pose).faults & kFaultStepTooLong) != 0;
   }
   drawn.removed_mm3 = removed_mm3(rig) - before_mm3;
   return drawn;
@@ -211,15 +211,15 @@ LongStep draw_through(Scene scene, const VoxelModel& block, double speed_m_per_s
 
 /// Whether a wall of one voxel is crossed at 0.5 m/s without a word; the phase of the steps
 /// differs.
-bool crosses_untold(const Scene& scene, const VoxelModel& wall, double phase_m) {
+bool crosses_without_fault(const Scene& scene, const VoxelModel& wall, double phase_m) {
   LawRig rig(scene, wall);
   const Vector3d x = Vector3d::UnitX();
-  bool told = false;
+  bool fault = false;
   for (int t = 0; t < 8; ++t) {
     const double at_m = -2.0e-3 + phase_m + 0.5e-3 * t;
-    told |= (rig.step(pose_at_centre(at_m * x)).faults & kFaultStepTooLong) != 0;
+    fault |= (rig.step(pose_at_centre(at_m * x)).faults & kFaultStepTooLong) != 0;
   }
-  return !told;
+  return !fault;
 }
 
 }  // namespace
@@ -245,18 +245,20 @@ void long_steps(LawTrial& trial) {
         const LawPlace where{"block", scaling, with_number("%g mm a tick", step_mm)};
         trial.add(where, "lost_percent", lost_percent);
         // No false alarm, either.
-        trial.add(where, "fault_set", drawn.told ? 1.0 : 0.0,
+        trial.add(where, "fault_set", drawn.fault ? 1.0 : 0.0,
                   step_mm <= 0.02 ? at_most(0.0) : RowLimit{});
-        trial.add(where, "lost_untold_percent", drawn.told ? 0.0 : std::max(0.0, lost_percent),
-                  at_most(5.0));
+        trial.add(where, "lost_without_fault_percent",
+                  drawn.fault ? 0.0 : std::max(0.0, lost_percent), at_most(5.0));
       }
     }
     if (!trial.asks_for("one_voxel_wall")) continue;
-    double untold = 0.0;
+    double crossed = 0.0;
     for (int phase = 0; phase < 16; ++phase) {
-      untold += crosses_untold(law_scene({.scaling = scaling}), wall, 0.031e-3 * phase) ? 1.0 : 0.0;
+      crossed += crosses_without_fault(law_scene({.scaling = scaling}), wall, 0.031e-3 * phase)
+                     ? 1.0
+                     : 0.0;
     }
-    trial.add({"one_voxel_wall", scaling, "500 mm/s"}, "crossed_untold_of_16", untold,
+    trial.add({"one_voxel_wall", scaling, "500 mm/s"}, "crossed_without_fault_of_16", crossed,
               at_most(0.0));
   }
 }

@@ -89,8 +89,8 @@ std::vector<Vector3d> forces_over(std::string_view scaling, const LawShape& shap
   return forces_N;
 }
 
-/// How far the force at 100 mm/s is from that of a slow slide at the same places. Only told: where
-/// a surface curves, a tool that comes later is elsewhere.
+/// How far the force at 100 mm/s is from that of a slow slide at the same places. Only reported:
+/// where a surface curves, a tool that comes later is elsewhere.
 void slide_on_molar(LawTrial& trial) {
   if (!trial.asks_for("molar")) return;
   const LawShape shape = law_shape("molar");

@@ -79,7 +79,8 @@ void stiffness_and_voxels(LawTrial& trial) {
           const LawPlace where{plane.name, scaling,
                                with_number("voxels of %g mm ", voxel_mm) +
                                    with_number("%g mm deep", deep_m / kMillimetre)};
-          // The paper's depth is at the voxel's centre, half a voxel in: of that it is only told.
+          // The paper's depth is at the voxel's centre, half a voxel in: of that it is only
+          // reported.
           const bool held = voxel_mm <= 0.1 && scaling != "count";
           trial.add(where, "stiffness_off_percent", 100.0 * std::abs(force_N / wanted_N - 1.0),
                     held ? at_most(5.0) : RowLimit{});

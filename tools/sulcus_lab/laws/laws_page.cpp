@@ -26,7 +26,7 @@ table { border-collapse: collapse; font-size: .8em; line-height: 1.35; margin: .
 th, td { border: 1px solid #bbb; padding: .3em .5em; text-align: left; vertical-align: top; }
 thead th { background: #f0f0f0; } td.number { text-align: right; white-space: nowrap; }
 td.pass { background: #e3f1e4; } td.fail { background: #fbe0d6; border-left: 4px solid #b03a00; }
-td.told { background: #eef3f8; } td small { display: block; color: #333; }
+td.reported { background: #eef3f8; } td small { display: block; color: #333; }
 @media print { body { font-size: 10pt; max-width: none; padding: 0; }
   td { print-color-adjust: exact; -webkit-print-color-adjust: exact; } }
 )";
@@ -72,7 +72,7 @@ const LawRow* worst_law_row(const LawRows& rows) {
 }
 
 std::string verdict_cell(const LawRow* row) {
-  if (!row || !row->limit) return html("td", "told", "class=\"told\"");
+  if (!row || !row->limit) return html("td", "reported", "class=\"reported\"");
   return row->pass() ? html("td", "&#10003; pass", "class=\"pass\"")
                      : html("td", "&#10007; FAIL", "class=\"fail\"");
 }
@@ -89,7 +89,7 @@ LawRows rows_of(std::span<const LawRow> rows, std::string_view law, std::string_
 std::string summary_cell(const LawRows& rows) {
   if (rows.empty()) return html("td", "");
   const LawRow* worst = worst_law_row(rows);
-  if (!worst) return html("td", "told", "class=\"told\"");
+  if (!worst) return html("td", "reported", "class=\"reported\"");
   const QuantityWords words = quantity_words(worst->quantity);
   const std::string where = worst->shape + (worst->setting.empty() ? "" : ", ") + worst->setting;
   return html("td",
