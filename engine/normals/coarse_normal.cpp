@@ -1,5 +1,6 @@
 #include "engine/normals/coarse_normal.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -43,14 +44,17 @@ constexpr unsigned even_bits(std::uint64_t row) {
 
 }  // namespace
 
-Eigen::Vector3i solid_offsets(const Workpiece& workpiece, const Cell& c) noexcept {
+Eigen::Vector3i solid_offsets(const Workpiece& workpiece, const Cell& c,
+                              int neighbourhood) noexcept {
+  const int steps = std::min(kSteps, neighbourhood / kStep);
+  const unsigned within = ((2u << (2 * steps)) - 1u) << (kSteps - steps);
   const ColumnBits::Windows rows =
       workpiece.columns().around(0, c.y(), c.z(), c.x() - kStep * kSteps);
   int x = 0, y = 0, z = 0;
-  for (int k = -kSteps; k <= kSteps; ++k) {
+  for (int k = -steps; k <= steps; ++k) {
     int in_layer = 0;
-    for (int j = -kSteps; j <= kSteps; ++j) {
-      const RowSum sum = kRowSums[even_bits(rows.window(kStep * j, kStep * k))];
+    for (int j = -steps; j <= steps; ++j) {
+      const RowSum sum = kRowSums[even_bits(rows.window(kStep * j, kStep * k)) & within];
       x += sum.offsets;
       y += j * sum.count;
       in_layer += sum.count;

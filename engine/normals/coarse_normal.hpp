@@ -12,10 +12,12 @@ namespace sulcus {
 /// voxel is symmetric (a lone voxel, a wall of one voxel). Pure, no allocation.
 Eigen::Vector3i coarse_normal(const Workpiece& workpiece, const Cell& voxel) noexcept;
 
-/// Sum of the offsets of the solid voxels within 4 along each axis: where components of the coarse
-/// normal are equal, mostly more than the neighbours nearest to the voxel tells them apart. Pure,
-/// no allocation.
-Eigen::Vector3i solid_offsets(const Workpiece& workpiece, const Cell& voxel) noexcept;
+/// Half the sum of the offsets of solid voxels, of those of a cube of 13 that are an even number of
+/// voxels off along every axis, and no farther than the neighbourhood: within the window of any
+/// map. It mostly tells apart what is equal in the coarse normal: on a sphere two axes dominate 7 %
+/// of the voxels, and 0.8 % after that. Pure, no allocation.
+Eigen::Vector3i solid_offsets(const Workpiece& workpiece, const Cell& voxel,
+                              int neighbourhood) noexcept;
 
 /// The rows that MapKernels::coarse adds up for it.
 inline ColumnBits::Windows coarse_rows(const Workpiece& workpiece, const Cell& c) noexcept {

@@ -47,7 +47,7 @@ void MapBatch::retake(VoxelBits which, EqualAxes equal, UseOfTool use) noexcept 
 void MapBatch::tell_apart(std::size_t k) noexcept {
   std::array<std::int32_t, 3>& sums = sums_[k];
   if ((sums[0] | sums[1] | sums[2]) == 0) return;  // the tool's direction stands in
-  const Eigen::Vector3i offsets = solid_offsets(workpiece_, query(k).voxel);
+  const Eigen::Vector3i offsets = solid_offsets(workpiece_, query(k).voxel, neighbourhood_);
   const auto size = [&](int axis) { return std::abs(sums[static_cast<std::size_t>(axis)]); };
   const auto solid = [&](int axis) {
     return sums[static_cast<std::size_t>(axis)] < 0 ? -offsets[axis] : offsets[axis];
