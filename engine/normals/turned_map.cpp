@@ -2,71 +2,91 @@
 
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 namespace sulcus {
 
 namespace {
 
-/// Sixteen lanes of a row, or of a column: i = -8 to 7, or j.
+/// Sixteen lanes of a row.
 using Bytes = signed char __attribute__((vector_size(16)));
-constexpr int kLanes = 16, kMiddle = kLanes / 2;
+using Block = std::array<Bytes, 16>;
 
-/// What is at i comes to -i; the first lane has no other.
-Bytes reversed(const Bytes& row) {
-  return __builtin_shuffle(row, Bytes{0, 15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1});
-}
-/// Rows become columns: by halves that are interleaved, four times.
-void transpose(std::array<Bytes, kLanes>& rows) {
+/// Rows become columns: halves are interleaved, four times.
+void transpose(Block& rows) {
   constexpr Bytes kLow{0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23},
       kHigh{8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31};
   for (int pass = 0; pass < 4; ++pass) {
-    std::array<Bytes, kLanes> to;
-    for (std::size_t r = 0; r < kLanes / 2; ++r) {
-      to[2 * r] = __builtin_shuffle(rows[r], rows[r + kLanes / 2], kLow);
-      to[2 * r + 1] = __builtin_shuffle(rows[r], rows[r + kLanes / 2], kHigh);
+    Block to;
+    for (std::size_t r = 0; r < 8; ++r) {
+      to[2 * r] = __builtin_shuffle(rows[r], rows[r + 8], kLow);
+      to[2 * r + 1] = __builtin_shuffle(rows[r], rows[r + 8], kHigh);
     }
     rows = to;
   }
 }
 
-/// Of a map of sixteen lanes.
-void turn_narrow(const HeightMap& map, const MapTurn& turn, HeightMap& to) noexcept {
-  const int ns = map.ns;
-  std::array<Bytes, kLanes> rows;
-  rows.fill(Bytes{} + HeightMap::kNone);
-  for (int j = -ns; j <= ns; ++j) {
-    Bytes& row = rows[static_cast<std::size_t>(kMiddle + (turn.flip_y ? -j : j))];
-    std::memcpy(&row, map.height.data() + (ns + j) * kLanes, sizeof row);
-    if (map.sign < 0) row = -row;  // kNone stays
-    if (turn.flip_x) row = reversed(row);
+/// A map of so many lanes as a square of blocks, the voxel's column in its middle.
+template <int kLanes>
+class Square {
+ public:
+  explicit Square(const HeightMap& map) {
+    for (auto& part : block_) {
+      for (Block& block : part) block.fill(Bytes{} + HeightMap::kNone);
+    }
+    for (int j = -map.ns; j <= map.ns; ++j) {
+      for (std::size_t part = 0; part < kParts; ++part) {
+        Bytes& row = at(j, part);
+        std::memcpy(&row, map.height.data() + (map.ns + j) * kLanes + 16 * part, sizeof row);
+        if (map.sign < 0) row = -row;  // kNone stays
+      }
+    }
   }
-  if (turn.exchange) transpose(rows);
-  std::memcpy(to.height.data(), &rows[static_cast<std::size_t>(kMiddle - ns)],
-              static_cast<std::size_t>((2 * ns + 1) * kLanes));
-}
+  void turn(const MapTurn& turn, int ns) {
+    if (turn.flip_y) flip(ns);
+    if (!turn.flip_x && !turn.exchange) return;
+    exchange();
+    if (turn.flip_x) flip(ns);
+    if (!turn.exchange) exchange();
+  }
+  void store(HeightMap& map) {
+    for (int j = -map.ns; j <= map.ns; ++j) {
+      for (std::size_t part = 0; part < kParts; ++part) {
+        std::memcpy(map.height.data() + (map.ns + j) * kLanes + 16 * part, &at(j, part), 16);
+      }
+    }
+  }
 
-/// Of any map.
-void turn_wide(const HeightMap& map, const MapTurn& turn, HeightMap& to) noexcept {
-  const int ns = map.ns;
-  const int step_x = turn.flip_x ? -1 : 1, step_y = (turn.flip_y ? -1 : 1) * map.lanes;
-  const int along = turn.exchange ? step_y : step_x, across = turn.exchange ? step_x : step_y;
-  const signed char* const middle = map.height.data() + map.place(0, 0);
-  std::memset(to.height.data(), HeightMap::kNone,
-              static_cast<std::size_t>((2 * ns + 1) * map.lanes));
-  for (int j = -ns; j <= ns; ++j) {
-    const signed char* const from = middle + j * across;
-    signed char* const row = to.height.data() + to.place(0, j);
-    for (int i = -ns; i <= ns; ++i) row[i] = from[i * along];
-  }
-  if (map.sign > 0) return;
-  for (int k = 0; k < (2 * ns + 1) * map.lanes; ++k) {
-    signed char& height = to.height[static_cast<std::size_t>(k)];
-    height = static_cast<signed char>(-height);  // kNone stays
-  }
-}
+ private:
+  static constexpr std::size_t kParts = kLanes / 16;
 
+  Bytes& at(int j, std::size_t part) {
+    const auto row = static_cast<std::size_t>(kLanes / 2 + j);
+    return block_[row / 16][part][row % 16];
+  }
+  void flip(int ns) {
+    for (int j = 1; j <= ns; ++j) {
+      for (std::size_t part = 0; part < kParts; ++part) std::swap(at(j, part), at(-j, part));
+    }
+  }
+  void exchange() {
+    for (std::size_t p = 0; p < kParts; ++p) {
+      for (std::size_t q = 0; q < kParts; ++q) transpose(block_[p][q]);
+      for (std::size_t q = 0; q < p; ++q) std::swap(block_[p][q], block_[q][p]);
+    }
+  }
+
+  std::array<std::array<Block, kParts>, kParts> block_;  // by rows, by lanes
+};
+
+template <int kLanes>
 void turn_heights(const HeightMap& map, const MapTurn& turn, HeightMap& to) noexcept {
-  map.lanes == kLanes ? turn_narrow(map, turn, to) : turn_wide(map, turn, to);
+  Square<kLanes> square(map);
+  square.turn(turn, map.ns);
+  square.store(to);
+}
+void turn_heights(const HeightMap& map, const MapTurn& turn, HeightMap& to) noexcept {
+  map.lanes == 16 ? turn_heights<16>(map, turn, to) : turn_heights<32>(map, turn, to);
 }
 
 }  // namespace
