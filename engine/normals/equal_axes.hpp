@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <span>
 
 #include "engine/normals/map_batch.hpp"
@@ -32,49 +33,60 @@ void estimate_equal_axes(MapBatch& batch, const Estimate& estimate,
                          SurfaceEstimate* estimates) noexcept {
   const VoxelBits two = batch.two_equal, three = batch.three_equal;
   if (two == 0) return;
-  constexpr std::size_t kSize = MapBatch::kSize;
   // Kept, since the batch goes on to others.
-  std::array<Eigen::Vector3f, kSize> coarse, outward;
-  std::array<std::array<AxisEstimate, kSize>, 3> along;
+  std::array<Eigen::Vector3f, MapBatch::kSize> coarse, outward;
+  std::array<int, MapBatch::kSize> first_axis;
   VoxelBits with_tool = 0;
   for_each(two, [&](std::size_t k) {
     coarse[k] = batch.coarse(k);
     outward[k] = batch.query(k).outward;
-    along[0][k] = {estimates[k], batch.axes(k).axis};
+    first_axis[k] = batch.axes(k).axis;
     if (!outward[k].isZero()) with_tool |= bit_of(k);
   });
-  std::array<SurfaceEstimate, kSize> found;
-  const auto look_along = [&](EqualAxes axis, VoxelBits which, UseOfTool use) {
-    if (which == 0) return;
-    batch.retake(which, axis, use);
-    estimate(found.data());
-    std::size_t n = 0;
-    for_each(which, [&](std::size_t k) {
-      along[static_cast<std::size_t>(axis)][k] = {found[n], batch.axes(n).axis};
-      ++n;
+  // A few at a time: mostly there are no more.
+  constexpr std::size_t kTogether = 8;
+  for (VoxelBits rest = two; rest != 0;) {
+    std::array<std::array<AxisEstimate, 3>, kTogether> along;  // in the order of their bits
+    std::array<SurfaceEstimate, kTogether> found;
+    VoxelBits these = 0;
+    for (std::size_t n = 0; rest != 0 && n < kTogether; ++n, rest &= rest - 1) {
+      const auto k = static_cast<std::size_t>(std::countr_zero(rest));
+      these |= bit_of(k);
+      along[n][0] = {estimates[k], first_axis[k]};
+    }
+    const auto place = [&](std::size_t k) {
+      return static_cast<std::size_t>(std::popcount(these & (bit_of(k) - 1)));
+    };
+    const auto look_along = [&](EqualAxes axis, VoxelBits which, UseOfTool use) {
+      if (which == 0) return;
+      batch.retake(which, axis, use);
+      estimate(found.data());
+      std::size_t n = 0;
+      for_each(which, [&](std::size_t k) {
+        along[place(k)][static_cast<std::size_t>(axis)] = {found[n], batch.axes(n).axis};
+        ++n;
+      });
+    };
+    const auto put = [&](VoxelBits which, UseOfTool use) {
+      look_along(EqualAxes::kFirst, which & with_tool, use);
+      look_along(EqualAxes::kLast, which, use);
+      look_along(EqualAxes::kMiddle, which & three, use);
+      for_each(which, [&](std::size_t k) {
+        estimates[k] = most_level(std::span(along[place(k)]).first(has_bit(three, k) ? 3 : 2));
+        if (estimates[k].defined) return;
+        const Eigen::Vector3f hint = use == UseOfTool::kAlways
+                                         ? tool_hint(outward[k], coarse[k])
+                                         : Eigen::Vector3f(Eigen::Vector3f::Zero());
+        estimates[k] = last_resort(coarse[k], hint, estimates[k].windows);
+      });
+    };
+    put(these, UseOfTool::kWhereAlone);
+    VoxelBits vetoed = 0;
+    for_each(these & with_tool, [&](std::size_t k) {
+      if (estimates[k].normal.dot(tool_hint(outward[k], coarse[k])) < 0.0f) vetoed |= bit_of(k);
     });
-  };
-  const auto put = [&](VoxelBits which, UseOfTool use) {
-    look_along(EqualAxes::kFirst, which & with_tool, use);
-    look_along(EqualAxes::kLast, which, use);
-    look_along(EqualAxes::kMiddle, which & three, use);
-    for_each(which, [&](std::size_t k) {
-      const std::array<AxisEstimate, 3> all{along[0][k], along[1][k], along[2][k]};
-      estimates[k] = most_level(std::span(all).first(has_bit(three, k) ? 3 : 2));
-      if (estimates[k].defined) return;
-      const Eigen::Vector3f hint = tool_hint(outward[k], coarse[k]);
-      const bool is_used = use == UseOfTool::kAlways;
-      estimates[k] =
-          last_resort(coarse[k], is_used ? hint : Eigen::Vector3f(Eigen::Vector3f::Zero()),
-                      estimates[k].windows);
-    });
-  };
-  put(two, UseOfTool::kWhereAlone);
-  VoxelBits vetoed = 0;
-  for_each(with_tool, [&](std::size_t k) {
-    if (estimates[k].normal.dot(tool_hint(outward[k], coarse[k])) < 0.0f) vetoed |= bit_of(k);
-  });
-  if (vetoed != 0) put(vetoed, UseOfTool::kAlways);
+    if (vetoed != 0) put(vetoed, UseOfTool::kAlways);
+  }
 }
 
 }  // namespace sulcus

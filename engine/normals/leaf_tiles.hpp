@@ -30,12 +30,17 @@ class LeafTiles {
   /// until another leaf is reached.
   const HeightTile* find(const MapAxes& axes) noexcept {
     if (!use_tiles_) return nullptr;
-    const auto number = static_cast<std::size_t>(2 * axes.axis + (axes.sign > 0 ? 1 : 0));
+    const std::size_t number = number_of(axes);
     if (!made_[number]) {
       made_[number] = true;
       make(axes, tiles_[number]);
     }
     return &tiles_[number];
+  }
+  /// As find, but null where it is not made yet: for a few voxels it does not pay.
+  const HeightTile* find_made(const MapAxes& axes) const noexcept {
+    const std::size_t number = number_of(axes);
+    return use_tiles_ && made_[number] ? &tiles_[number] : nullptr;
   }
   /// The leaf's first voxel.
   const Cell& origin() const { return origin_; }
@@ -46,6 +51,9 @@ class LeafTiles {
   }
 
  private:
+  static std::size_t number_of(const MapAxes& axes) {
+    return static_cast<std::size_t>(2 * axes.axis + (axes.sign > 0 ? 1 : 0));
+  }
   void enter(std::size_t query) noexcept;
   void make(const MapAxes& axes, HeightTile& tile) noexcept;
 

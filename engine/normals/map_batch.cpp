@@ -24,7 +24,7 @@ std::size_t MapBatch::take(std::size_t first, std::size_t most) noexcept {
     for_each(two_equal, [&](std::size_t k) { tell_apart(k); });
     choose_axes(EqualAxes::kFirst);
   }
-  fit_in_tiles();
+  fit_in_tiles(Tiles::kAny);
   return count_;
 }
 
@@ -41,7 +41,7 @@ void MapBatch::retake(VoxelBits which, EqualAxes equal, UseOfTool use) noexcept 
     group_of(k).put_voxel(lane(k), query(k).voxel.data(), tool.data(), sums.data());
   });
   choose_axes(equal);
-  fit_in_tiles();
+  fit_in_tiles(Tiles::kMade);
 }
 
 void MapBatch::tell_apart(std::size_t k) noexcept {
@@ -74,10 +74,11 @@ void MapBatch::choose_axes(EqualAxes equal) noexcept {
   three_equal = axes.three_equal;
 }
 
-void MapBatch::fit_in_tiles() noexcept {
+void MapBatch::fit_in_tiles(Tiles tiles) noexcept {
   const int ns = neighbourhood_, lanes = lanes_of(ns);
   for_each(has_direction, [&](std::size_t k) {
-    const HeightTile* const tile = tile_of_[k] = tiles_.find(axes(k));
+    const HeightTile* const tile = tile_of_[k] =
+        tiles == Tiles::kAny ? tiles_.find(axes(k)) : tiles_.find_made(axes(k));
     columns_[k] = tile ? tile->columns[column(k)] : HeightTile::kUnsound;
   });
   const int least_rings = window_ == FitWindow::kWholeMap ? 0 : std::min(kRingsAtEdge + 1, ns);

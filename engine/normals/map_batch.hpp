@@ -106,7 +106,8 @@ class MapBatch {
   /// Where the coarse normal of a voxel has equal components, makes the one larger that more of the
   /// solid lies along, if there is one.
   void tell_apart(std::size_t k) noexcept;
-  void fit_in_tiles() noexcept;
+  enum class Tiles : std::uint8_t { kAny, kMade };
+  void fit_in_tiles(Tiles tiles) noexcept;
 
   const Workpiece& workpiece_;
   int neighbourhood_, trace_;
