@@ -119,14 +119,22 @@ Vector6d shortened(const Vector6d& step, const Eigen::Vector3d& normal, double r
   return shorter;
 }
 
-double step_fraction_within(const Eigen::Vector3d& gone_m, const Eigen::Vector3d& step_m,
-                            double longest_m) noexcept {
-  if ((gone_m + step_m).norm() <= longest_m) return 1.0;
-  // |gone + part step| = longest, for part.
-  const double square = step_m.squaredNorm(), along = gone_m.dot(step_m);
-  if (square == 0.0) return 0.0;  // at the limit, or a rounding beyond it
-  const double room = std::max(0.0, longest_m * longest_m - gone_m.squaredNorm());
-  return std::clamp((-along + std::sqrt(along * along + square * room)) / square, 0.0, 1.0);
+double step_fraction_of_change(const CouplingSprings& springs, const Eigen::Vector3d& stretch_m,
+                               const Eigen::Vector3d& step_m, const Eigen::Vector3d& before_N,
+                               double most_N) noexcept {
+  const auto is_within = [&](double part) {
+    Eigen::Vector3d force_N;
+    saturated_spring(springs.stiffness_N_per_m, springs.force_limit_N, stretch_m - part * step_m,
+                     force_N);
+    return (force_N - before_N).norm() <= most_N;
+  };
+  if (is_within(1.0)) return 1.0;
+  double within = 0.0, beyond = 1.0;
+  for (int halvings = 0; halvings < 30; ++halvings) {
+    const double part = 0.5 * (within + beyond);
+    (is_within(part) ? within : beyond) = part;
+  }
+  return within;
 }
 
 ForceTurn::ForceTurn(const CouplingSprings& springs, const Pose& device_before, const Pose& device,

@@ -57,10 +57,12 @@ inline double max_displacement(const Vector6d& step, double reach_m) noexcept {
   return step.head<3>().norm() + reach_m * step.tail<3>().norm();
 }
 
-/// The longest part of a step, all of it at most, with which a tool whose middle has gone `gone_m`
-/// in this tick does not go beyond `longest_m`.
-double step_fraction_within(const Eigen::Vector3d& gone_m, const Eigen::Vector3d& step_m,
-                            double longest_m) noexcept;
+/// The longest part of a step of the tool's middle, all of it at most, with which the springs'
+/// force is no further than `most_N` from `before_N`; `stretch_m`: from tool to device before the
+/// step.
+double step_fraction_of_change(const CouplingSprings& springs, const Eigen::Vector3d& stretch_m,
+                               const Eigen::Vector3d& step_m, const Eigen::Vector3d& before_N,
+                               double most_N) noexcept;
 
 /// What a step does to the contact: into it or out of it, turns too, as the way of a point at the
 /// burr's surface; and along it.
@@ -108,9 +110,8 @@ double step_fraction_in_cone(const Eigen::Vector3d& stretch_m, const Eigen::Vect
 ///    become deeper by more than half a voxel the step ends before what it met. In free space a
 ///    step is no longer than `free_distance`. So nothing is crossed without being felt, at any
 ///    speed.
-///  - In a tick the tool goes no further than the device has gone since `device_before`, and what
-///    changes the springs' force by kLargestChange_N, and what changes it by nothing while they are
-///    at their limit: when the tool slips off an edge the force falls over ticks, not in one.
+///  - In a tick the springs' force changes by no more than the device's way makes of it, and
+///    kLargestChange_N: when the tool slips off an edge the force falls over ticks, not in one.
 ///  - Nor does it turn the force further than `ForceTurn` has it: from one row of an edge's voxels
 ///    to the next the force goes steadily.
 ///  - If the residual reverses and grows after a step, one secant iteration shortens that step.
@@ -254,13 +255,11 @@ template <class Evaluate, class FreeDistance>
 CoupledResult Coupling<Evaluate, FreeDistance>::couple(const Pose& device_before,
                                                        const Pose& device, Pose& tool) noexcept {
   const ForceTurn turn(springs_, device_before, device, tool);
-  const Eigen::Vector3d begin = tool.point(springs_.middle_tool);
   const Eigen::Vector3d target = device.point(springs_.middle_tool);
-  const double beyond_limit_m =
-      (target - begin).norm() - springs_.force_limit_N / springs_.stiffness_N_per_m;
-  const double device_way_m = (device.position - device_before.position).norm();
-  const double longest_way_m =
-      device_way_m + std::max(0.0, beyond_limit_m) + kLargestChange_N / springs_.stiffness_N_per_m;
+  const Eigen::Vector3d before_N = pull(springs_, device_before, tool).wrench.force_N;
+  const Eigen::Vector3d target_before = device_before.point(springs_.middle_tool);
+  const double device_way_m = (target - target_before).norm();
+  const double most_N = kLargestChange_N + springs_.stiffness_N_per_m * device_way_m;
   Look before{};
   Vector6d step = Vector6d::Zero();
   bool corrected = false;  // the last step, to what it met
@@ -294,7 +293,8 @@ CoupledResult Coupling<Evaluate, FreeDistance>::couple(const Pose& device_before
     }
     step = allowed(at, step);
     const Eigen::Vector3d middle = tool.point(springs_.middle_tool);
-    step *= step_fraction_within(middle - begin, step.template head<3>(), longest_way_m);
+    step *= step_fraction_of_change(springs_, target - middle, step.template head<3>(), before_N,
+                                    most_N);
     step *= step_fraction_in_cone(target - middle, step.template head<3>(), turn.felt, turn.cosine);
     if (max_displacement(step, springs_.reach_m) == 0.0) break;  // as far as it may go in this tick
     before = at;

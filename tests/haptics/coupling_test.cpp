@@ -167,7 +167,9 @@ TEST(Coupling, AWallOnTheWayIsMetNotEntered) {
     }
     for (int i = 0; i < 30; ++i) run.tick(device, contact);
     EXPECT_LT(deepest_m, 2.0 * kHalf) << speed_m_per_s;
-    EXPECT_NEAR(felt(run, device).force_N.x(), -0.7e3 * (4e-3 - (contact.wall_m - contact.radius_m)), 0.02) << speed_m_per_s;
+    EXPECT_NEAR(felt(run, device).force_N.x(),
+                -0.7e3 * (4e-3 - (contact.wall_m - contact.radius_m)), 0.02)
+        << speed_m_per_s;
   }
 }
 
@@ -362,12 +364,26 @@ TEST(Coupling, AStepEndsAtTheBorderOfTheConeThatItWouldPass) {
   EXPECT_EQ(part({0, 0, -1}, {0, 0, 0.5}), 1.0) << "in the opposite one";
 }
 
-TEST(Coupling, AtItsLimitAStepOfNoLengthIsNoneAndANumber) {
-  const Eigen::Vector3d at_limit(1e-3 * (1 + 1e-15), 0, 0);
-  for (const Eigen::Vector3d& step : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1e-200, 0, 0)}) {
-    const double part = step_fraction_within(at_limit, step, 1e-3);
-    EXPECT_TRUE(part >= 0.0 && part <= 1.0) << part;
-  }
+TEST(Coupling, AStepChangesTheSpringsForceByNoMoreThanItMay) {
+  const CouplingSettings settings;
+  const CouplingSprings springs(settings, burr());
+  const double k = springs.stiffness_N_per_m;
+  const Vector3d stretch(0, 0, -1e-3);
+  const auto part = [&](const Vector3d& stretched, const Vector3d& step, double most_N) {
+    Vector3d before = k * stretched;
+    if (before.norm() > springs.force_limit_N) before *= springs.force_limit_N / before.norm();
+    return step_fraction_of_change(springs, stretched, step, before, most_N);
+  };
+  EXPECT_EQ(part(stretch, {0.1e-3, 0, 0}, 0.08), 1.0);
+  EXPECT_NEAR(part(stretch, {0.2e-3, 0, 0}, 0.07), 0.5, 1e-6);
+  EXPECT_NEAR(part(stretch, {0, 0, -1e-3}, 0.07), 0.1, 1e-6);
+  // At the springs' limit: along the stretch there is no change, across it the force turns.
+  const Vector3d saturated(0, 0, -10e-3);
+  EXPECT_EQ(part(saturated, {0, 0, -2e-3}, 0.07), 1.0);
+  EXPECT_NEAR(part(saturated, {1e-3, 0, 0}, 0.066), 0.2, 1e-4);
+  // A step of no length is a number.
+  EXPECT_EQ(part(stretch, {0, 0, 0}, 0.0), 1.0);
+  EXPECT_GE(part(stretch, {1e-200, 0, 0}, 0.0), 0.0);
 }
 
 TEST(Coupling, AContactThatIsNotFiniteMovesNothing) {

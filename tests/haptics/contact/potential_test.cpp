@@ -50,15 +50,16 @@ Pose moved(const Pose& pose, const Vector3d& way_m, const Vector3d& turn_rad) {
 TEST(Potential, TheWrenchIsMinusTheGradientOfTheEnergy) {
   std::mt19937 random(4);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  const Workpiece blobs(test::random_blobs({64, 64, 64}, 5));
-  for (const Workpiece* workpiece : {&test::flat_block(), &edge_block(), &blobs}) {
+  const Workpiece ball(test::ball({64, 64, 64}, kVoxel, {31.3, 30.8, 2.0}, 29.6));
+  for (const Workpiece* workpiece : {&test::flat_block(), &edge_block(), &ball}) {
     int touching = 0;
     for (int n = 0; n < 20; ++n) {
       const Vector3d axis = Vector3d(0.4 * unit(random), 0.4 * unit(random), 1.0).normalized();
       const Pose pose = test::pose_along(
           {0.3e-3 * unit(random), 0.3e-3 * unit(random), -0.15e-3 * (1.2 + unit(random))}, axis);
       const ContactResult here = at(*workpiece, pose).result;
-      if (here.contacts < 20) continue;
+      // In the burr's middle its gradient has no direction.
+      if (here.contacts < 20 || here.deepest_m > 0.5 * kRadius) continue;
       ++touching;
       // Between two samples of the field its gradient is even; so much that few are crossed.
       for (int a = 0; a < 6; ++a) {
@@ -99,9 +100,12 @@ WayWork work_along(const Workpiece& workpiece, Scaling scaling, int steps, const
   return work;
 }
 
-/// Into the top, over the edge and out of the side, `depth_m` deep; the middle of a round burr.
+/// Into the top, `depth_m` deep, over the edge to a quarter of that, and out of the side; the
+/// middle of a round burr.
 Vector3d over_the_edge(double depth_m, double part) {
-  const double d = kRadius - depth_m, out = kRadius + 0.01e-3, length = 0.5e-3, y = 0.013e-3;
+  const double over = std::clamp((part - 0.4) / 0.2, 0.0, 1.0);
+  const double d = kRadius - depth_m * (1.0 - 0.75 * over);
+  const double out = kRadius + 0.01e-3, length = 0.5e-3, y = 0.013e-3;
   if (part < 0.2) return {-length, y, out + (d - out) * part / 0.2};
   if (part < 0.4) return {-length * (0.4 - part) / 0.2, y, d};
   if (part < 0.6) {
