@@ -4,7 +4,8 @@
 //
 //     SULCUS_GOLDEN=write build/release/tests/sulcus_golden_tests
 //
-// writes them anew. tests/recording/version_1.h5 and version_2.h5 are recordings of earlier builds.
+// writes them anew. In tests/recording, version_1.h5 and version_2.h5 are recordings of earlier
+// builds; state_3.h5 has states of the third layout and the forces of today.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
@@ -145,13 +146,14 @@ TEST_P(EarlierRecordings, AreDrawnExportedAndGoneOnFromByTheirEdits) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Versions, EarlierRecordings,
-                         ::testing::Values(Earlier{"version_1", 40}, Earlier{"version_2", 199}),
+                         ::testing::Values(Earlier{"version_1", 40}, Earlier{"version_2", 199},
+                                           Earlier{"state_3", 120}),
                          [](const auto& earlier) { return earlier.param.name; });
 
-TEST(EarlierRecording, OfThisLayoutIsVerified) {
+TEST(EarlierRecording, OfTheForcesOfTodayIsVerified) {
   const ScratchFolder scratch;
   const auto verified = sulcus_command(
-      "replay " SULCUS_SOURCE_DIR "/tests/recording/version_2.h5 --verify", scratch.path("err"));
+      "replay " SULCUS_SOURCE_DIR "/tests/recording/state_3.h5 --verify", scratch.path("err"));
   EXPECT_EQ(verified.status, 0) << verified.out << verified.err;
 }
 
