@@ -14,13 +14,13 @@ using Block = std::array<Bytes, 16>;
 
 /// Rows become columns: halves are interleaved, four times.
 void transpose(Block& rows) {
-  constexpr Bytes kLow{0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23},
-      kHigh{8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31};
   for (int pass = 0; pass < 4; ++pass) {
     Block to;
     for (std::size_t r = 0; r < 8; ++r) {
-      to[2 * r] = __builtin_shuffle(rows[r], rows[r + 8], kLow);
-      to[2 * r + 1] = __builtin_shuffle(rows[r], rows[r + 8], kHigh);
+      to[2 * r] = __builtin_shufflevector(rows[r], rows[r + 8], 0, 16, 1, 17, 2, 18, 3, 19, 4, 20,
+                                          5, 21, 6, 22, 7, 23);
+      to[2 * r + 1] = __builtin_shufflevector(rows[r], rows[r + 8], 8, 24, 9, 25, 10, 26, 11, 27,
+                                              12, 28, 13, 29, 14, 30, 15, 31);
     }
     rows = to;
   }

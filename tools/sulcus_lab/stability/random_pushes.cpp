@@ -73,11 +73,11 @@ VoxelModel part_about(const VoxelModel& tooth, const Cell& about) {
 }
 
 /// A surface voxel with a direction out of the solid.
-struct Place {
+struct Spot {
   Cell voxel;
   Eigen::Vector3d out;
 };
-Place place_on(const Workpiece& tooth, Numbers& numbers) {
+Spot place_on(const Workpiece& tooth, Numbers& numbers) {
   const VoxelGrid& grid = tooth.grid();
   for (;;) {
     Cell c;
@@ -106,7 +106,7 @@ RandomPush run_random_push(const Workpiece& tooth, std::uint64_t seed) {
   push.seed = seed;
   push.cutting = seed % 2 == 1;
   for (;;) {
-    const Place place = place_on(tooth, numbers);
+    const Spot place = place_on(tooth, numbers);
     const BurrKind& burr = kBurrs[numbers.below(kBurrs.size())];
     const Eigen::Vector3d into = -numbers.near(place.out, kWidest);
     const Eigen::Vector3d axis = numbers.near(place.out, kWidest);

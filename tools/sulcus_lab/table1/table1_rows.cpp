@@ -8,7 +8,7 @@ namespace sulcus::lab {
 
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMilli = 1e-3;
 
 struct PaperFigure {
@@ -26,21 +26,21 @@ constexpr PaperFigure kPaper[] = {
     {"torque_rmse_mNm", 5.01, 6.33},
     {"offline_tick_mean_us", 1800, 40670},
     {"speed_ratio", 20, 87},
-    {"force_difference_max_N", kNone, 0.4686},
-    {"force_difference_max_tick", kNone, 12546},
-    {"voxels_in_contact_max_tick", kNone, 6554},
-    {"voxels_removed", kNone, 10103},
-    {"ticks", kNone, 20000},
+    {"force_difference_max_N", kNotGiven, 0.4686},
+    {"force_difference_max_tick", kNotGiven, 12546},
+    {"voxels_in_contact_max_tick", kNotGiven, 6554},
+    {"voxels_removed", kNotGiven, 10103},
+    {"ticks", kNotGiven, 20000},
 };
 
 double paper_figure(std::string_view experiment, std::string_view quantity) {
-  if (experiment != "probing" && experiment != "cutting") return kNone;
+  if (experiment != "probing" && experiment != "cutting") return kNotGiven;
   for (const PaperFigure& figure : kPaper) {
     if (figure.quantity == quantity) {
       return experiment == "probing" ? figure.probing : figure.cutting;
     }
   }
-  return kNone;
+  return kNotGiven;
 }
 
 /// Root of the mean square.
@@ -129,7 +129,7 @@ WrenchErrors wrench_errors(std::span<const ComparedTick> ticks, Wrench ComparedT
 
 std::vector<Table1Row> table1_rows(std::string_view experiment, const Table1Run& run) {
   std::vector<Table1Row> rows;
-  const auto add = [&](std::string_view quantity, double ours, double exact = kNone) {
+  const auto add = [&](std::string_view quantity, double ours, double exact = kNotGiven) {
     rows.push_back({std::string(experiment), std::string(quantity),
                     paper_figure(experiment, quantity), ours, exact});
   };
@@ -152,7 +152,7 @@ std::vector<Table1Row> table1_rows(std::string_view experiment, const Table1Run&
   add("force_rmse_N", to_exact.force_rmse_N);
   add("torque_rmse_mNm", to_exact.torque_rmse_mNm);
 
-  add("offline_tick_mean_us", kNone, offline_us);
+  add("offline_tick_mean_us", kNotGiven, offline_us);
   add("speed_ratio", per(offline_us, run.tick_us_mean), 1.0);
   add("force_difference_max_N", to_exact.force_max_N);
   add("force_difference_max_tick", static_cast<double>(to_exact.force_max_tick));

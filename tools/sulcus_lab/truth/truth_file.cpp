@@ -31,7 +31,7 @@ struct Line {
   }
 };
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   return std::string("'").append(text.substr(0, 80)).append("'");
 }
 
@@ -41,7 +41,7 @@ std::array<std::string_view, kFields> split(const Line& line) {
   for (std::size_t f = 0; f < kFields; ++f) {
     const std::size_t comma = rest.find(',');
     if ((comma == std::string_view::npos) != (f + 1 == kFields)) {
-      line.refuse(quoted(line.text), "seven fields, " + std::string(kHeader));
+      line.refuse(in_quotes(line.text), "seven fields, " + std::string(kHeader));
     }
     fields[f] = rest.substr(0, comma);
     rest.remove_prefix(f + 1 == kFields ? rest.size() : comma + 1);
@@ -53,7 +53,8 @@ template <class Number>
 Number number_of(const Line& line, std::string_view text, std::string_view expected) {
   Number value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) line.refuse(quoted(text), expected);
+  if (error != std::errc() || end != text.data() + text.size())
+    line.refuse(in_quotes(text), expected);
   return value;
 }
 
@@ -63,7 +64,7 @@ int zone_of(const Line& line, std::string_view word, std::vector<std::string>& z
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
            c == '-' || c == '.';
   });
-  if (!is_word) line.refuse(quoted(word), "a zone of letters, digits, '_', '-' or '.'");
+  if (!is_word) line.refuse(in_quotes(word), "a zone of letters, digits, '_', '-' or '.'");
   if (word == "all") line.refuse("the zone 'all'", "another word: 'all' is every voxel");
   const auto at = std::find(zones.begin(), zones.end(), word);
   if (at != zones.end()) return static_cast<int>(at - zones.begin());
@@ -134,7 +135,7 @@ TruthShape read_truth_file(const std::string& file, VoxelModel model, std::strin
     return true;
   };
   if (!next_line() || text != kHeader) {
-    throw InputError(file, "line 1", quoted(text), kHeader);
+    throw InputError(file, "line 1", in_quotes(text), kHeader);
   }
   std::unordered_set<std::uint32_t> seen;
   for (std::size_t number = 2; next_line(); ++number) {
