@@ -47,7 +47,8 @@ Burr burr_of(const Scene& scene) {
         return m.field;
       }
     }
-    return made.emplace_back(burr.shape, burr.diameter_m, burr.length_m, make()).field;
+    made.push_back({burr.shape, burr.diameter_m, burr.length_m, make()});
+    return made.back().field;
   };
   return make_burr(burr, scene.workpiece.voxel_m, scene.file, source);
 }
