@@ -124,6 +124,8 @@ silent_s = [[0.2, 0.205], [0.25, 0.45]]
 [coupling]
 [cutting]
 [record]
+[[tissue]]
+name = "dentine"
 )");
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_EQ(summary()["faults"]["pose_bridged"], 6 + 20);

@@ -19,7 +19,7 @@ namespace {
 /// A hand that presses into a block and cuts it, and rests at the end.
 const std::string kHandScene = test::kBlockAndBurr + R"(
 [trajectory]
-points_mm = [[0, 0, 1.5], [0, 0, 0.9], [0.3, 0, 0.9]]
+points_mm = [[0, 0, 1.5], [0, 0, 0.5], [0.3, 0, 0.5]]
 speed_mm_per_s = 10
 hold_s = 0.3
 [device]
