@@ -62,7 +62,8 @@ Pose pose_at_centre(const Vector3d& centre_m, const Vector3d& axis) {
 std::vector<Pose> poses_along(std::span<const Vector3d> corners_m, double step_m) {
   std::vector<Pose> poses{pose_at_centre(corners_m.front())};
   for (std::size_t c = 1; c < corners_m.size(); ++c) {
-    const Vector3d from = corners_m[c - 1], way = corners_m[c] - from;
+    const Vector3d& from = corners_m[c - 1];
+    const Vector3d way = corners_m[c] - from;
     const int steps = std::max(1, static_cast<int>(std::ceil(way.norm() / step_m - 1e-9)));
     for (int s = 1; s <= steps; ++s) {
       poses.push_back(pose_at_centre(from + way * (static_cast<double>(s) / steps)));

@@ -101,6 +101,7 @@ Asymmetry asymmetry_of(const Scene& scene, const LawShape& shape, const std::vec
   Asymmetry most;
   LawRig straight(scene, shape.model);
   std::vector<ContactResult> straight_on;
+  straight_on.reserve(poses.size());
   for (const Pose& pose : poses) straight_on.push_back(straight.step(pose).contact);
   for (const Matrix3i& symmetry : under) {
     LawRig rig(scene, solid_under(symmetry, shape.model));
