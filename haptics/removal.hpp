@@ -17,6 +17,8 @@ struct TissueEnergy {
   double removed_J = 0.0;  // spent on its voxels that are gone
   double heat_J = 0.0;     // what the voxel that it was done on could not take
   double carried_J = 0.0;  // had been stored in its voxels of loose pieces
+
+  bool operator==(const TissueEnergy&) const = default;
 };
 
 /// What cutting keeps from one tick to the next, and the energy it has accounted for.

@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <type_traits>
 
 #include "engine/core/hash.hpp"
+#include "haptics/removal.hpp"
 
 namespace sulcus::fields {
 
@@ -134,17 +136,30 @@ void number(Archive& archive, Number& part) {
   }
 }
 
+/// Energies by tissue, up to the last one that has any.
+template <class Archive, class Tissues>
+void tissues(Archive& archive, Tissues& by_tissue) {
+  auto count = static_cast<std::uint32_t>(by_tissue.size());
+  while (count > 0 && by_tissue[count - 1] == TissueEnergy{}) --count;
+  archive.since(3, count);
+  if constexpr (Archive::kReads) {
+    if (count > by_tissue.size()) return archive.fail();
+    by_tissue = {};
+  }
+  for (auto& tissue : std::span(by_tissue).first(count)) {
+    for (auto* energy_J : {&tissue.work_J, &tissue.removed_J, &tissue.heat_J, &tissue.carried_J}) {
+      archive.since(3, *energy_J);
+    }
+  }
+}
+
 template <class Archive, class Removal>
 void removal(Archive& archive, Removal& r) {
   // Layouts 1 and 2 have, in the place of heat, what waited to be spent on other voxels: it is
   // lost.
   all(archive, r.carried_J, r.heat_J, r.work_J, r.removed_J);
   each(archive, r.removed_voxels);
-  for (auto& tissue : r.by_tissue) {
-    for (auto* energy_J : {&tissue.work_J, &tissue.removed_J, &tissue.heat_J, &tissue.carried_J}) {
-      archive.since(3, *energy_J);
-    }
-  }
+  tissues(archive, r.by_tissue);
 }
 
 /// What a body beside the workpiece has suffered.

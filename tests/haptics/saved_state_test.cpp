@@ -141,14 +141,18 @@ class SavedState : public ::testing::Test {
     for (std::size_t b = 0;; ++b) {
       at += 1 + 4 + 12 * run_.state.bodies[b].removal->part_cut.size();
       if (b == i) return at;
-      at += removal_bytes();
+      at += removal_bytes(b);
       at += b == 0 ? 4 : 16;
     }
   }
-  static std::size_t removal_bytes() {
+  std::size_t removal_bytes(std::size_t b) const {
     ByteCount count;
-    const RemovalState removal(CuttingSettings{});
-    fields::removal(count, removal);
+    fields::removal(count, *run_.state.bodies[b].removal);
+    return count.bytes;
+  }
+  std::size_t tissue_bytes(std::size_t b) const {
+    ByteCount count;
+    fields::tissues(count, run_.state.bodies[b].removal->by_tissue);
     return count.bytes;
   }
   /// As it was written before the third layout: without energies of each tissue, the last of a
@@ -167,13 +171,13 @@ class SavedState : public ::testing::Test {
       old.erase(at(end - bytes), at(end));
     };
     for (const std::size_t b : {1u, 0u}) {
-      const std::size_t end = end_of_part_cut(b) + removal_bytes();
+      const std::size_t end = end_of_part_cut(b) + removal_bytes(b);
       std::vector<std::byte> cache(1 + 4 + 2 * (4 + 8 + 64), std::byte{7});
       cache[0] = std::byte{1};
       constexpr std::uint32_t kLeaves = 2;
       std::memcpy(&cache[1], &kLeaves, sizeof kLeaves);
       old.insert(at(end), cache.begin(), cache.end());
-      erase(end, sizeof(RemovalState::by_tissue));
+      erase(end, tissue_bytes(b));
     }
     constexpr std::size_t kTrend = 11 * 8 + 1;
     const std::size_t end_of_port = 4 + 8 + 1 + 7 * 8 + port_bytes();
