@@ -154,20 +154,20 @@ INSTANTIATE_TEST_SUITE_P(
 
 class FullDiskOfARun : public testing::Test {
  protected:
-  CommandResult run(const std::string& scene, int room) {
+  CommandResult run(const std::string& scene, int room, const std::string& options = "") {
     scratch_.write("scene.toml", scene);
     return test::sulcus_command(
-        "run " + scratch_.path("scene.toml") + " -o " + scratch_.path("out"),
+        "run " + scratch_.path("scene.toml") + options + " -o " + scratch_.path("out"),
         scratch_.path("stderr"), "SULCUS_CACHE=off prlimit --fsize=" + std::to_string(room));
   }
   ScratchFolder scratch_;
 };
 
 TEST_F(FullDiskOfARun, ItsRecordingKeepsWhatItHolds) {
-  // Slower: room for the start and some ticks, and for all other files.
+  // Slower, and as fast as the clock: room for the start and what is flushed of the first ticks.
   std::string scene = test::kCutScene;
   scene.replace(scene.find("speed_mm_per_s = 4"), 18, "speed_mm_per_s = 1");
-  const CommandResult result = run(scene, 400 * 1024);
+  const CommandResult result = run(scene, 400 * 1024, " --pace real");
   EXPECT_EQ(result.status, 1);
   EXPECT_EQ(result.err_lines(), 1) << result.err;
   EXPECT_NE(result.err.find("recording.h5"), std::string::npos) << result.err;
