@@ -36,7 +36,6 @@ ContactScratch::ContactScratch(const HapticsSettings& settings, StageClock stage
   estimates.reserve(capacity);
   vetoed.reserve(capacity);
   tool_queries.reserve(capacity);
-  tool_queried.reserve(capacity);
   tool_estimates.reserve(capacity);
   by_depth.reserve(capacity + ContactBlock::kVoxels);
   prepare_normals();
@@ -54,7 +53,7 @@ void ContactScratch::clear_results() noexcept {
 std::size_t ContactScratch::memory_bytes() const {
   const std::size_t words = leaves.capacity() + emptied_nodes.capacity() + leaf_keys.capacity() +
                             leaf_distances_m.capacity() + block_keys.capacity() +
-                            queried.capacity() + tool_queried.capacity() + vetoed.capacity();
+                            queried.capacity() + vetoed.capacity();
   return words * sizeof(std::uint32_t) + by_depth.capacity() * sizeof(std::uint64_t) +
          contacts.memory_bytes() + ContactBlock::memory_bytes() +
          cached_leaves.capacity() * sizeof(NormalCache::Place) +

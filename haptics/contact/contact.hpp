@@ -99,7 +99,6 @@ struct ContactScratch {
   std::vector<SurfaceEstimate> estimates;
   std::vector<std::uint32_t> vetoed;  // by the tool, or without a normal
   std::vector<VoxelQuery> tool_queries;
-  std::vector<std::uint32_t> tool_queried;
   std::vector<SurfaceEstimate> tool_estimates;
 };
 
