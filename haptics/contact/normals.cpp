@@ -130,7 +130,9 @@ void normals(const Workpiece& workpiece, const HapticsSettings& settings, const 
     scratch.queried.clear();
     scratch.cached_leaves.clear();
   }
-  const std::size_t first_query = scratch.queries.size();
+  // Without a cache queries have the numbers of their contacts, of which some may have been dropped
+  // since they were asked for.
+  const std::size_t first_query = cache ? scratch.queries.size() : first;
   if (cache) {
     take_cached(*cache, voxel_m, use_veto, scratch, first);
   } else {

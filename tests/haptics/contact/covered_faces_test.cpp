@@ -14,9 +14,10 @@ constexpr double kVoxel = 50e-6;
 
 /// One block, or the same cut in two bodies that meet at x = 0.
 struct Halves {
-  explicit Halves(Scaling scaling, const Pose& place = {}) {
+  explicit Halves(Scaling scaling, const Pose& place = {}, bool keep_normals = true) {
     scene.tissues = test::one_tissue();
     scene.haptics.scaling = scaling;
+    scene.haptics.keep_normals = keep_normals;
     BodySettings& other = scene.bodies.emplace_back();
     other.world_from_grid = place;
     bodies.emplace_back(scene,
@@ -94,6 +95,18 @@ TEST_P(CoveredFaces, WhereTheBodiesLieApartEachHasAllItsFaces) {
     // One sum divides both: two bodies that lie alike hold as one.
     EXPECT_NEAR(together, 0.5, 0.05);
   }
+}
+
+TEST_P(CoveredFaces, OverManyBlocksOfVoxelsTheyAreTheSameWithoutACache) {
+  // The seam lies in the first blocks of the second half: what is dropped there moves the rest.
+  static const Burr large = make_burr(test::small_burr(BurrShape::kRound, 5e-3), kVoxel);
+  const Pose pose = test::upright({0.1e-3, 0.05e-3, -0.9e-3});
+  Halves cached(GetParam()), anew(GetParam(), {}, false);
+  const ContactResult expected = cached.contact(large, pose), found = anew.contact(large, pose);
+  ASSERT_GT(anew.results[1].tested, ContactBlock::kVoxels);
+  EXPECT_EQ(found.contacts, expected.contacts);
+  EXPECT_EQ(found.wrench.force_N, expected.wrench.force_N);
+  EXPECT_EQ(found.wrench.torque_Nm, expected.wrench.torque_Nm);
 }
 
 std::string name_of(const ::testing::TestParamInfo<Scaling>& scaling) {
