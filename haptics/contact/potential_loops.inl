@@ -57,9 +57,9 @@ inline void measure_points(const ContactFrame& frame, const ForceSettings& setti
   store(energy, lanes.energy);
 }
 
-/// Second derivative of the burr's distance at points of field space, where its gradient (tool
-/// axes) is known; world axes: xx, xy, xz, yy, yz, zz. From the gradients one sample further along
-/// each axis: between samples the field has none.
+/// Second derivative of the burr's distance at points of field space, 1/m, world axes: xx, xy, xz,
+/// yy, yz, zz. From the gradients there and one sample further along each axis: between samples the
+/// field has none.
 struct Curvature {
   Lanes of[6];
 };
