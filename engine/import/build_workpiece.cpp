@@ -118,7 +118,7 @@ std::optional<Hash128> key_of(const Scene& scene) {
   // A setting that is added does not compile until it has a place here.
   const auto& [shape, file, sphere_radius_m, box_size_m, plate_thickness_m, plate_tilt,
                torus_major_m, torus_minor_m, groove_angle, groove_depth_m, molar_caries_radius_m,
-               solid_above, spacing_m, box_file, labels, label, voxel_m, cells, position_m,
+               solid_above, spacing_m, box_file, labels, label, surface, voxel_m, cells, position_m,
                rotation] = scene.workpiece;
   Hash128Stream key = LoadCache::key_of(CacheKind::kModel);
   key.add(shape);
@@ -142,7 +142,7 @@ std::optional<Hash128> key_of(const Scene& scene) {
       key.add(*label_contents);
     }
   }
-  key.add(voxel_m).add(cells).add(position_m).add(rotation);
+  key.add(surface).add(voxel_m).add(cells).add(position_m).add(rotation);
   for (const TissueSettings& tissue : scene.tissues) {
     const auto& [name, above, value, surface_file, stiffness, specific_energy, colour] = tissue;
     key.add(name).add(above).add(value).add(!surface_file.empty());

@@ -22,6 +22,10 @@ namespace sulcus {
 
 enum class ShapeKind : std::uint8_t { kMolar, kSphere, kBox, kPlate, kTorus, kGroove };
 
+/// What a voxel says of the surface: that its centre is inside, or how much of it is filled.
+enum class SurfaceKind : std::uint8_t { kBinary, kFractions };
+inline constexpr std::array<std::string_view, 2> kSurfaceNames{"binary", "fractions"};
+
 struct WorkpieceSettings {
   std::optional<ShapeKind> shape;  // exactly one of `shape` and `file` is set
   std::string file;                // volume or mesh, resolved against the scene's folder
@@ -38,6 +42,7 @@ struct WorkpieceSettings {
   std::optional<Eigen::AlignedBox3d> box_file;  // m: of a volume only what lies in there is taken
   std::string labels;        // a label volume on the lattice of `file`; only with `label`
   std::optional<int> label;  // only voxels with this value are taken: of `labels`, else of `file`
+  SurfaceKind surface = SurfaceKind::kBinary;
   double voxel_m = 34.8e-6;
   Eigen::Vector3i cells{512, 512, 512};
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  // of the solid in the grid

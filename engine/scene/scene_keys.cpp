@@ -73,6 +73,8 @@ constexpr std::array kWorkpiece{
     path("labels", "a label volume on the lattice of file; with label"),
     whole("label", kLabel, "",
           "only voxels of this value are taken, of labels or else of file, then a label map"),
+    choice("surface", kSurfaceNames, "\"binary\"",
+           "what a voxel says: whether its centre is inside, or how much of it is filled"),
     number("voxel_mm", {1e-3, 10}, "0.0348", "edge of a voxel [Kim and Park 2019]"),
     numbers("cells", 3, {kLeafEdge, kMaxCellsPerAxis}, "[512, 512, 512]",
             "voxels along x, y, z, multiples of 8 [Kim and Park 2019]"),

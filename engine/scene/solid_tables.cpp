@@ -80,6 +80,7 @@ WorkpieceSettings read_solid(SceneTable& table) {
     w.spacing_m = Eigen::Vector3d(spacing.data()) * kMillimetre;
   }
   read_part(table, w);
+  w.surface = SurfaceKind(table.choice("surface"));
   w.voxel_m = table.number("voxel_mm") * kMillimetre;
   const Eigen::Vector3d n = table.vector3("cells");
   for (int a = 0; a < 3; ++a) {

@@ -33,7 +33,8 @@ VoxelModel voxelise_shape(const Scene& scene, const S& shape) {
   const VoxelGrid grid{scene.workpiece.cells, scene.workpiece.voxel_m};
   const std::array<std::uint8_t, 4> labels = part_labels(scene);
   return voxelise_implicit(shape, grid, scene.tissues.size() > 1 ? &labels : nullptr,
-                           {scene.workpiece.position_m, rotation_xyz(scene.workpiece.rotation)});
+                           {scene.workpiece.position_m, rotation_xyz(scene.workpiece.rotation)},
+                           scene.workpiece.surface);
 }
 
 }  // namespace

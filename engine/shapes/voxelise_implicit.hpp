@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -13,6 +14,8 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/pose.hpp"
+#include "engine/scene/scene.hpp"
+#include "engine/shapes/cell_coverage.hpp"
 #include "engine/shapes/implicit_shape.hpp"
 #include "engine/volume/voxel_model.hpp"
 
@@ -47,8 +50,10 @@ template <ImplicitShape S>
 class Descent {
  public:
   Descent(const S& shape, const Pose& world_from_shape,
-          const std::array<std::uint8_t, 4>* label_of_part, VoxelModel& model, TissueMap* tissues)
+          const std::array<std::uint8_t, 4>* label_of_part, SurfaceKind surface, VoxelModel& model,
+          TissueMap* tissues)
       : shape_(shape),
+        fractions_(surface == SurfaceKind::kFractions),
         shape_from_world_(world_from_shape.orientation.conjugate().toRotationMatrix()),
         position_(world_from_shape.position),
         label_of_part_(label_of_part),
@@ -57,11 +62,14 @@ class Descent {
         // The centres are rounded; a margin of some ulps keeps the bound a bound.
         lipschitz_(shape.lipschitz() * (1.0 + 1e-9)) {}
 
-  /// Fills the block of `edge`^3 voxels from `first`, 16 or more, cut to the grid.
-  void fill_blocks(const Cell& first, int edge) const {
+  /// Fills the block of `edge`^3 voxels from `first`, 16 or more, cut to the grid. Returns the
+  /// levels of its leaves with voxels that are not full; with fractions only.
+  std::vector<LeafLevels> fill_blocks(const Cell& first, int edge) const {
     Known known;
     known.label = tissues_ == nullptr;  // nothing to find out
-    fill_blocks(first, edge, known);
+    std::vector<LeafLevels> pages;
+    fill_blocks(first, edge, known, pages);
+    return pages;
   }
 
  private:
@@ -74,6 +82,7 @@ class Descent {
   struct Leaf {
     LeafBits bits;
     LabelBlock labels{};
+    LevelBlock levels{};
   };
 
   Eigen::Vector3d to_shape(const Eigen::Vector3d& p_index) const {
@@ -87,7 +96,8 @@ class Descent {
   bool settle(const Cell& first, int edge, Known& known) const {
     const double half = 0.5 * (edge - 1);
     const Eigen::Vector3d p = to_shape(first.cast<double>() + Eigen::Vector3d::Constant(half));
-    const double reach = half * std::sqrt(3.0) * model_.grid.voxel_m;
+    // Up to the centres of its voxels, or with fractions up to their corners.
+    const double reach = (fractions_ ? half + 0.5 : half) * std::sqrt(3.0) * model_.grid.voxel_m;
     bool centre_inside = known.solid;
     if (!known.solid) {
       const double value = shape_.value(p);
@@ -102,15 +112,17 @@ class Descent {
     return true;
   }
 
-  void fill_blocks(const Cell& first, int edge, Known known) const {
+  void fill_blocks(const Cell& first, int edge, Known known, std::vector<LeafLevels>& pages) const {
     if ((first.array() >= model_.grid.cells.array()).any()) return;
     if (!(known.solid && known.label) && !settle(first, edge, known)) return;
-    if (edge == kLeafEdge) return fill_leaf(first, known);
+    if (edge == kLeafEdge) return fill_leaf(first, known, pages);
     const int half = edge / 2;
-    for (int child = 0; child < 8; ++child) fill_blocks(child_of(first, half, child), half, known);
+    for (int child = 0; child < 8; ++child) {
+      fill_blocks(child_of(first, half, child), half, known, pages);
+    }
   }
 
-  void fill_leaf(const Cell& first, const Known& known) const {
+  void fill_leaf(const Cell& first, const Known& known, std::vector<LeafLevels>& pages) const {
     const std::uint32_t index = model_.grid.leaf_of(first);
     if (known.solid && known.label) {
       model_.leaves[index].words.fill(~std::uint64_t{0});
@@ -123,6 +135,10 @@ class Descent {
     }
     model_.leaves[index] = leaf.bits;
     if (tissues_) tissues_->set_block(index, leaf.labels, leaf.bits);
+    if (fractions_ &&
+        std::ranges::any_of(leaf.levels, [](FillLevel level) { return level % kFullLevel != 0; })) {
+      pages.push_back({index, leaf.levels});
+    }
   }
 
   void fill_in_leaf(const Cell& first, int edge, Known known, Leaf& leaf) const {
@@ -136,11 +152,22 @@ class Descent {
 
   void fill_voxel(const Cell& c, const Known& known, Leaf& leaf) const {
     const bool needs_point = !(known.solid && known.label);
-    const Eigen::Vector3d p =
+    Eigen::Vector3d p =
         needs_point ? to_shape(c.cast<double>()) : Eigen::Vector3d(Eigen::Vector3d::Zero());
-    if (!known.solid && !(shape_.value(p) <= 0.0)) return;
+    const FillLevel level = known.solid ? kFullLevel : level_at(p);
+    if (level == 0) return;
     leaf.bits.set(leaf_place(c));
+    leaf.levels[leaf_place(c)] = level;
+    if (!known.label && !known.solid && shape_.value(p) > 0.0) {
+      p -= shape_.gradient(p) * (shape_.value(p) / shape_.gradient(p).squaredNorm());
+    }
     leaf.labels[leaf_place(c)] = known.label ? known.value : label_at(p);
+  }
+  /// Of the voxel about a point.
+  FillLevel level_at(const Eigen::Vector3d& p) const {
+    if (!fractions_) return shape_.value(p) <= 0.0 ? kFullLevel : FillLevel{0};
+    const double share = solid_share(shape_, p, shape_from_world_, model_.grid.voxel_m);
+    return static_cast<FillLevel>(std::lround(kFullLevel * share));
   }
 
   static Cell child_of(const Cell& first, int half, int child) {
@@ -148,6 +175,7 @@ class Descent {
   }
 
   const S& shape_;
+  bool fractions_;
   Eigen::Matrix3d shape_from_world_;
   Eigen::Vector3d position_;
   const std::array<std::uint8_t, 4>* label_of_part_;
@@ -181,16 +209,19 @@ inline bool reaches_beyond(const VoxelModel& model, const Eigen::AlignedBox3d& b
 }  // namespace voxelise_detail
 
 /// Voxels of an implicit shape that lies in the grid at `world_from_shape`: a voxel is solid where
-/// the value at its centre is zero or less. `label_of_part` maps the shape's parts to tissue
-/// labels; null: no tissue map. `clipped` is set where the bounds of the shape pass a face of the
-/// grid with solid voxels on it. Relies on `lipschitz()` and on `part_margin(p)` as the radius of a
-/// ball around p whose solid points all are of the part of p. An empty intersection gives an empty
-/// model. Throws InputError on a grid that is not multiples of 8 up to 1024. Runs on oneTBB; the
-/// result does not depend on the number of threads. Callable from any thread.
+/// the value at its centre is zero or less; with fractions it is filled as solid_share says, and of
+/// the tissue at its centre, or where that is outside, at the surface beneath. `label_of_part` maps
+/// the shape's parts to tissue labels; null: no tissue map. `clipped` is set where the bounds of
+/// the shape pass a face of the grid with solid voxels on it. Relies on `lipschitz()` and on
+/// `part_margin(p)` as the radius of a ball around p whose solid points all are of the part of p.
+/// An empty intersection gives an empty model. Throws InputError on a grid that is not multiples of
+/// 8 up to 1024. Runs on oneTBB; the result does not depend on the number of threads. Callable from
+/// any thread.
 template <ImplicitShape S>
 VoxelModel voxelise_implicit(const S& shape, const VoxelGrid& grid,
                              const std::array<std::uint8_t, 4>* label_of_part,
-                             const Pose& world_from_shape = {}) {
+                             const Pose& world_from_shape = {},
+                             SurfaceKind surface = SurfaceKind::kBinary) {
   voxelise_detail::check_grid(grid);
   VoxelModel model;
   model.grid = grid;
@@ -199,14 +230,17 @@ VoxelModel voxelise_implicit(const S& shape, const VoxelGrid& grid,
   if (label_of_part) tissues = std::make_shared<TissueMap>(grid.leaf_count());
 
   constexpr std::array<std::uint8_t, 4> kNoLabels{};
-  const voxelise_detail::Descent<S> descent(
-      shape, world_from_shape, label_of_part ? label_of_part : &kNoLabels, model, tissues.get());
+  const voxelise_detail::Descent<S> descent(shape, world_from_shape,
+                                            label_of_part ? label_of_part : &kNoLabels, surface,
+                                            model, tissues.get());
   constexpr int kChunk = 64;
   const Eigen::Vector3i chunks = (grid.cells.array() + (kChunk - 1)) / kChunk;
+  std::vector<std::vector<LeafLevels>> pages(static_cast<std::size_t>(chunks.prod()));
   tbb::parallel_for(0, chunks.prod(), [&](int n) {
     const Cell chunk(n % chunks.x(), n / chunks.x() % chunks.y(), n / (chunks.x() * chunks.y()));
-    descent.fill_blocks(chunk * kChunk, kChunk);
+    pages[static_cast<std::size_t>(n)] = descent.fill_blocks(chunk * kChunk, kChunk);
   });
+  if (surface == SurfaceKind::kFractions) model.fills.emplace(grid.leaf_count(), joined(pages));
 
   Eigen::AlignedBox3d bounds_world;
   const Eigen::AlignedBox3d bounds = shape.bounds();

@@ -13,6 +13,11 @@ namespace {
 
 constexpr LeafBits kEmptyLeaf{};
 
+/// What a voxel that is not full adds to the hash of the shape.
+std::uint64_t level_hash(std::uint64_t voxel, FillLevel level) noexcept {
+  return level % kFullLevel == 0 ? 0 : mix64((voxel << 8 | level) * 0x9e3779b97f4a7c15u);
+}
+
 }  // namespace
 
 LeafBits surface_of_leaf(const VoxelModel& model, std::uint32_t leaf) {
@@ -67,7 +72,18 @@ Workpiece::Workpiece(VoxelModel model)
       });
   solid_voxels_ = sums.solid;
   surface_voxels_ = sums.surface;
-  hash_ = sums.hash;
+  hash_ = sums.hash ^ fills_hash();
+}
+
+std::uint64_t Workpiece::fills_hash() const noexcept {
+  std::uint64_t hash = 0;
+  if (!model_.fills) return hash;
+  for (const LeafLevels& page : model_.fills->pages()) {
+    for (std::size_t place = 0; place < page.levels.size(); ++place) {
+      hash ^= level_hash(std::uint64_t{page.leaf} << 9 | place, page.levels[place]);
+    }
+  }
+  return hash;
 }
 
 bool Workpiece::is_surface(const Cell& c) const {
@@ -99,10 +115,24 @@ void Workpiece::expose(const Cell& c) noexcept {
   surface.set(leaf_place(c));
 }
 
+void Workpiece::reserve_fills(std::uint32_t leaves) {
+  if (model_.fills) model_.fills->reserve(leaves);
+}
+
+bool Workpiece::set_level(const Cell& c, FillLevel level) noexcept {
+  const std::uint64_t voxel = std::uint64_t{grid().leaf_of(c)} << 9 | unsigned(leaf_place(c));
+  const FillLevel was = model_.level(c);
+  if (!model_.set_level(c, level)) return false;
+  hash_ ^= level_hash(voxel, was) ^ level_hash(voxel, level);
+  return true;
+}
+
 void Workpiece::remove(const Cell& c) noexcept {
   const std::uint32_t leaf = grid().leaf_of(c);
+  if (has_fills())
+    hash_ ^= level_hash(std::uint64_t{leaf} << 9 | unsigned(leaf_place(c)), level(c));
   hash_ ^= leaf_hash(leaf);
-  model_.set(c, false);
+  model_.set_level(c, 0);
   hash_ ^= leaf_hash(leaf);
   columns_.clear(c);
   --solid_voxels_;
@@ -131,11 +161,12 @@ void Workpiece::update_surface(const Cell& c) noexcept {
   is ? ++surface_voxels_ : --surface_voxels_;
 }
 
-void Workpiece::put_back(const Cell& c) noexcept {
+void Workpiece::put_back(const Cell& c, FillLevel level) noexcept {
   const std::uint32_t leaf = grid().leaf_of(c);
   hash_ ^= leaf_hash(leaf);
-  model_.set(c, true);
+  model_.set_level(c, level);
   hash_ ^= leaf_hash(leaf);
+  if (has_fills()) hash_ ^= level_hash(std::uint64_t{leaf} << 9 | unsigned(leaf_place(c)), level);
   columns_.set(c);
   ++solid_voxels_;
   update_surface(c);
@@ -151,6 +182,7 @@ void Workpiece::put_back(const Cell& c) noexcept {
 std::size_t Workpiece::memory_bytes() const {
   return (model_.leaves.capacity() + surface_.capacity()) * sizeof(LeafBits) +
          octree_.memory_bytes() + columns_.memory_bytes() +
+         (model_.fills ? model_.fills->memory_bytes() : 0) +
          (model_.tissues ? model_.tissues->memory_bytes() : 0);
 }
 
