@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <iterator>
 #include <utility>
 
 #include <tbb/blocked_range.h>
@@ -32,6 +33,13 @@ PackedModel pack(const VoxelModel& model) {
       out.mixed_labels.push_back(*block);
     }
   }
+  out.filled = model.fills.has_value();
+  if (!out.filled) return out;
+  const auto has_part = [](const LeafLevels& page) {
+    return std::ranges::any_of(page.levels, [](FillLevel l) { return l % kFullLevel != 0; });
+  };
+  std::ranges::copy_if(model.fills->pages(), std::back_inserter(out.levels), has_part);
+  std::ranges::sort(out.levels, {}, &LeafLevels::leaf);
   return out;
 }
 
@@ -56,6 +64,7 @@ VoxelModel unpack(const PackedModel& packed) {
     }
   });
   model.tissues = std::move(tissues);
+  if (packed.filled) model.fills.emplace(packed.grid.leaf_count(), packed.levels);
   return model;
 }
 

@@ -18,6 +18,8 @@ struct PackedModel {
   std::vector<std::uint8_t> leaf_labels;  // their tissue, 0 for mixed ones; empty unless `labelled`
   std::vector<std::uint32_t> mixed;       // places in `leaves` of those of several tissues, rising
   std::vector<LabelBlock> mixed_labels;
+  bool filled = false;             // it carries fractions
+  std::vector<LeafLevels> levels;  // of the leaves with a voxel that is not full, rising
 };
 
 PackedModel pack(const VoxelModel& model);
