@@ -60,6 +60,7 @@ struct HeightMap {
 enum class FitWindow : std::uint8_t {
   kEvenRings,  // those in which opposite heights are in line (even_rings)
   kWholeMap,   // all, where all were found
+  kNone,       // none: the caller fits them
 };
 
 /// Lanes of a map's rows: as few as hold its columns and the one before them.

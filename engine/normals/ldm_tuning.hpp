@@ -116,6 +116,25 @@ inline constexpr float kScorePerBehind = 0.1f, kScorePerRadius = 0.05f;
 /// edges of the cube 17 without, 11 with it].
 inline constexpr float kSecondAxis = 0.55f;
 
+// --- Fractions ----------------------------------------------------------------------------------
+// Rounded to 1/64, heights of a plane scatter by 0.005 and up to 0.015.
+
+/// Largest residual, across the surface, of what explains a whole map, a ball, a side; or so many
+/// times the noise of the heights [m: torus 0.19 degrees with 0.08, 0.11 with 0.03].
+inline constexpr float kWholeFilledResidual = 0.06f, kFilledResidual = 0.03f, kNoiseResidual = 4.0f;
+inline constexpr float kFilledBallRadii[] = {6.0f, 5.0f, 4.2f, 3.4f, 2.6f};
+/// Sides of balls: radius, fewest points of a plane, and how far they must reach across the rim:
+/// the one or two columns that an edge goes through look like a plane of their own [m: edges of the
+/// cube 8 degrees without, 1 with].
+inline constexpr float kSideRadius = 5.5f, kLeastPlaneWidth = 2.9f, kLeastQuadricWidth = 4.5f;
+inline constexpr int kFewestPointsOnSide = 7;
+/// Least cosines of a face to its columns and to the coarse normal, and least component of the
+/// coarse normal, by its largest, along an axis to look along.
+inline constexpr float kLeastFilledCosine = 0.15f, kLeastFilledCosineToCoarse = 0.3f,
+                       kOtherAxis = 0.2f;
+/// Faces are equally near within the heights' noise.
+inline constexpr float kEqualFace = 1e-3f;
+
 // --- The tool -----------------------------------------------------------------------------------
 
 /// Squared cosine from which on a coarse normal that points away from the tool is on the far side

@@ -75,6 +75,10 @@ void MapBatch::choose_axes(EqualAxes equal) noexcept {
 }
 
 void MapBatch::fit_in_tiles(Tiles tiles) noexcept {
+  if (window_ == FitWindow::kNone) {
+    whole = partly = in_tile = 0;
+    return;
+  }
   const int ns = neighbourhood_, lanes = lanes_of(ns);
   for_each(has_direction, [&](std::size_t k) {
     const HeightTile* const tile = tile_of_[k] =

@@ -314,6 +314,8 @@ struct MapKernels {
   /// sharpened points.
   void (*solve_quantised)(TiltedGroup& group) noexcept = nullptr;
   void (*solve_sharpened)(TiltedGroup& group) noexcept = nullptr;
+  /// Quadrics and planes of points that are exact.
+  void (*solve_points)(TiltedGroup& group) noexcept = nullptr;
   /// Of the voxels' centres on the quadrics of a group.
   void (*tilted_closest_points)(TiltedGroup& group) noexcept = nullptr;
 };

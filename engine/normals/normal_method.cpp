@@ -2,6 +2,7 @@
 
 #include "engine/normals/exact.hpp"
 #include "engine/normals/ldm.hpp"
+#include "engine/normals/ldm_filled.hpp"
 #include "engine/normals/ldm_fast.hpp"
 #include "engine/normals/ldm_paper.hpp"
 #include "engine/normals/map_kernels.hpp"
@@ -22,6 +23,9 @@ void estimate_surfaces(const Workpiece& workpiece, std::span<const VoxelQuery> q
   const auto one_by_one = [&](const auto& estimate) {
     for (std::size_t k = 0; k < queries.size(); ++k) estimates[k] = estimate(queries[k].voxel);
   };
+  if (workpiece.has_fills() && use_tool(settings.normals)) {
+    return estimate_ldm_filled(workpiece, queries, ns, trace, estimates);
+  }
   switch (settings.normals) {
     case NormalMethod::kLdm:
       return estimate_ldm(workpiece, queries, ns, trace, estimates);

@@ -40,6 +40,7 @@ constexpr MapKernels kernel_table(const char* name, const MapKernels& own) {
           .sharpen_points = sharpen_points,
           .solve_quantised = solve_quantised,
           .solve_sharpened = solve_sharpened,
+          .solve_points = solve_points,
           .tilted_closest_points = tilted_closest_points};
 }
 

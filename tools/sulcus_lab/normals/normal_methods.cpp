@@ -8,9 +8,9 @@
 
 #include "engine/core/error.hpp"
 #include "engine/normals/exact.hpp"
-#include "engine/normals/ldm.hpp"
-#include "engine/normals/ldm_fast.hpp"
+#include "engine/normals/height_map.hpp"
 #include "engine/normals/ldm_paper.hpp"
+#include "engine/normals/normal_method.hpp"
 #include "engine/normals/weighted_sum.hpp"
 #ifdef SULCUS_LAB_WITH_PCL
 #include "tools/sulcus_lab/normals/pcl_normals.hpp"
@@ -156,11 +156,12 @@ void NormalMethods::estimate(Method method, int neighbourhood, const VoxelSample
   const int ns = neighbourhood;
   switch (method) {
     case Method::kLdm:
+    case Method::kLdmFast: {
+      // As a tick calls them: on a solid with fractions they read those.
+      const NormalMethod of = method == Method::kLdm ? NormalMethod::kLdm : NormalMethod::kLdmFast;
       estimates.resize(sample.queries.size());
-      return estimate_ldm(w, sample.queries, ns, kTrace, estimates);
-    case Method::kLdmFast:
-      estimates.resize(sample.queries.size());
-      return estimate_ldm_fast(w, sample.queries, ns, kTrace, estimates);
+      return estimate_surfaces(w, sample.queries, {of, ns, kTrace}, estimates);
+    }
     case Method::kLdmPaper:
       return for_each_cell(sample, estimates, [&](const Cell& c) {
         return estimate_ldm_paper(w, c, ns, kPaperTrace);

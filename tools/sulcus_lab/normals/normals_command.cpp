@@ -30,6 +30,8 @@ struct ShapeResult {
 
 struct NormalsOptions {
   std::string shape, volume, truth, folder = "out/lab/normals";
+  std::string fills;
+  SurfaceKind surface = SurfaceKind::kBinary;
   std::vector<int> neighbourhoods;
   std::vector<std::string> methods;
 };
@@ -197,6 +199,10 @@ void normals(const NormalsOptions& options) {
     from_file.push_back(read_truth_file(options.truth,
                                         model_of_mask(read_medical_volume(options.volume)),
                                         std::filesystem::path(options.volume).stem().string()));
+    if (!options.fills.empty()) {
+      from_file.back().model =
+          model_of_fills(read_medical_volume(options.fills), from_file.back().model);
+    }
     names.push_back(from_file.front().name);
   } else if (!options.shape.empty()) {
     names.push_back(options.shape);
@@ -213,7 +219,8 @@ void normals(const NormalsOptions& options) {
   std::vector<ShapeResult> results;
   for (const std::string& name : names) {
     progress.say(name + ": shape");
-    const std::vector<TruthShape> parts = from_file.empty() ? truth_shapes(name) : from_file;
+    const std::vector<TruthShape> parts =
+        from_file.empty() ? truth_shapes(name, options.surface) : from_file;
     results.push_back(
         {name, measure_normals(parts, runs, [&](const std::string& what) { progress.say(what); })});
     for (const NormalsRow& row : results.back().rows) {
@@ -252,6 +259,20 @@ void add_normals_command(CLI::App& program) {
       "--truth", options->truth, "Its normals: i,j,k,nx,ny,nz,zone, outward, unit, in index space");
   volume->needs(truth)->excludes(shape);
   truth->needs(volume);
+  command
+      ->add_option("--fills", options->fills,
+                   "Its fill levels, 0 to 255, a volume of the same size: fractions")
+      ->needs(volume);
+  command
+      ->add_option_function<std::string>(
+          "--surface",
+          [options](const std::string& name) {
+            options->surface =
+                name == kSurfaceNames[1] ? SurfaceKind::kFractions : SurfaceKind::kBinary;
+          },
+          "What voxels say of a shape: binary, their centres; fractions, how much is filled")
+      ->check(CLI::IsMember(std::vector<std::string>(kSurfaceNames.begin(), kSurfaceNames.end())))
+      ->excludes(volume);
   command
       ->add_option("--ns", options->neighbourhoods,
                    "Neighbourhoods, 1,2,.. (1 to 6, 8 and 12 where a method is not too slow)")

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <sstream>
 #include <string_view>
 #include <unordered_set>
 #include <utility>
@@ -114,6 +115,40 @@ VoxelModel model_of_mask(const MedicalVolume& volume) {
     for (int j = 0; j < volume.sizes.y(); ++j) {
       for (int i = 0; i < volume.sizes.x(); ++i) {
         if (volume.at(i, j, k) > 0.0f) model.set({i, j, k}, true);
+      }
+    }
+  }
+  return model;
+}
+
+VoxelModel model_of_fills(const MedicalVolume& levels, const VoxelModel& mask) {
+  VoxelModel model;
+  model.grid = mask.grid;
+  model.leaves.resize(model.grid.leaf_count());
+  const Eigen::Vector3i padded = (levels.sizes.array() + (kLeafEdge - 1)) / kLeafEdge * kLeafEdge;
+  if (padded != model.grid.cells) {
+    std::ostringstream found, expected;
+    found << levels.sizes.transpose() << " voxels";
+    expected << "the size of --volume, up to " << model.grid.cells.transpose();
+    throw InputError(levels.file, "sizes", found.str(), expected.str());
+  }
+  model.fills.emplace(model.grid.leaf_count(), std::vector<LeafLevels>{});
+  model.fills->reserve(model.grid.leaf_count());
+  for (int k = 0; k < levels.sizes.z(); ++k) {
+    for (int j = 0; j < levels.sizes.y(); ++j) {
+      for (int i = 0; i < levels.sizes.x(); ++i) {
+        const float value = levels.at(i, j, k);
+        const auto refuse = [&](const std::string& expected) {
+          std::ostringstream place, found;
+          place << "voxel (" << i << ", " << j << ", " << k << ")";
+          found << value;
+          throw InputError(levels.file, place.str(), found.str(), expected);
+        };
+        if (!(value >= 0.0f && value <= kFullLevel) || value != std::floor(value)) {
+          refuse("a level, 0 to 255");
+        }
+        if (value == 0.0f && mask.solid({i, j, k})) refuse("1 to 255: --volume has it solid");
+        if (value > 0.0f) model.set_level({i, j, k}, static_cast<FillLevel>(value));
       }
     }
   }

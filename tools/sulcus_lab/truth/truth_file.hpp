@@ -12,6 +12,10 @@ namespace sulcus::lab {
 /// InputError beyond 1024 voxels along an axis.
 VoxelModel model_of_mask(const MedicalVolume& volume);
 
+/// The same voxels with fractions: the levels of a volume of the mask's size, 0 to 255. What the
+/// mask has must have a level. InputError on another size or value.
+VoxelModel model_of_fills(const MedicalVolume& levels, const VoxelModel& mask);
+
 /// Normals of some of a model's surface voxels from a table with the header `i,j,k,nx,ny,nz,zone`:
 /// indices of the voxel, outward unit normal in index space (1 % off at most; it is scaled to
 /// length 1), and a word of letters, digits, '_', '-' or '.' to group by. InputError, with the

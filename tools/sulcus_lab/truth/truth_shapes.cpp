@@ -91,9 +91,9 @@ int zone_at(const ComposedShape& shape, const ComposedShape::ClosestPoint& close
 }
 
 /// Voxelises a shape and finds the truth at its surface voxels at least `margin` from the grid's
-/// faces.
+/// faces: those of the binary shape, with fractions, too.
 TruthShape make_shape(std::string name, const ComposedShape& shape, const VoxelGrid& grid,
-                      const Pose& pose, int margin) {
+                      const Pose& pose, int margin, SurfaceKind surface) {
   TruthShape truth;
   truth.name = std::move(name);
   truth.zones = zones_of(shape);
@@ -107,6 +107,9 @@ TruthShape make_shape(std::string name, const ComposedShape& shape, const VoxelG
     truth.voxels[v] = {cells[v], pose.direction(closest.normal),
                        zone_at(shape, closest, grid.voxel_m, truth.zones)};
   });
+  if (surface == SurfaceKind::kFractions) {
+    truth.model = voxelise_implicit(shape, grid, nullptr, pose, surface);
+  }
   return truth;
 }
 
@@ -252,10 +255,10 @@ ComposedShape cut_molar() {
           molar.bounds()};
 }
 
-TruthShape tooth(std::string name, const ComposedShape& shape) {
+TruthShape tooth(std::string name, const ComposedShape& shape, SurfaceKind surface) {
   Pose lowered;  // so that the whole of it is in the grid
   lowered.position.z() = 1.75e-3;
-  return make_shape(std::move(name), shape, grid_of(312, 0.07e-3), lowered, 4);
+  return make_shape(std::move(name), shape, grid_of(312, 0.07e-3), lowered, 4, surface);
 }
 
 std::string plate_name(double thickness) {
@@ -265,7 +268,7 @@ std::string plate_name(double thickness) {
   return name;
 }
 
-std::vector<TruthShape> plates() {
+std::vector<TruthShape> plates(SurfaceKind surface) {
   std::vector<TruthShape> all;
   for (const double thickness : {1.0, 1.5, 2.0, 3.0}) {
     for (int tilt_deg = 0; tilt_deg <= 45; tilt_deg += 9) {
@@ -275,7 +278,7 @@ std::vector<TruthShape> plates() {
                            Eigen::AngleAxisd(tilt_deg * std::numbers::pi / 180, Vector3d::UnitY());
         pose.position = Vector3d(0.1, 0.2, 0.21 + 0.3 * azimuth);
         TruthShape plate = make_shape("plate", whole(PlateShape(thickness, 0.0)), grid_of(96, 1.0),
-                                      pose, kMarginAtCuts);
+                                      pose, kMarginAtCuts, surface);
         plate.zones = {plate_name(thickness)};
         plate.tool_direction = Vector3d::UnitZ();
         plate.either_sign = thickness == 1.0;
@@ -289,7 +292,7 @@ std::vector<TruthShape> plates() {
 }
 
 /// Half spaces at seeded random attitudes.
-std::vector<TruthShape> planes() {
+std::vector<TruthShape> planes(SurfaceKind surface) {
   std::mt19937 random(7);
   std::vector<TruthShape> all;
   for (int n = 0; n < 200; ++n) {
@@ -301,7 +304,7 @@ std::vector<TruthShape> planes() {
     normal.normalize();
     const ComposedShape solid({half_space(Vector3d::Constant(0.3), normal)},
                               box_of(Vector3d::Constant(60)));
-    all.push_back(make_shape("planes", solid, grid_of(64, 1.0), {}, kMarginAtCuts));
+    all.push_back(make_shape("planes", solid, grid_of(64, 1.0), {}, kMarginAtCuts, surface));
   }
   return all;
 }
@@ -315,12 +318,13 @@ std::string listed_names() {
 
 }  // namespace
 
-std::vector<TruthShape> truth_shapes(std::string_view name) {
-  if (name == "plate") return plates();
-  if (name == "planes") return planes();
+std::vector<TruthShape> truth_shapes(std::string_view name, SurfaceKind surface) {
+  if (name == "plate") return plates(surface);
+  if (name == "planes") return planes(surface);
   const auto one = [&](const ComposedShape& shape, int cells, const Pose& pose, int margin) {
     std::vector<TruthShape> shapes;
-    shapes.push_back(make_shape(std::string(name), shape, grid_of(cells, 1.0), pose, margin));
+    shapes.push_back(
+        make_shape(std::string(name), shape, grid_of(cells, 1.0), pose, margin, surface));
     return shapes;
   };
   // An index of 127.5 is the middle of 256 cells, the shape's origin.
@@ -339,11 +343,11 @@ std::vector<TruthShape> truth_shapes(std::string_view name) {
   std::vector<TruthShape> shapes;
   if (name == "rotated_cube") {
     for (const Pose& pose : attitudes()) {
-      shapes.push_back(make_shape("rotated_cube", box(110), grid_of(216, 1.0), pose, 4));
+      shapes.push_back(make_shape("rotated_cube", box(110), grid_of(216, 1.0), pose, 4, surface));
     }
   }
-  if (name == "molar") shapes.push_back(tooth("molar", whole(Molar())));
-  if (name == "molar_cut") shapes.push_back(tooth("molar_cut", cut_molar()));
+  if (name == "molar") shapes.push_back(tooth("molar", whole(Molar()), surface));
+  if (name == "molar_cut") shapes.push_back(tooth("molar_cut", cut_molar(), surface));
   if (shapes.empty()) throw InputError("", "shape", "'" + std::string(name) + "'", listed_names());
   return shapes;
 }

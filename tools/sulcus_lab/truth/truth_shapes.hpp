@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "engine/scene/scene.hpp"
 #include "engine/volume/voxel_model.hpp"
 
 namespace sulcus::lab {
@@ -61,8 +62,10 @@ inline constexpr std::string_view kShapeNames[] = {
 /// edges
 /// - quartic: x^4 + y^4 + z^4 <= 50^4, tilted: flat, and bent ever more from there on
 /// - planes: 200 of random attitudes, the same every time
+/// With fractions the model carries them; the voxels are those of the binary shape all the same.
 /// Voxels near the grid's faces, where a shape goes on beyond them, are left out. InputError for
 /// another name. Runs on oneTBB; the result does not depend on the number of threads.
-std::vector<TruthShape> truth_shapes(std::string_view name);
+std::vector<TruthShape> truth_shapes(std::string_view name,
+                                     SurfaceKind surface = SurfaceKind::kBinary);
 
 }  // namespace sulcus::lab

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+
+#include <Eigen/Core>
+
+#include "engine/normals/column_quadric.hpp"
+#include "engine/normals/filled_map.hpp"
+#include "engine/normals/map_kernels.hpp"
+
+namespace sulcus {
+
+/// The closest point to the voxel's centre on the quadric over a whole map, if that explains all
+/// its heights to within `tolerance` across it, voxels.
+std::optional<ClosestPoint> fit_whole_filled(const FilledMap& map, float tolerance) noexcept;
+
+/// How much heights scatter about smooth surfaces, voxels: the median over the map's patches of
+/// 3 x 3 columns of the root mean square about their planes; edges, which most patches are not on,
+/// do not count. Zero where hardly any patch is whole.
+float height_noise(const FilledMap& map) noexcept;
+
+/// Fits to the points of a map that lie in a ball about the voxel, in a tilted frame; to all of
+/// them, or to those over a side of the map.
+class FilledFitter {
+ public:
+  /// The points within `radius`, voxels, of the voxel, in the frame whose third axis is `normal`
+  /// (unit, map space).
+  void gather(const FilledMap& map, const Eigen::Vector3f& normal, float radius) noexcept;
+  /// The quadric that explains all of them within `tolerance`, voxels; none: nothing does.
+  std::optional<ClosestPoint> fit_ball(float tolerance) noexcept;
+  /// Of each side the quadric, else the plane, that explains the points over it.
+  void fit_sides(std::span<const MapSide> sides, float tolerance,
+                 std::span<std::optional<ClosestPoint>> closest) noexcept;
+
+ private:
+  static constexpr int kMostPoints = 13 * 16;  // in the largest ball
+
+  struct Side {
+    int count = 0;
+    float width = 0.0f;  // of its points, across its rim
+  };
+  Side take_side(const MapSide& side, TiltedPoints& points) const noexcept;
+  bool explains(const Quadric& quadric, const TiltedPoints& points, float tolerance) const noexcept;
+
+  TiltedFrame frame_;
+  TiltedPoints all_;
+  alignas(64) std::array<float, TiltedPoints::kCapacity> i_, j_;  // columns of the points
+  std::array<TiltedPoints, TiltedGroup::kSize> of_sides_;
+  TiltedGroup group_;
+};
+
+}  // namespace sulcus

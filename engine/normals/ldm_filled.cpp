@@ -1,0 +1,177 @@
+#include "engine/normals/ldm_filled.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "engine/normals/equal_axes.hpp"
+#include "engine/normals/filled_fit.hpp"
+#include "engine/normals/ldm.hpp"
+#include "engine/normals/map_batch.hpp"
+
+namespace sulcus {
+
+namespace {
+
+using Eigen::Vector3f;
+
+/// The sides of a ball that are looked at: twelve directions, so that the grid's symmetries turn
+/// one into another, each from a little behind the voxel on, and from a column ahead of it on. No
+/// column lies on a rim.
+constexpr float kBehindRims[] = {0.45f, -0.95f};
+constexpr std::size_t kSides = 12 * std::size(kBehindRims);
+constexpr std::array<MapSide, kSides> kAllSides = [] {
+  constexpr float kHalf = 0.5f, kRoot = 0.8660254f;
+  constexpr float kRays[12][2] = {
+      {1, 0},  {kRoot, kHalf},   {kHalf, kRoot},   {0, 1},  {-kHalf, kRoot}, {-kRoot, kHalf},
+      {-1, 0}, {-kRoot, -kHalf}, {-kHalf, -kRoot}, {0, -1}, {kHalf, -kRoot}, {kRoot, -kHalf}};
+  std::array<MapSide, kSides> sides{};
+  std::size_t n = 0;
+  for (const float behind : kBehindRims) {
+    for (const auto& ray : kRays) sides[n++] = {ray[0], ray[1], behind};
+  }
+  return sides;
+}();
+
+/// A surface that may be the voxel's own.
+struct Candidate {
+  SurfaceEstimate estimate;
+  float away = 0.0f;  // from the voxel, voxels
+};
+
+/// The nearest of them that the tool does not veto: the mean of equals, so that no order decides.
+std::optional<SurfaceEstimate> nearest_of(std::span<const Candidate> candidates,
+                                          const Vector3f& hint) noexcept {
+  float nearest = std::numeric_limits<float>::infinity();
+  const auto is_left = [&](const Candidate& c) { return !(c.estimate.normal.dot(hint) < 0.0f); };
+  for (const Candidate& c : candidates) {
+    if (is_left(c)) nearest = std::min(nearest, c.away);
+  }
+  std::array<SurfaceEstimate, 3 * kSides> equal;
+  std::size_t count = 0;
+  for (const Candidate& c : candidates) {
+    if (is_left(c) && c.away <= nearest + kEqualFace) equal[count++] = c.estimate;
+  }
+  if (count == 0) return {};
+  const SurfaceEstimate mean = mean_of(std::span(equal).first(count));
+  return mean.defined ? mean : equal[0];
+}
+
+/// Estimates of the voxels of a batch, with what the fits need.
+class FilledEstimator {
+ public:
+  FilledEstimator(MapBatch& batch) : batch_(batch) {}
+
+  void estimate(SurfaceEstimate* to) noexcept {
+    VoxelBits rest = batch_.has_direction;
+    while (rest != 0) {
+      for (const std::size_t k : batch_.trace_some(rest)) to[k] = estimate_one(k);
+    }
+    for (std::size_t k = 0; k < batch_.count(); ++k) {
+      if (!has_bit(batch_.has_direction, k)) to[k] = {};
+    }
+  }
+
+ private:
+  SurfaceEstimate estimate_one(std::size_t k) noexcept {
+    const Vector3f coarse = batch_.coarse(k), hint = tool_hint(batch_.tool(k), coarse);
+    const MapAxes axes = batch_.axes(k);
+    fill_heights(batch_.workpiece(), batch_.query(k).voxel, axes, batch_.map(k), map_);
+    if (map_.has_parts) {
+      std::optional<SurfaceEstimate> found = smooth(axes, coarse);
+      if (!found || !is_consistent(found->normal, coarse, hint)) {
+        const auto face = nearest_face(k, axes, coarse, hint);
+        if (face) found = face;
+      }
+      if (found && is_consistent(found->normal, coarse, hint)) return *found;
+    }
+    // As bits; where they are the only ones, exactly what `ldm` says.
+    SurfaceEstimate of_bits;
+    const VoxelQuery query = batch_.query(k);
+    estimate_ldm(batch_.workpiece(), {&query, 1}, batch_.neighbourhood(), batch_.trace(),
+                 {&of_bits, 1});
+    of_bits.windows |= axes.window();
+    return of_bits;
+  }
+
+  /// What explains the whole map, or the largest ball.
+  std::optional<SurfaceEstimate> smooth(const MapAxes& axes, const Vector3f& coarse) noexcept {
+    tolerance_ = kFilledResidual;
+    std::optional<ClosestPoint> closest = fit_whole_filled(map_, kWholeFilledResidual);
+    if (!closest) {
+      tolerance_ = std::max(tolerance_, kNoiseResidual * height_noise(map_));
+      if (tolerance_ > kWholeFilledResidual) closest = fit_whole_filled(map_, tolerance_);
+    }
+    if (closest) return to_index_space(*closest, axes);
+    const Vector3f normal = to_map_space(coarse, axes).normalized();
+    for (const float radius : kFilledBallRadii) {
+      fitter_.gather(map_, normal, radius);
+      closest = fitter_.fit_ball(tolerance_);
+      if (closest) return to_index_space(*closest, axes);
+    }
+    return {};
+  }
+
+  /// The nearest face of the sides of balls of this map, and of those along the other axes.
+  std::optional<SurfaceEstimate> nearest_face(std::size_t k, const MapAxes& axes,
+                                              const Vector3f& coarse,
+                                              const Vector3f& hint) noexcept {
+    candidate_count_ = 0;
+    std::uint8_t windows = axes.window();
+    add_sides(axes, coarse);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (axis == axes.axis || std::abs(coarse[axis]) < kOtherAxis * std::abs(coarse[axes.axis])) {
+        continue;
+      }
+      const MapAxes other{axis, coarse[axis] > 0.0f ? 1 : -1};
+      windows |= other.window();
+      HeightMap traced;
+      traced.ns = batch_.neighbourhood();
+      trace_along(batch_.workpiece(), batch_.query(k).voxel, other, coarse, batch_.trace(), traced);
+      fill_heights(batch_.workpiece(), batch_.query(k).voxel, other, traced, map_);
+      add_sides(other, coarse);
+    }
+    auto nearest = nearest_of(std::span(candidates_).first(candidate_count_), hint);
+    if (nearest) nearest->windows = windows;
+    return nearest;
+  }
+
+  void add_sides(const MapAxes& axes, const Vector3f& coarse) noexcept {
+    const Vector3f normal = to_map_space(coarse, axes).normalized();
+    fitter_.gather(map_, normal, kSideRadius);
+    std::array<std::optional<ClosestPoint>, kSides> closest;
+    fitter_.fit_sides(kAllSides, tolerance_, closest);
+    for (const auto& point : closest) {
+      if (!point || point->normal_z < kLeastFilledCosine) continue;
+      const Vector3f n(point->normal_x, point->normal_y, point->normal_z);
+      if (n.dot(normal) < kLeastFilledCosineToCoarse) continue;
+      candidates_[candidate_count_++] = {to_index_space(*point, axes), std::abs(point->offset)};
+    }
+  }
+
+  MapBatch& batch_;
+  FilledMap map_;
+  FilledFitter fitter_;
+  float tolerance_ = 0.0f;
+  std::array<Candidate, 3 * kSides> candidates_;
+  std::size_t candidate_count_ = 0;
+};
+
+}  // namespace
+
+void estimate_ldm_filled(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
+                         int neighbourhood, int trace,
+                         std::span<SurfaceEstimate> estimates) noexcept {
+  MapBatch batch(workpiece, queries, neighbourhood, trace, FitWindow::kNone);
+  FilledEstimator estimator(batch);
+  for (std::size_t first = 0, count; first < queries.size(); first += count) {
+    count = batch.take(first, MapBatch::kMaps);
+    SurfaceEstimate* const to = estimates.data() + first;
+    const auto estimate = [&](SurfaceEstimate* of) { estimator.estimate(of); };
+    estimate(to);
+    estimate_equal_axes(batch, estimate, to);
+  }
+}
+
+}  // namespace sulcus
