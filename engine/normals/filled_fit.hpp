@@ -16,9 +16,9 @@ namespace sulcus {
 /// its heights to within `tolerance` across it, voxels.
 std::optional<ClosestPoint> fit_whole_filled(const FilledMap& map, float tolerance) noexcept;
 
-/// How much heights scatter about smooth surfaces, voxels: the median over the map's patches of
-/// 3 x 3 columns of the root mean square about their planes; edges, which most patches are not on,
-/// do not count. Zero where hardly any patch is whole.
+/// How much heights scatter about smooth surfaces, voxels: from the median of third differences
+/// along rows and columns, in which quadrics have no part, and edges, which most are not on, do not
+/// count. Zero where there are hardly any.
 float height_noise(const FilledMap& map) noexcept;
 
 /// Fits to the points of a map that lie in a ball about the voxel, in a tilted frame; to all of

@@ -61,13 +61,14 @@ Lack lack_of(LevelReader& levels, Cell at, int axis, int inward, int most) noexc
   Lack lack;
   int before = 0;
   for (int n = 0; n < most; ++n) {
-    const int parts = kParts[levels.at(at.x(), at.y(), at.z())];
+    const FillLevel level = levels.at(at.x(), at.y(), at.z());
+    const int parts = kParts[level];
     if (parts == kHeightParts) return {lack.parts, true};
     if (parts < before) {
       // A wall that no voxel of is full: what its fullest lacks is halved between the sides.
       return {lack.parts - (kHeightParts - before) / 2, true};
     }
-    if (parts == 0) return lack;
+    if (level == 0) return lack;
     lack.parts += kHeightParts - parts;
     before = parts;
     at[axis] += inward;

@@ -108,7 +108,14 @@ class FilledEstimator {
     for (const float radius : kFilledBallRadii) {
       fitter_.gather(map_, normal, radius);
       closest = fitter_.fit_ball(tolerance_);
-      if (closest) return to_index_space(*closest, axes);
+      if (!closest) continue;
+      // Once more in the surface's own frame, where it is straightest.
+      const Vector3f own(closest->normal_x, closest->normal_y, closest->normal_z);
+      if (own.dot(normal) < kSameFrame) {
+        fitter_.gather(map_, own, radius);
+        if (const auto again = fitter_.fit_ball(tolerance_)) closest = again;
+      }
+      return to_index_space(*closest, axes);
     }
     return {};
   }

@@ -122,6 +122,8 @@ inline constexpr float kSecondAxis = 0.55f;
 /// Largest residual, across the surface, of what explains a whole map, a ball, a side; or so many
 /// times the noise of the heights [m: torus 0.19 degrees with 0.08, 0.11 with 0.03].
 inline constexpr float kWholeFilledResidual = 0.06f, kFilledResidual = 0.03f, kNoiseResidual = 4.0f;
+/// Cosine of a ball's surface to its frame below which it is fitted in its own.
+inline constexpr float kSameFrame = 0.99f;
 inline constexpr float kFilledBallRadii[] = {6.0f, 5.0f, 4.2f, 3.4f, 2.6f};
 /// Sides of balls: radius, fewest points of a plane, and how far they must reach across the rim:
 /// the one or two columns that an edge goes through look like a plane of their own [m: edges of the
