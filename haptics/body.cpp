@@ -22,7 +22,7 @@ Eigen::AlignedBox3d bounds_of(const VoxelGrid& grid, double margin_m, const Pose
 Body::Body(const Scene& scene, Workpiece start)
     : solid(std::move(start)), bounds_world(bounds_of(solid.grid(), 0.0, {})) {
   if (uses_normal_cache(scene.haptics)) normal_cache.emplace(solid.grid(), scene.haptics);
-  if (scene.cutting) removal.emplace(*scene.cutting);
+  if (scene.cutting) make_cuttable(*scene.cutting);
 }
 
 Body::Body(const Scene& scene, const BodySettings& settings, Workpiece start)
@@ -31,7 +31,13 @@ Body::Body(const Scene& scene, const BodySettings& settings, Workpiece start)
       solid(std::move(start)),
       bounds_world(bounds_of(solid.grid(), solid.grid().voxel_m, world_from_grid)) {
   if (uses_normal_cache(scene.haptics)) normal_cache.emplace(solid.grid(), scene.haptics);
-  if (scene.cutting && settings.cuttable) removal.emplace(*scene.cutting);
+  if (scene.cutting && settings.cuttable) make_cuttable(*scene.cutting);
+}
+
+void Body::make_cuttable(const CuttingSettings& cutting) {
+  constexpr std::uint32_t kVoxelsOfLeaf = 64;  // of a leaf that a cut goes through, about
+  removal.emplace(cutting);
+  solid.reserve_fills(static_cast<std::uint32_t>(cutting.max_cut_voxels) / kVoxelsOfLeaf);
 }
 
 Pose Body::grid_from(const Pose& world_from_tool) const {

@@ -39,6 +39,9 @@ struct Body {
 
   /// With all of it, the voxels too.
   std::uint64_t hash() const;
+
+ private:
+  void make_cuttable(const CuttingSettings& cutting);
 };
 
 /// Body 0, the workpiece, and one for each [[body]] of a scene, `starts` in this order.

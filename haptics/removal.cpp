@@ -1,5 +1,7 @@
 #include "haptics/removal.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "engine/core/fault.hpp"
@@ -40,9 +42,117 @@ std::array<double, 256> RemovalState::stored_by_tissue_J(const Workpiece& workpi
   return stored_J;
 }
 
+namespace {
+
+/// Cuts voxels that carry fractions.
+class FillCut {
+ public:
+  FillCut(Workpiece& workpiece, std::uint64_t tick, RemovalState& state, std::vector<Edit>& edits)
+      : workpiece_(workpiece), tick_(tick), state_(state), edits_(edits) {}
+
+  /// Spends energy on what lies in the burr at a contact: its column, along the axis that its
+  /// normal is nearest to, from its voxel inward, to the contact's depth and while it is of the
+  /// same tissue.
+  struct Spent {
+    double removed_J = 0.0;  // on levels that are gone
+    Cell cell;               // where it ended
+  };
+  Spent cut(const Contact& contact, double level_J, double energy_J) noexcept {
+    int axis = 0;
+    const float along = contact.normal.cwiseAbs().maxCoeff(&axis);
+    if (!(along > 0.0f)) return {0.0, contact.cell};
+    const double inside = kFullLevel * static_cast<double>(contact.depth_m) /
+                          (workpiece_.grid().voxel_m * static_cast<double>(along));
+    const auto room = static_cast<int>(std::min(std::lround(inside), long{kMostLevels}));
+    int levels = static_cast<int>(std::min(energy_J / level_J, static_cast<double>(room)));
+    Cell cell = contact.cell;
+    const int inward = contact.normal[axis] > 0.0f ? -1 : 1;
+    int gone = 0;
+    while (levels > 0 && stands(cell, contact.tissue)) {
+      const int taken = lower(cell, levels, contact.tissue);
+      if (taken == 0) break;
+      gone += taken;
+      levels -= taken;
+      if (!workpiece_.solid(cell)) cell[axis] += inward;
+    }
+    return {gone * level_J, cell};
+  }
+  bool stands(const Cell& cell, std::uint8_t tissue) const noexcept {
+    return workpiece_.solid(cell) && workpiece_.tissue(cell) == tissue;
+  }
+  std::uint32_t faults() const { return faults_; }
+
+ private:
+  static constexpr int kMostLevels = 8 * kFullLevel;  // of a contact, in a tick
+
+  /// Takes up to so many levels off a solid voxel. Returns how many; none where there is no room
+  /// for what that changes.
+  int lower(const Cell& cell, int levels, std::uint8_t tissue) noexcept {
+    const int level = workpiece_.level(cell), taken = std::min(levels, level);
+    const auto left = static_cast<FillLevel>(level - taken);
+    if (edits_.size() == edits_.capacity() || (left != 0 && !workpiece_.set_level(cell, left))) {
+      faults_ |= kFaultCutStateFull;
+      return 0;
+    }
+    if (left == 0) {
+      workpiece_.remove(cell);
+      ++state_.removed_voxels[tissue];
+    }
+    edits_.push_back({tick_, workpiece_.grid().linear(cell), 0, EditCause::kCut, left});
+    return taken;
+  }
+
+  Workpiece& workpiece_;
+  std::uint64_t tick_;
+  RemovalState& state_;
+  std::vector<Edit>& edits_;
+  std::uint32_t faults_ = 0;
+};
+
+/// As `removal`, of a workpiece with fractions.
+std::uint32_t remove_fills(Workpiece& workpiece, std::span<const TissueSettings> tissues,
+                           double dt_s, std::uint64_t tick, const ContactScratch& scratch,
+                           RemovalState& state, std::vector<Edit>& edits) noexcept {
+  FillCut cut(workpiece, tick, state, edits);
+  std::uint32_t faults = 0;
+  const double level_m3 = workpiece.grid().voxel_volume_m3() / kFullLevel;
+  const Contacts& contacts = scratch.contacts;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const Contact contact = contacts[i];
+    if (!(contact.power_W > 0.0f)) continue;
+    TissueEnergy& energy = state.by_tissue[contact.tissue];
+    const double level_J = tissues[contact.tissue].specific_energy_J_per_m3 * level_m3;
+    const double work_J = static_cast<double>(contact.power_W) * dt_s;
+    state.work_J += work_J;
+    energy.work_J += work_J;
+    double left_J = state.part_cut.energy(contact.key()) + work_J;
+    state.part_cut.set_energy(contact.key(), 0.0);
+    const FillCut::Spent spent = cut.cut(contact, level_J, left_J);
+    state.removed_J += spent.removed_J;
+    energy.removed_J += spent.removed_J;
+    left_J -= spent.removed_J;
+    // Less than a level waits in the voxel that it is to be taken from; all else is heat.
+    double heat_J = left_J;
+    if (left_J < level_J && cut.stands(spent.cell, contact.tissue)) {
+      const std::uint32_t key = voxel_key(spent.cell);
+      const bool kept = state.part_cut.set_energy(key, state.part_cut.energy(key) + left_J);
+      if (kept) heat_J = 0.0;
+      if (!kept) faults |= kFaultCutStateFull;
+    }
+    state.heat_J += heat_J;
+    energy.heat_J += heat_J;
+  }
+  return faults | cut.faults();
+}
+
+}  // namespace
+
 std::uint32_t removal(Workpiece& workpiece, std::span<const TissueSettings> tissues, double dt_s,
                       std::uint64_t tick, const ContactScratch& scratch, RemovalState& state,
                       std::vector<Edit>& edits) noexcept {
+  if (workpiece.has_fills()) {
+    return remove_fills(workpiece, tissues, dt_s, tick, scratch, state, edits);
+  }
   std::uint32_t faults = 0;
   const double voxel_m3 = workpiece.grid().voxel_volume_m3();
   const Contacts& contacts = scratch.contacts;

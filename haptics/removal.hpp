@@ -50,6 +50,12 @@ bool has_finite_powers(const Contacts& contacts) noexcept;
 /// voxel does not need when it goes, or has no room for in the table, cuts no other: it is heat
 /// within the tick, and counted. So removed + stored + heat = work, in all and for each tissue.
 /// Removed voxels are appended to `edits`, which has room for every contact. Returns fault bits.
+///
+/// With fractions the work lowers fills instead: of the contact's voxel, and once that is gone of
+/// those of its tissue beneath it, along the axis its normal is nearest to; never more than what of
+/// the contact's column lies in the burr, its depth times the area that it stands for. A 255th of a
+/// voxel is the least that goes; the energy for less waits in the table. Each voxel that changed is
+/// appended to `edits`, with its level; where there is no more room the work is heat.
 std::uint32_t removal(Workpiece& workpiece, std::span<const TissueSettings> tissues, double dt_s,
                       std::uint64_t tick, const ContactScratch& scratch, RemovalState& state,
                       std::vector<Edit>& edits) noexcept;

@@ -87,8 +87,9 @@ void cut(const TickContext& context, SimulationState& state, TickScratch& scratc
 }
 
 std::uint32_t cut_of_workpiece(std::span<const Edit> edits) {
-  return static_cast<std::uint32_t>(std::ranges::count_if(
-      edits, [](const Edit& edit) { return edit.body == 0 && edit.cause == EditCause::kCut; }));
+  return static_cast<std::uint32_t>(std::ranges::count_if(edits, [](const Edit& edit) {
+    return edit.body == 0 && edit.cause == EditCause::kCut && edit.is_gone();
+  }));
 }
 
 }  // namespace

@@ -11,7 +11,13 @@ TickScratch::TickScratch(const Scene& scene, StageClock clock) {
   }
   near.reserve(bodies.size());
   if (!scene.cutting) return;
-  edits.reserve(bodies.front().contact.capacity * cuttable + (scene.loose_pieces ? kMaxLoose : 0));
+  // With fractions a contact may change a voxel and the one beneath.
+  bool fractions = scene.workpiece.surface == SurfaceKind::kFractions;
+  for (const BodySettings& body : scene.bodies) {
+    fractions = fractions || body.solid.surface == SurfaceKind::kFractions;
+  }
+  edits.reserve(bodies.front().contact.capacity * cuttable * (fractions ? 2 : 1) +
+                (scene.loose_pieces ? kMaxLoose : 0));
 }
 
 void TickScratch::clear_results() noexcept {
