@@ -51,7 +51,7 @@ float largest_residual(const FilledMap& map, const ColumnQuadric& q) {
 /// The nearest point of a quadric to the origin, in its own units: by three steps of Newton's from
 /// the point above the origin. One, as quantised heights are worth, errs by 0.1 degrees where the
 /// surface bends by 1 / 12 a voxel.
-ClosestPoint nearest_on(const Quadric& c) {
+ClosestPoint nearest_of(const Quadric& c) {
   float x = 0.0f, y = 0.0f, z = 0.0f, slope_x = 0.0f, slope_y = 0.0f;
   const auto look = [&] {
     z = c[0] + (c[1] * x + c[2] * y) + ((c[3] * x * x + c[5] * y * y) + c[4] * (x * y));
@@ -60,29 +60,19 @@ ClosestPoint nearest_on(const Quadric& c) {
   };
   look();
   for (int step = 0; step < 3; ++step) {
-    const float out = (z - (slope_x * x + slope_y * y)) /
-                      (1.0f + (slope_x * slope_x + slope_y * slope_y));
+    const float out =
+        (z - (slope_x * x + slope_y * y)) / (1.0f + (slope_x * slope_x + slope_y * slope_y));
     x = -slope_x * out;
     y = -slope_y * out;
     look();
   }
   const float shrink = 1.0f / std::sqrt(1.0f + (slope_x * slope_x + slope_y * slope_y));
-  return {-slope_x * shrink, -slope_y * shrink, shrink,
-          (z - (slope_x * x + slope_y * y)) * shrink};
-}
-
-/// The same in map space and voxels of a quadric in a frame in units of its radius.
-ClosestPoint nearest_in(const TiltedFrame& f, const Quadric& c) {
-  const ClosestPoint p = nearest_on(c);
-  const auto along = [&](std::size_t a) {
-    return p.normal_x * f.u[a] + p.normal_y * f.w[a] + p.normal_z * f.n[a];
-  };
-  return {along(0), along(1), along(2), p.offset * f.radius};
+  return {-slope_x * shrink, -slope_y * shrink, shrink, (z - (slope_x * x + slope_y * y)) * shrink};
 }
 
 }  // namespace
 
-std::optional<ClosestPoint> fit_whole_filled(const FilledMap& map, float tolerance) noexcept {
+std::optional<FilledPoint> fit_whole_filled(const FilledMap& map, float tolerance) noexcept {
   if (!map.whole || map.ns < 2) return {};
   const QuadricFilter& filter = quadric_filter(map.ns, map.lanes);
   const auto sums = filter_sums(map, filter);
@@ -100,9 +90,11 @@ std::optional<ClosestPoint> fit_whole_filled(const FilledMap& map, float toleran
   const float cosine =
       1.0f / std::sqrt(1.0f + (surface.c[1] * surface.c[1] + surface.c[2] * surface.c[2]));
   if (!(largest_residual(map, surface) * cosine <= tolerance)) return {};
+  const float residual = static_cast<float>(map.at(0, 0)) * kPerPart - surface.c[0];
   // A column's mean height is above that at its middle by 1/24 of the second derivatives.
   surface.c[0] -= (surface.c[3] + surface.c[5]) * (1.0f / 12.0f);
-  return closest_point_of(surface);
+  const ClosestPoint closest = closest_point_of(surface);
+  return FilledPoint{closest, closest.offset + residual * closest.normal_z};
 }
 
 float height_noise(const FilledMap& map) noexcept {
@@ -138,6 +130,10 @@ void FilledFitter::gather(const FilledMap& map, const Eigen::Vector3f& normal,
             {normal.x(), normal.y(), normal.z()},
             radius,
             {}};
+  own_.reset();
+  if (map.at(0, 0) != FilledMap::kNone) {
+    own_.emplace(0.0f, 0.0f, static_cast<float>(map.at(0, 0)) * kPerPart);
+  }
   const float limit = radius * radius, fall = 1.0f / (1.05f * limit), unit = 1.0f / radius;
   const int reach = std::min(map.ns, static_cast<int>(radius));
   int count = 0;
@@ -163,6 +159,26 @@ void FilledFitter::gather(const FilledMap& map, const Eigen::Vector3f& normal,
   }
 }
 
+/// In map space and voxels, of a quadric in the frame in units of its radius.
+FilledPoint FilledFitter::nearest_on(const Quadric& c) const noexcept {
+  const TiltedFrame& f = frame_;
+  const ClosestPoint p = nearest_of(c);
+  const auto along = [&](std::size_t a) {
+    return p.normal_x * f.u[a] + p.normal_y * f.w[a] + p.normal_z * f.n[a];
+  };
+  float own_offset = p.offset;
+  if (own_) {
+    const auto in_frame = [&](const std::array<float, 3>& axis) {
+      return (own_->x() * axis[0] + own_->y() * axis[1] + own_->z() * axis[2]) / f.radius;
+    };
+    const float u = in_frame(f.u), w = in_frame(f.w);
+    const float fitted =
+        c[0] + (c[1] * u + c[2] * w) + ((c[3] * u * u + c[5] * w * w) + c[4] * (u * w));
+    own_offset += (in_frame(f.n) - fitted) * p.normal_z;
+  }
+  return {{along(0), along(1), along(2), p.offset * f.radius}, own_offset * f.radius};
+}
+
 bool FilledFitter::explains(const Quadric& quadric, const TiltedPoints& points,
                             float tolerance) const noexcept {
   Residuals residuals;
@@ -170,7 +186,7 @@ bool FilledFitter::explains(const Quadric& quadric, const TiltedPoints& points,
   return residuals.largest * frame_.radius <= tolerance;
 }
 
-std::optional<ClosestPoint> FilledFitter::fit_ball(float tolerance) noexcept {
+std::optional<FilledPoint> FilledFitter::fit_ball(float tolerance) noexcept {
   if (all_.count < kFewestPointsInBall) return {};
   const MapKernels& kernels = map_kernels();
   TiltedMoments moments;
@@ -179,7 +195,7 @@ std::optional<ClosestPoint> FilledFitter::fit_ball(float tolerance) noexcept {
   group_.put_moments(0, moments);
   kernels.solve_points(group_);
   if (group_.has_quadric[0] == 0 || !explains(group_.quadric_at(0), all_, tolerance)) return {};
-  return nearest_in(frame_, group_.quadric_at(0));
+  return nearest_on(group_.quadric_at(0));
 }
 
 FilledFitter::Side FilledFitter::take_side(const MapSide& side,
@@ -203,7 +219,7 @@ FilledFitter::Side FilledFitter::take_side(const MapSide& side,
 }
 
 void FilledFitter::fit_sides(std::span<const MapSide> sides, float tolerance,
-                             std::span<std::optional<ClosestPoint>> closest) noexcept {
+                             std::span<std::optional<FilledPoint>> found) noexcept {
   const MapKernels& kernels = map_kernels();
   std::array<Side, TiltedGroup::kSize> taken;
   for (std::size_t first = 0; first < sides.size(); first += taken.size()) {
@@ -216,22 +232,22 @@ void FilledFitter::fit_sides(std::span<const MapSide> sides, float tolerance,
       group_.put_moments(static_cast<int>(k), moments);
     }
     kernels.solve_points(group_);
-    std::array<bool, TiltedGroup::kSize> found{};
+    std::array<bool, TiltedGroup::kSize> holds{};
     for (std::size_t k = 0; k < count; ++k) {
       const auto lane = static_cast<int>(k);
       const TiltedPoints& points = of_sides_[k];
-      found[k] = group_.has_quadric[k] != 0 && taken[k].count >= kFewestPointsInBall &&
+      holds[k] = group_.has_quadric[k] != 0 && taken[k].count >= kFewestPointsInBall &&
                  taken[k].width >= kLeastQuadricWidth &&
                  explains(group_.quadric_at(lane), points, tolerance);
-      if (found[k]) continue;
+      if (holds[k]) continue;
       const Quadric plane{group_.plane[0][k], group_.plane[1][k], group_.plane[2][k]};
       group_.put_quadric(lane, plane);
-      found[k] = group_.has_plane[k] != 0 && taken[k].count >= kFewestPointsOnSide &&
+      holds[k] = group_.has_plane[k] != 0 && taken[k].count >= kFewestPointsOnSide &&
                  taken[k].width >= kLeastPlaneWidth && explains(plane, points, tolerance);
     }
     for (std::size_t k = 0; k < count; ++k) {
-      closest[first + k].reset();
-      if (found[k]) closest[first + k] = nearest_in(frame_, group_.quadric_at(static_cast<int>(k)));
+      found[first + k].reset();
+      if (holds[k]) found[first + k] = nearest_on(group_.quadric_at(static_cast<int>(k)));
     }
   }
 }

@@ -12,9 +12,18 @@
 
 namespace sulcus {
 
-/// The closest point to the voxel's centre on the quadric over a whole map, if that explains all
-/// its heights to within `tolerance` across it, voxels.
-std::optional<ClosestPoint> fit_whole_filled(const FilledMap& map, float tolerance) noexcept;
+/// The closest point to a voxel's centre on what was fitted, map space, and the same offset if the
+/// surface is moved along its normal to the height of the voxel's own column. That is where depth
+/// is measured: what is cut of a voxel must be felt there, or it is cut through while the surface
+/// about it says that it still stands.
+struct FilledPoint {
+  ClosestPoint closest;
+  float own_offset = 0.0f;
+};
+
+/// That on the quadric over a whole map, if it explains all its heights to within `tolerance`
+/// across it, voxels.
+std::optional<FilledPoint> fit_whole_filled(const FilledMap& map, float tolerance) noexcept;
 
 /// How much heights scatter about smooth surfaces, voxels: from the median of third differences
 /// along rows and columns, in which quadrics have no part, and edges, which most are not on, do not
@@ -29,10 +38,10 @@ class FilledFitter {
   /// (unit, map space).
   void gather(const FilledMap& map, const Eigen::Vector3f& normal, float radius) noexcept;
   /// The quadric that explains all of them within `tolerance`, voxels; none: nothing does.
-  std::optional<ClosestPoint> fit_ball(float tolerance) noexcept;
+  std::optional<FilledPoint> fit_ball(float tolerance) noexcept;
   /// Of each side the quadric, else the plane, that explains the points over it.
   void fit_sides(std::span<const MapSide> sides, float tolerance,
-                 std::span<std::optional<ClosestPoint>> closest) noexcept;
+                 std::span<std::optional<FilledPoint>> found) noexcept;
 
  private:
   static constexpr int kMostPoints = 13 * 16;  // in the largest ball
@@ -42,9 +51,11 @@ class FilledFitter {
     float width = 0.0f;  // of its points, across its rim
   };
   Side take_side(const MapSide& side, TiltedPoints& points) const noexcept;
+  FilledPoint nearest_on(const Quadric& quadric) const noexcept;
   bool explains(const Quadric& quadric, const TiltedPoints& points, float tolerance) const noexcept;
 
   TiltedFrame frame_;
+  std::optional<Eigen::Vector3f> own_;  // the point of the voxel's own column, map space
   TiltedPoints all_;
   alignas(64) std::array<float, TiltedPoints::kCapacity> i_, j_;  // columns of the points
   std::array<TiltedPoints, TiltedGroup::kSize> of_sides_;

@@ -78,44 +78,61 @@ class FilledEstimator {
     const Vector3f coarse = batch_.coarse(k), hint = tool_hint(batch_.tool(k), coarse);
     const MapAxes axes = batch_.axes(k);
     fill_heights(batch_.workpiece(), batch_.query(k).voxel, axes, batch_.map(k), map_);
-    if (map_.has_parts) {
-      std::optional<SurfaceEstimate> found = smooth(axes, coarse);
-      if (!found || !is_consistent(found->normal, coarse, hint)) {
-        const auto face = nearest_face(k, axes, coarse, hint);
-        if (face) found = face;
-      }
-      if (found && is_consistent(found->normal, coarse, hint)) return *found;
-    }
-    // As bits; where they are the only ones, exactly what `ldm` says.
-    SurfaceEstimate of_bits;
-    const VoxelQuery query = batch_.query(k);
-    estimate_ldm(batch_.workpiece(), {&query, 1}, batch_.neighbourhood(), batch_.trace(),
-                 {&of_bits, 1});
-    of_bits.windows |= axes.window();
-    return of_bits;
+    if (!map_.has_parts) return of_bits(k);
+    const Vector3f normal = to_map_space(coarse, axes).normalized();
+    const auto holds = [&](const std::optional<SurfaceEstimate>& estimate) {
+      return estimate && is_consistent(estimate->normal, coarse, hint);
+    };
+    std::optional<SurfaceEstimate> found = smooth(axes, normal);
+    if (holds(found)) return *found;
+    // What neither a ball nor a side explains: the least squares of all of a ball.
+    std::optional<SurfaceEstimate> rough;
+    fitter_.gather(map_, normal, kRoughRadius);
+    if (const auto point = fitter_.fit_ball(kAnyResidual)) rough = estimate_of(*point, axes);
+    found = nearest_face(k, axes, coarse, hint);
+    if (holds(found)) return *found;
+    if (!holds(rough)) rough = last_resort(coarse, hint, 0);
+    rough->windows = windows_;
+    return *rough;
   }
 
-  /// What explains the whole map, or the largest ball.
-  std::optional<SurfaceEstimate> smooth(const MapAxes& axes, const Vector3f& coarse) noexcept {
+  /// Where no voxel is part-filled it is a binary solid.
+  SurfaceEstimate of_bits(std::size_t k) noexcept {
+    SurfaceEstimate estimate;
+    const VoxelQuery query = batch_.query(k);
+    estimate_ldm(batch_.workpiece(), {&query, 1}, batch_.neighbourhood(), batch_.trace(),
+                 {&estimate, 1});
+    estimate.windows |= batch_.axes(k).window();
+    return estimate;
+  }
+
+  static SurfaceEstimate estimate_of(const FilledPoint& point, const MapAxes& axes) noexcept {
+    SurfaceEstimate estimate = to_index_space(point.closest, axes);
+    estimate.offset = point.own_offset;
+    return estimate;
+  }
+
+  /// What explains the whole map, or the largest ball; `normal`: the coarse one, unit, map space.
+  std::optional<SurfaceEstimate> smooth(const MapAxes& axes, const Vector3f& normal) noexcept {
     tolerance_ = kFilledResidual;
-    std::optional<ClosestPoint> closest = fit_whole_filled(map_, kWholeFilledResidual);
-    if (!closest) {
+    std::optional<FilledPoint> point = fit_whole_filled(map_, kWholeFilledResidual);
+    if (!point) {
       tolerance_ = std::max(tolerance_, kNoiseResidual * height_noise(map_));
-      if (tolerance_ > kWholeFilledResidual) closest = fit_whole_filled(map_, tolerance_);
+      if (tolerance_ > kWholeFilledResidual) point = fit_whole_filled(map_, tolerance_);
     }
-    if (closest) return to_index_space(*closest, axes);
-    const Vector3f normal = to_map_space(coarse, axes).normalized();
+    if (point) return estimate_of(*point, axes);
     for (const float radius : kFilledBallRadii) {
       fitter_.gather(map_, normal, radius);
-      closest = fitter_.fit_ball(tolerance_);
-      if (!closest) continue;
+      point = fitter_.fit_ball(tolerance_);
+      if (!point) continue;
       // Once more in the surface's own frame, where it is straightest.
-      const Vector3f own(closest->normal_x, closest->normal_y, closest->normal_z);
+      const ClosestPoint& first = point->closest;
+      const Vector3f own(first.normal_x, first.normal_y, first.normal_z);
       if (own.dot(normal) < kSameFrame) {
         fitter_.gather(map_, own, radius);
-        if (const auto again = fitter_.fit_ball(tolerance_)) closest = again;
+        if (const auto again = fitter_.fit_ball(tolerance_)) point = again;
       }
-      return to_index_space(*closest, axes);
+      return estimate_of(*point, axes);
     }
     return {};
   }
@@ -125,14 +142,14 @@ class FilledEstimator {
                                               const Vector3f& coarse,
                                               const Vector3f& hint) noexcept {
     candidate_count_ = 0;
-    std::uint8_t windows = axes.window();
+    windows_ = axes.window();
     add_sides(axes, coarse);
     for (int axis = 0; axis < 3; ++axis) {
       if (axis == axes.axis || std::abs(coarse[axis]) < kOtherAxis * std::abs(coarse[axes.axis])) {
         continue;
       }
       const MapAxes other{axis, coarse[axis] > 0.0f ? 1 : -1};
-      windows |= other.window();
+      windows_ |= other.window();
       HeightMap traced;
       traced.ns = batch_.neighbourhood();
       trace_along(batch_.workpiece(), batch_.query(k).voxel, other, coarse, batch_.trace(), traced);
@@ -140,20 +157,22 @@ class FilledEstimator {
       add_sides(other, coarse);
     }
     auto nearest = nearest_of(std::span(candidates_).first(candidate_count_), hint);
-    if (nearest) nearest->windows = windows;
+    if (nearest) nearest->windows = windows_;
     return nearest;
   }
 
   void add_sides(const MapAxes& axes, const Vector3f& coarse) noexcept {
     const Vector3f normal = to_map_space(coarse, axes).normalized();
     fitter_.gather(map_, normal, kSideRadius);
-    std::array<std::optional<ClosestPoint>, kSides> closest;
-    fitter_.fit_sides(kAllSides, tolerance_, closest);
-    for (const auto& point : closest) {
-      if (!point || point->normal_z < kLeastFilledCosine) continue;
-      const Vector3f n(point->normal_x, point->normal_y, point->normal_z);
-      if (n.dot(normal) < kLeastFilledCosineToCoarse) continue;
-      candidates_[candidate_count_++] = {to_index_space(*point, axes), std::abs(point->offset)};
+    std::array<std::optional<FilledPoint>, kSides> found;
+    fitter_.fit_sides(kAllSides, tolerance_, found);
+    for (const auto& point : found) {
+      if (!point || point->closest.normal_z < kLeastFilledCosine) continue;
+      const ClosestPoint& c = point->closest;
+      if (Vector3f(c.normal_x, c.normal_y, c.normal_z).dot(normal) < kLeastFilledCosineToCoarse) {
+        continue;
+      }
+      candidates_[candidate_count_++] = {estimate_of(*point, axes), std::abs(c.offset)};
     }
   }
 
@@ -163,6 +182,7 @@ class FilledEstimator {
   float tolerance_ = 0.0f;
   std::array<Candidate, 3 * kSides> candidates_;
   std::size_t candidate_count_ = 0;
+  std::uint8_t windows_ = 0;  // of the maps that nearest_face looked at
 };
 
 }  // namespace

@@ -134,6 +134,8 @@ inline constexpr int kFewestPointsOnSide = 7;
 /// coarse normal, by its largest, along an axis to look along.
 inline constexpr float kLeastFilledCosine = 0.15f, kLeastFilledCosineToCoarse = 0.3f,
                        kOtherAxis = 0.2f;
+/// Ball of what nothing explains: where a cut is rough, and where walls are thin.
+inline constexpr float kRoughRadius = 4.2f, kAnyResidual = 1e9f;
 /// Faces are equally near within the heights' noise.
 inline constexpr float kEqualFace = 1e-3f;
 
