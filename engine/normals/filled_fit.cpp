@@ -14,40 +14,6 @@ namespace {
 
 constexpr float kPerPart = 1.0f / kHeightParts;
 
-/// Sums of a filter over the heights, less that at the centre.
-std::array<std::int64_t, kQuadric> filter_sums(const FilledMap& map, const QuadricFilter& filter) {
-  std::array<std::int64_t, kQuadric> sums{};
-  const std::int32_t centre = map.at(0, 0);
-  for (int row = 0; row <= 2 * map.ns; ++row) {
-    const std::size_t first = static_cast<std::size_t>(row * map.lanes);
-    for (std::size_t f = 0; f < kQuadric; ++f) {
-      std::int32_t sum = 0;  // of a row it stays below 2^31 at every neighbourhood
-      for (std::size_t lane = 0; lane < static_cast<std::size_t>(map.lanes); ++lane) {
-        sum += filter.coefficient[f][first + lane] * (map.height[first + lane] - centre);
-      }
-      sums[f] += sum;
-    }
-  }
-  return sums;
-}
-
-/// Largest distance of the heights from the surface, along the columns, voxels.
-float largest_residual(const FilledMap& map, const ColumnQuadric& q) {
-  float largest = 0.0f;
-  for (int j = -map.ns; j <= map.ns; ++j) {
-    const auto y = static_cast<float>(j);
-    for (int i = -map.ns; i <= map.ns; ++i) {
-      const auto x = static_cast<float>(i);
-      const float z2 = (q.c[3] * x * x + q.c[5] * y * y) + q.c[4] * (x * y);
-      const float t = q.t_x * x + q.t_y * y;
-      const float z =
-          q.c[0] + (q.c[1] * x + q.c[2] * y) + z2 * (1.0f + t + t * t) + q.quartic * (z2 * z2);
-      largest = std::max(largest, std::abs(static_cast<float>(map.at(i, j)) * kPerPart - z));
-    }
-  }
-  return largest;
-}
-
 /// The nearest point of a quadric to the origin, in its own units: by three steps of Newton's from
 /// the point above the origin. One, as quantised heights are worth, errs by 0.1 degrees where the
 /// surface bends by 1 / 12 a voxel.
@@ -70,12 +36,24 @@ ClosestPoint nearest_of(const Quadric& c) {
   return {-slope_x * shrink, -slope_y * shrink, shrink, (z - (slope_x * x + slope_y * y)) * shrink};
 }
 
+/// With what fills up the last sixteen.
+void copy_points(const TiltedPoints& from, TiltedPoints& to) {
+  const auto count = static_cast<std::size_t>(from.count + TiltedPoints::kTogether);
+  std::copy_n(from.u, count, to.u);
+  std::copy_n(from.w, count, to.w);
+  std::copy_n(from.n, count, to.n);
+  std::copy_n(from.weight, count, to.weight);
+  to.count = from.count;
+}
+
 }  // namespace
 
 std::optional<FilledPoint> fit_whole_filled(const FilledMap& map, float tolerance) noexcept {
-  if (!map.whole || map.ns < 2) return {};
+  if (!map.whole() || map.ns < 2) return {};
   const QuadricFilter& filter = quadric_filter(map.ns, map.lanes);
-  const auto sums = filter_sums(map, filter);
+  const MapKernels& kernels = map_kernels();
+  std::array<std::int64_t, kQuadric> sums;
+  kernels.filled_sums(map, filter, sums.data());
   const FilterSolution& s = filter.solution;
   const auto number = [&](std::size_t f) { return static_cast<float>(sums[f]) * kPerPart; };
   const float one = number(0), ii = number(3), jj = number(5);
@@ -89,7 +67,7 @@ std::optional<FilledPoint> fit_whole_filled(const FilledMap& map, float toleranc
   ColumnQuadric surface = column_quadric(fitted, filter.answers, 1.0f);
   const float cosine =
       1.0f / std::sqrt(1.0f + (surface.c[1] * surface.c[1] + surface.c[2] * surface.c[2]));
-  if (!(largest_residual(map, surface) * cosine <= tolerance)) return {};
+  if (!(kernels.filled_residual(map, surface) * cosine <= tolerance)) return {};
   const float residual = static_cast<float>(map.at(0, 0)) * kPerPart - surface.c[0];
   // A column's mean height is above that at its middle by 1/24 of the second derivatives.
   surface.c[0] -= (surface.c[3] + surface.c[5]) * (1.0f / 12.0f);
@@ -134,29 +112,7 @@ void FilledFitter::gather(const FilledMap& map, const Eigen::Vector3f& normal,
   if (map.at(0, 0) != FilledMap::kNone) {
     own_.emplace(0.0f, 0.0f, static_cast<float>(map.at(0, 0)) * kPerPart);
   }
-  const float limit = radius * radius, fall = 1.0f / (1.05f * limit), unit = 1.0f / radius;
-  const int reach = std::min(map.ns, static_cast<int>(radius));
-  int count = 0;
-  for (int j = -reach; j <= reach; ++j) {
-    const auto y = static_cast<float>(j);
-    for (int i = -reach; i <= reach; ++i) {
-      const auto x = static_cast<float>(i);
-      const float z = static_cast<float>(map.at(i, j)) * kPerPart;  // kNone is far outside
-      const float r2 = x * x + y * y + z * z;
-      if (!(r2 <= limit)) continue;
-      const auto n = static_cast<std::size_t>(count++);
-      all_.weight[n] = 1.0f - r2 * fall;
-      all_.u[n] = (x * u.x() + y * u.y() + z * u.z()) * unit;
-      all_.w[n] = (x * w.x() + y * w.y() + z * w.z()) * unit;
-      all_.n[n] = (x * normal.x() + y * normal.y() + z * normal.z()) * unit;
-      i_[n] = x;
-      j_[n] = y;
-    }
-  }
-  all_.count = count;
-  for (int n = count; n < count + TiltedPoints::kTogether; ++n) {
-    all_.weight[n] = all_.u[n] = all_.w[n] = all_.n[n] = 0.0f;
-  }
+  map_kernels().gather_filled(map, frame_, all_);
 }
 
 /// In map space and voxels, of a quadric in the frame in units of its radius.
@@ -198,35 +154,22 @@ std::optional<FilledPoint> FilledFitter::fit_ball(float tolerance) noexcept {
   return nearest_on(group_.quadric_at(0));
 }
 
-FilledFitter::Side FilledFitter::take_side(const MapSide& side,
-                                           TiltedPoints& points) const noexcept {
-  float nearest = 1e9f, farthest = -1e9f;
-  int count = 0;
-  const auto size = static_cast<std::size_t>(all_.count);
-  for (std::size_t n = 0; n < size; ++n) {
-    const float along = i_[n] * side.x + j_[n] * side.y;
-    if (along < -side.behind) continue;
-    nearest = std::min(nearest, along), farthest = std::max(farthest, along);
-    const auto to = static_cast<std::size_t>(count++);
-    points.weight[to] = all_.weight[n];
-    points.u[to] = all_.u[n], points.w[to] = all_.w[n], points.n[to] = all_.n[n];
-  }
-  points.count = count;
-  for (int n = count; n < count + TiltedPoints::kTogether; ++n) {
-    points.weight[n] = points.u[n] = points.w[n] = points.n[n] = 0.0f;
-  }
-  return {count, farthest - nearest};
-}
-
 void FilledFitter::fit_sides(std::span<const MapSide> sides, float tolerance,
                              std::span<std::optional<FilledPoint>> found) noexcept {
   const MapKernels& kernels = map_kernels();
-  std::array<Side, TiltedGroup::kSize> taken;
+  const TiltedFrame& f = frame_;
+  std::array<SidePoints, TiltedGroup::kSize> taken;
+  for (TiltedPoints& points : of_sides_) copy_points(all_, points);
   for (std::size_t first = 0; first < sides.size(); first += taken.size()) {
     const std::size_t count = std::min(taken.size(), sides.size() - first);
     TiltedMoments moments;
     for (std::size_t k = 0; k < count; ++k) {
-      taken[k] = take_side(sides[first + k], of_sides_[k]);
+      const MapSide& side = sides[first + k];
+      const std::array<float, 3> across{side.x * f.u[0] + side.y * f.u[1],
+                                        side.x * f.w[0] + side.y * f.w[1],
+                                        side.x * f.n[0] + side.y * f.n[1]};
+      taken[k] = kernels.take_side(all_, across, -side.behind / f.radius, of_sides_[k].weight);
+      taken[k].width *= f.radius;
       kernels.moments(of_sides_[k], moments);
       group_.put_frame(static_cast<int>(k), frame_);
       group_.put_moments(static_cast<int>(k), moments);

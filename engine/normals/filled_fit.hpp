@@ -44,20 +44,12 @@ class FilledFitter {
                  std::span<std::optional<FilledPoint>> found) noexcept;
 
  private:
-  static constexpr int kMostPoints = 13 * 16;  // in the largest ball
-
-  struct Side {
-    int count = 0;
-    float width = 0.0f;  // of its points, across its rim
-  };
-  Side take_side(const MapSide& side, TiltedPoints& points) const noexcept;
   FilledPoint nearest_on(const Quadric& quadric) const noexcept;
   bool explains(const Quadric& quadric, const TiltedPoints& points, float tolerance) const noexcept;
 
   TiltedFrame frame_;
   std::optional<Eigen::Vector3f> own_;  // the point of the voxel's own column, map space
   TiltedPoints all_;
-  alignas(64) std::array<float, TiltedPoints::kCapacity> i_, j_;  // columns of the points
   std::array<TiltedPoints, TiltedGroup::kSize> of_sides_;
   TiltedGroup group_;
 };

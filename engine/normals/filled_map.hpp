@@ -1,20 +1,16 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "engine/normals/height_map.hpp"
-#include "engine/normals/map_space.hpp"
-#include "engine/volume/workpiece.hpp"
 
 namespace sulcus {
 
 /// Parts of a voxel that heights count and fill levels are rounded to: a normal changes only where
 /// a level does by that much. [measured: random planes 0.008 degrees with 64, 0.007 with 255]
 inline constexpr int kHeightParts = 64;
-constexpr int parts_of(FillLevel level) {
-  return (level * kHeightParts + kFullLevel / 2) / kFullLevel;
-}
 
 /// A local distance map of a solid with fractions: mean heights of the surface over the columns, in
 /// parts of a voxel above the voxel's centre, outward. A column's is the sum of its fills from the
@@ -22,23 +18,30 @@ constexpr int parts_of(FillLevel level) {
 /// 2005]. Rows as HeightMap's.
 struct FilledMap {
   static constexpr std::int16_t kNone = -32768;  // no surface was found in the column
-  static constexpr int kMostPart = 6;  // voxels of a column that are not full, one after another
 
   int ns = 0, lanes = 0;
-  bool whole = false;      // all heights are found
-  bool has_parts = false;  // a column has a voxel that is not full; else it is as binary
+  // A bit for each row: a height was not found; a column has a voxel that is not full.
+  std::uint32_t holes = 0, parts = 0;
   alignas(64) std::array<std::int16_t, HeightMap::kMaxRows * HeightMap::kMaxLanes> height;
 
+  bool whole() const { return holes == 0; }
+  /// Else it is as binary.
+  bool has_parts() const { return parts != 0; }
   std::int16_t at(int i, int j) const {
     return height[static_cast<std::size_t>((ns + j) * lanes + lanes / 2 + i)];
   }
 };
 
-/// The heights of the columns that were traced, of a voxel's map along `axes`. What a column of no
-/// more than kMostPart voxels, or within 15 of the voxel, does not end in has no height, unless it
-/// is a wall of part-filled voxels: there the fullest counts for both sides. Needs fractions. Pure,
-/// no allocation.
-void fill_heights(const Workpiece& workpiece, const Cell& voxel, const MapAxes& axes,
-                  const HeightMap& traced, FilledMap& map) noexcept;
+/// What columns about a leaf, along an axis one way, are below the top of their outermost solid
+/// voxel: of neighbouring maps most columns are the same. Row v, lane u.
+struct ColumnLacks {
+  static constexpr int kMargin = 16, kRows = 2 * kMaxNeighbourhood + 8, kLanes = 8 + 2 * kMargin;
+  static constexpr std::int16_t kUnknown = -32768;
+
+  /// Along the axis, of the outermost solid voxel, and what the column lacks below its top, in
+  /// parts; kUnknown where it has no surface.
+  alignas(64) std::int16_t top[kRows][kLanes];
+  alignas(64) std::int16_t lack[kRows][kLanes];
+};
 
 }  // namespace sulcus

@@ -7,6 +7,7 @@
 
 #include "engine/normals/equal_axes.hpp"
 #include "engine/normals/filled_fit.hpp"
+#include "engine/normals/filled_heights.hpp"
 #include "engine/normals/ldm.hpp"
 #include "engine/normals/map_batch.hpp"
 
@@ -61,7 +62,7 @@ std::optional<SurfaceEstimate> nearest_of(std::span<const Candidate> candidates,
 /// Estimates of the voxels of a batch, with what the fits need.
 class FilledEstimator {
  public:
-  FilledEstimator(MapBatch& batch) : batch_(batch) {}
+  explicit FilledEstimator(MapBatch& batch) : batch_(batch), heights_(batch.workpiece()) {}
 
   void estimate(SurfaceEstimate* to) noexcept {
     VoxelBits rest = batch_.has_direction;
@@ -77,8 +78,8 @@ class FilledEstimator {
   SurfaceEstimate estimate_one(std::size_t k) noexcept {
     const Vector3f coarse = batch_.coarse(k), hint = tool_hint(batch_.tool(k), coarse);
     const MapAxes axes = batch_.axes(k);
-    fill_heights(batch_.workpiece(), batch_.query(k).voxel, axes, batch_.map(k), map_);
-    if (!map_.has_parts) return of_bits(k);
+    heights_.fill(batch_.query(k).voxel, axes, batch_.map(k), map_);
+    if (!map_.has_parts()) return of_bits(k);
     const Vector3f normal = to_map_space(coarse, axes).normalized();
     const auto holds = [&](const std::optional<SurfaceEstimate>& estimate) {
       return estimate && is_consistent(estimate->normal, coarse, hint);
@@ -153,7 +154,7 @@ class FilledEstimator {
       HeightMap traced;
       traced.ns = batch_.neighbourhood();
       trace_along(batch_.workpiece(), batch_.query(k).voxel, other, coarse, batch_.trace(), traced);
-      fill_heights(batch_.workpiece(), batch_.query(k).voxel, other, traced, map_);
+      heights_.fill(batch_.query(k).voxel, other, traced, map_);
       add_sides(other, coarse);
     }
     auto nearest = nearest_of(std::span(candidates_).first(candidate_count_), hint);
@@ -177,6 +178,7 @@ class FilledEstimator {
   }
 
   MapBatch& batch_;
+  FilledHeights heights_;
   FilledMap map_;
   FilledFitter fitter_;
   float tolerance_ = 0.0f;

@@ -1,0 +1,130 @@
+#include "engine/normals/filled_heights.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "engine/normals/map_kernels.hpp"
+
+namespace sulcus {
+
+namespace {
+
+constexpr int kReach = 15;  // voxels above and below that a map's windows hold
+
+constexpr std::array<std::uint8_t, kFullLevel + 1> kParts = [] {
+  std::array<std::uint8_t, kFullLevel + 1> parts{};
+  for (int level = 0; level <= kFullLevel; ++level) {
+    parts[static_cast<std::size_t>(level)] =
+        static_cast<std::uint8_t>((level * kHeightParts + kFullLevel / 2) / kFullLevel);
+  }
+  return parts;
+}();
+
+/// Reads levels voxel by voxel, mostly of one leaf.
+class LevelReader {
+ public:
+  explicit LevelReader(const VoxelModel& model)
+      : model_(model), dims_(model.grid.leaf_dims()), fills_(*model.fills) {}
+
+  FillLevel at(int x, int y, int z) noexcept {
+    const int lx = x >> 3, ly = y >> 3, lz = z >> 3;
+    const int leaf = lx + dims_.x() * (ly + dims_.y() * lz);
+    if (leaf != leaf_) enter(lx, ly, lz, leaf);
+    const int place = (x & 7) | (y & 7) << 3 | (z & 7) << 6;
+    if (page_) return page_[place];
+    return bits_->has(place) ? kFullLevel : FillLevel{0};
+  }
+
+ private:
+  void enter(int lx, int ly, int lz, int leaf) noexcept {
+    static constexpr LeafBits kNothing{};
+    const bool inside = static_cast<unsigned>(lx) < static_cast<unsigned>(dims_.x()) &&
+                        static_cast<unsigned>(ly) < static_cast<unsigned>(dims_.y()) &&
+                        static_cast<unsigned>(lz) < static_cast<unsigned>(dims_.z());
+    leaf_ = inside ? leaf : kOutside;
+    page_ = inside ? fills_.page(static_cast<std::uint32_t>(leaf)) : nullptr;
+    bits_ = inside ? &model_.leaves[static_cast<std::size_t>(leaf)] : &kNothing;
+  }
+  static constexpr int kOutside = -1;  // entered anew each time
+
+  const VoxelModel& model_;
+  Eigen::Vector3i dims_;
+  const FillMap& fills_;
+  int leaf_ = kOutside;
+  const FillLevel* page_ = nullptr;
+  const LeafBits* bits_ = nullptr;
+};
+
+/// What a column lacks below the top of its outermost solid voxel, in parts; kUnknown where no
+/// surface is found.
+std::int16_t lack_of(LevelReader& levels, Cell at, int axis, int inward, int most) noexcept {
+  int lack = 0, before = 0;
+  for (int n = 0; n < most; ++n) {
+    const FillLevel level = levels.at(at.x(), at.y(), at.z());
+    const int parts = kParts[level];
+    if (parts == kHeightParts) return static_cast<std::int16_t>(lack);
+    if (parts < before) {
+      // A wall that no voxel of is full: what its fullest lacks is halved between the sides.
+      return static_cast<std::int16_t>(lack - (kHeightParts - before) / 2);
+    }
+    if (level == 0) break;
+    lack += kHeightParts - parts;
+    before = parts;
+    at[axis] += inward;
+  }
+  return ColumnLacks::kUnknown;
+}
+
+}  // namespace
+
+ColumnLacks& FilledHeights::lacks_of(const Cell& voxel, const MapAxes& axes) noexcept {
+  const Cell origin = voxel.unaryExpr([](int c) { return c & -kLeafEdge; });
+  if (origin != origin_) {
+    origin_ = origin;
+    made_ = {};
+  }
+  const auto number = static_cast<std::size_t>(2 * axes.axis + (axes.sign > 0 ? 1 : 0));
+  ColumnLacks& lacks = lacks_[number];
+  if (!made_[number]) {
+    made_[number] = true;
+    std::fill_n(&lacks.top[0][0], sizeof lacks.top / sizeof(std::int16_t), ColumnLacks::kUnknown);
+  }
+  return lacks;
+}
+
+void FilledHeights::fill(const Cell& voxel, const MapAxes& axes, const HeightMap& traced,
+                         FilledMap& map) noexcept {
+  const int u = axes.first(), v = axes.second(), ns = traced.ns;
+  ColumnLacks& lacks = lacks_of(voxel, axes);
+  const int row = voxel[v] - origin_[v] + kMaxNeighbourhood - ns;
+  const int lane = voxel[u] - origin_[u] + ColumnLacks::kMargin - traced.lanes / 2;
+  map.ns = ns;
+  map.lanes = traced.lanes;
+  map.holes = map.parts = 0;
+  const auto fill_rows = [&](std::uint32_t rows) {
+    return map_kernels().fill_rows(traced, rows, &lacks.top[row][lane], &lacks.lack[row][lane],
+                                   voxel[axes.axis], axes.sign, map);
+  };
+  const std::uint32_t unknown = fill_rows((2u << (2 * ns)) - 1u);
+  if (unknown == 0) return;
+  LevelReader levels(model_);
+  for (std::uint32_t rest = unknown; rest != 0; rest &= rest - 1) {
+    const int n = std::countr_zero(rest);
+    for (int i = -ns; i <= ns; ++i) {
+      const int height = traced.at(i, n - ns);  // along the axis
+      if (height == HeightMap::kNone) continue;
+      Cell at = voxel;
+      at[u] += i;
+      at[v] += n - ns;
+      at[axes.axis] += height;
+      const int column = lane + traced.lanes / 2 + i;
+      std::int16_t& top = lacks.top[row + n][column];
+      if (top == at[axes.axis]) continue;
+      top = static_cast<std::int16_t>(at[axes.axis]);
+      lacks.lack[row + n][column] = lack_of(levels, at, axes.axis, -axes.sign, kMostPart);
+    }
+  }
+  fill_rows(unknown);
+}
+
+}  // namespace sulcus
