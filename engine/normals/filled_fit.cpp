@@ -75,7 +75,7 @@ std::optional<FilledPoint> fit_whole_filled(const FilledMap& map, float toleranc
   return FilledPoint{closest, closest.offset + residual * closest.normal_z};
 }
 
-float height_noise(const FilledMap& map) noexcept {
+float height_noise(const FilledMap& map, float least) noexcept {
   // Third differences of noise of variance s^2 have 20 s^2; the median of a bell is 0.67 s.
   constexpr float kPerMedian = 1.0f / (4.4721360f * 0.6744898f);
   std::array<int, 128> sizes;
@@ -94,6 +94,12 @@ float height_noise(const FilledMap& map) noexcept {
     }
   }
   if (count < 8) return 0.0f;
+  // Mostly there is none: to count is quicker than to sort.
+  const auto bound = static_cast<int>(least * static_cast<float>(kHeightParts) / kPerMedian);
+  const auto above =
+      std::count_if(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(count),
+                    [&](int size) { return size > bound; });
+  if (2 * static_cast<std::size_t>(above) < count) return 0.0f;
   const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(count / 2);
   std::nth_element(sizes.begin(), middle, sizes.begin() + static_cast<std::ptrdiff_t>(count));
   return static_cast<float>(*middle) * kPerPart * kPerMedian;
@@ -135,11 +141,10 @@ FilledPoint FilledFitter::nearest_on(const Quadric& c) const noexcept {
   return {{along(0), along(1), along(2), p.offset * f.radius}, own_offset * f.radius};
 }
 
-bool FilledFitter::explains(const Quadric& quadric, const TiltedPoints& points,
-                            float tolerance) const noexcept {
+float FilledFitter::residual(const Quadric& quadric, const TiltedPoints& points) const noexcept {
   Residuals residuals;
   map_kernels().residuals(points, quadric, residuals);
-  return residuals.largest * frame_.radius <= tolerance;
+  return residuals.largest * frame_.radius;
 }
 
 std::optional<FilledPoint> FilledFitter::fit_ball(float tolerance) noexcept {
@@ -150,12 +155,12 @@ std::optional<FilledPoint> FilledFitter::fit_ball(float tolerance) noexcept {
   group_.put_frame(0, frame_);
   group_.put_moments(0, moments);
   kernels.solve_points(group_);
-  if (group_.has_quadric[0] == 0 || !explains(group_.quadric_at(0), all_, tolerance)) return {};
+  if (group_.has_quadric[0] == 0 || !(residual(group_.quadric_at(0), all_) <= tolerance)) return {};
   return nearest_on(group_.quadric_at(0));
 }
 
 void FilledFitter::fit_sides(std::span<const MapSide> sides, float tolerance,
-                             std::span<std::optional<FilledPoint>> found) noexcept {
+                             std::span<SideFit> fits) noexcept {
   const MapKernels& kernels = map_kernels();
   const TiltedFrame& f = frame_;
   std::array<SidePoints, TiltedGroup::kSize> taken;
@@ -175,22 +180,26 @@ void FilledFitter::fit_sides(std::span<const MapSide> sides, float tolerance,
       group_.put_moments(static_cast<int>(k), moments);
     }
     kernels.solve_points(group_);
-    std::array<bool, TiltedGroup::kSize> holds{};
     for (std::size_t k = 0; k < count; ++k) {
-      const auto lane = static_cast<int>(k);
       const TiltedPoints& points = of_sides_[k];
-      holds[k] = group_.has_quadric[k] != 0 && taken[k].count >= kFewestPointsInBall &&
-                 taken[k].width >= kLeastQuadricWidth &&
-                 explains(group_.quadric_at(lane), points, tolerance);
-      if (holds[k]) continue;
-      const Quadric plane{group_.plane[0][k], group_.plane[1][k], group_.plane[2][k]};
-      group_.put_quadric(lane, plane);
-      holds[k] = group_.has_plane[k] != 0 && taken[k].count >= kFewestPointsOnSide &&
-                 taken[k].width >= kLeastPlaneWidth && explains(plane, points, tolerance);
-    }
-    for (std::size_t k = 0; k < count; ++k) {
-      found[first + k].reset();
-      if (holds[k]) found[first + k] = nearest_on(group_.quadric_at(static_cast<int>(k)));
+      SideFit& fit = fits[first + k];
+      fit.explains = SideFit::Explains::kNothing;
+      float least = kNearlyExplained;
+      const auto take = [&](const Quadric& surface) {
+        const float left = residual(surface, points);
+        if (!(left <= least)) return;
+        least = left;
+        fit = {left <= tolerance ? SideFit::Explains::kAll : SideFit::Explains::kNearly,
+               nearest_on(surface)};
+      };
+      if (group_.has_quadric[k] != 0 && taken[k].count >= kFewestPointsInBall &&
+          taken[k].width >= kLeastQuadricWidth) {
+        take(group_.quadric_at(static_cast<int>(k)));
+      }
+      if (fit.explains != SideFit::Explains::kAll && group_.has_plane[k] != 0 &&
+          taken[k].count >= kFewestPointsOnSide && taken[k].width >= kLeastPlaneWidth) {
+        take({group_.plane[0][k], group_.plane[1][k], group_.plane[2][k]});
+      }
     }
   }
 }

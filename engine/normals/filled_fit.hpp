@@ -21,14 +21,21 @@ struct FilledPoint {
   float own_offset = 0.0f;
 };
 
+/// What was fitted to the points over a side.
+struct SideFit {
+  enum class Explains : std::uint8_t { kNothing, kNearly, kAll };
+  Explains explains = Explains::kNothing;
+  FilledPoint point;
+};
+
 /// That on the quadric over a whole map, if it explains all its heights to within `tolerance`
 /// across it, voxels.
 std::optional<FilledPoint> fit_whole_filled(const FilledMap& map, float tolerance) noexcept;
 
 /// How much heights scatter about smooth surfaces, voxels: from the median of third differences
 /// along rows and columns, in which quadrics have no part, and edges, which most are not on, do not
-/// count. Zero where there are hardly any.
-float height_noise(const FilledMap& map) noexcept;
+/// count. Zero where there are hardly any, and where it is below `least`.
+float height_noise(const FilledMap& map, float least) noexcept;
 
 /// Fits to the points of a map that lie in a ball about the voxel, in a tilted frame; to all of
 /// them, or to those over a side of the map.
@@ -39,13 +46,14 @@ class FilledFitter {
   void gather(const FilledMap& map, const Eigen::Vector3f& normal, float radius) noexcept;
   /// The quadric that explains all of them within `tolerance`, voxels; none: nothing does.
   std::optional<FilledPoint> fit_ball(float tolerance) noexcept;
-  /// Of each side the quadric, else the plane, that explains the points over it.
-  void fit_sides(std::span<const MapSide> sides, float tolerance,
-                 std::span<std::optional<FilledPoint>> found) noexcept;
+  /// Of each side the quadric, else the plane, that explains the points over it; or one that nearly
+  /// does, and may in a frame of its own.
+  void fit_sides(std::span<const MapSide> sides, float tolerance, std::span<SideFit> fits) noexcept;
 
  private:
   FilledPoint nearest_on(const Quadric& quadric) const noexcept;
-  bool explains(const Quadric& quadric, const TiltedPoints& points, float tolerance) const noexcept;
+  /// Largest residual, voxels.
+  float residual(const Quadric& quadric, const TiltedPoints& points) const noexcept;
 
   TiltedFrame frame_;
   std::optional<Eigen::Vector3f> own_;  // the point of the voxel's own column, map space

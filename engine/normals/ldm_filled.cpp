@@ -118,7 +118,8 @@ class FilledEstimator {
     tolerance_ = kFilledResidual;
     std::optional<FilledPoint> point = fit_whole_filled(map_, kWholeFilledResidual);
     if (!point) {
-      tolerance_ = std::max(tolerance_, kNoiseResidual * height_noise(map_));
+      tolerance_ =
+          std::max(tolerance_, kNoiseResidual * height_noise(map_, tolerance_ / kNoiseResidual));
       if (tolerance_ > kWholeFilledResidual) point = fit_whole_filled(map_, tolerance_);
     }
     if (point) return estimate_of(*point, axes);
@@ -127,8 +128,7 @@ class FilledEstimator {
       point = fitter_.fit_ball(tolerance_);
       if (!point) continue;
       // Once more in the surface's own frame, where it is straightest.
-      const ClosestPoint& first = point->closest;
-      const Vector3f own(first.normal_x, first.normal_y, first.normal_z);
+      const Vector3f own = normal_of(*point);
       if (own.dot(normal) < kSameFrame) {
         fitter_.gather(map_, own, radius);
         if (const auto again = fitter_.fit_ball(tolerance_)) point = again;
@@ -164,17 +164,30 @@ class FilledEstimator {
 
   void add_sides(const MapAxes& axes, const Vector3f& coarse) noexcept {
     const Vector3f normal = to_map_space(coarse, axes).normalized();
-    fitter_.gather(map_, normal, kSideRadius);
-    std::array<std::optional<FilledPoint>, kSides> found;
-    fitter_.fit_sides(kAllSides, tolerance_, found);
-    for (const auto& point : found) {
-      if (!point || point->closest.normal_z < kLeastFilledCosine) continue;
-      const ClosestPoint& c = point->closest;
-      if (Vector3f(c.normal_x, c.normal_y, c.normal_z).dot(normal) < kLeastFilledCosineToCoarse) {
+    fitter_.gather(map_, normal, kFilledSideRadii[0]);
+    std::array<SideFit, kSides> fits;
+    fitter_.fit_sides(kAllSides, tolerance_, fits);
+    for (std::size_t n = 0; n < kSides; ++n) {
+      SideFit& fit = fits[n];
+      // What curves is a quadric in its own frame, which is far from the coarse normal's.
+      for (const float radius : kFilledSideRadii) {
+        if (fit.explains != SideFit::Explains::kNearly) break;
+        fitter_.gather(map_, normal_of(fit.point), radius);
+        SideFit again;
+        fitter_.fit_sides({&kAllSides[n], 1}, tolerance_, {&again, 1});
+        if (again.explains != SideFit::Explains::kNothing) fit = again;
+      }
+      if (fit.explains != SideFit::Explains::kAll) continue;
+      const ClosestPoint& c = fit.point.closest;
+      if (c.normal_z < kLeastFilledCosine ||
+          normal_of(fit.point).dot(normal) < kLeastFilledCosineToCoarse) {
         continue;
       }
-      candidates_[candidate_count_++] = {estimate_of(*point, axes), std::abs(c.offset)};
+      candidates_[candidate_count_++] = {estimate_of(fit.point, axes), std::abs(c.offset)};
     }
+  }
+  static Vector3f normal_of(const FilledPoint& point) {
+    return {point.closest.normal_x, point.closest.normal_y, point.closest.normal_z};
   }
 
   MapBatch& batch_;
