@@ -8,6 +8,7 @@
 #include <iomanip>
 #include <memory>
 #include <sstream>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -15,6 +16,8 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
+#include "engine/import/filled_voxels.hpp"
+#include "engine/import/meshes/mesh_coverage.hpp"
 #include "engine/import/meshes/mesh_shells.hpp"
 #include "engine/import/meshes/ray_votes.hpp"
 #include "engine/import/meshes/winding_number.hpp"
@@ -108,10 +111,8 @@ LeafBits count_votes(const VoxelGrid& grid, const std::array<RayVotes, 3>& votes
 class OpenVoxels {
  public:
   OpenVoxels(const VoxelGrid& grid, const TriangleMesh& mesh,
-             const std::vector<Eigen::Vector3d>& positions_index)
-      : grid_(grid),
-        winding_(positions_index, mesh.triangles),
-        touched_(touched_leaves(grid, mesh, positions_index)) {}
+             const std::vector<Eigen::Vector3d>& positions_index, const WindingNumber& winding)
+      : grid_(grid), winding_(winding), touched_(touched_leaves(grid, mesh, positions_index)) {}
 
   /// Adds the open voxels of a leaf that are inside to `solid`.
   void decide(std::uint32_t leaf, const LeafBits& open, LeafBits& solid) const {
@@ -147,13 +148,14 @@ class OpenVoxels {
   }
 
   const VoxelGrid& grid_;
-  WindingNumber winding_;
+  const WindingNumber& winding_;
   std::vector<std::uint8_t> touched_;
 };
 
-/// Fills a mesh into the leaves of an empty model; `file` for messages.
-void fill(const TriangleMesh& mesh, const Eigen::Affine3d& world_from_file, const std::string& file,
-          VoxelModel& model) {
+/// Fills a mesh into the leaves of an empty model; `file` for messages. Returns the voxels whose
+/// centre is inside, where `surface` has others as well.
+std::vector<LeafBits> fill(const TriangleMesh& mesh, const Eigen::Affine3d& world_from_file,
+                           const std::string& file, SurfaceKind surface, VoxelModel& model) {
   const VoxelGrid& grid = model.grid;
   const std::vector<Eigen::Vector3d> positions_index =
       positions_in_index(mesh, grid, world_from_file);
@@ -161,7 +163,8 @@ void fill(const TriangleMesh& mesh, const Eigen::Affine3d& world_from_file, cons
   const std::array<RayVotes, 3> votes = {cast_rays(grid, 0, positions_index, mesh.triangles),
                                          cast_rays(grid, 1, positions_index, mesh.triangles),
                                          cast_rays(grid, 2, positions_index, mesh.triangles)};
-  const OpenVoxels open_voxels(grid, mesh, positions_index);
+  const WindingNumber winding(positions_index, mesh.triangles);
+  const OpenVoxels open_voxels(grid, mesh, positions_index, winding);
   model.leaves.resize(grid.leaf_count());
   model.clipped = reaches_beyond(grid, mesh, positions_index);
   tbb::parallel_for(std::uint32_t{0}, grid.leaf_count(), [&](std::uint32_t leaf) {
@@ -169,6 +172,13 @@ void fill(const TriangleMesh& mesh, const Eigen::Affine3d& world_from_file, cons
     model.leaves[leaf] = count_votes(grid, votes, leaf, open);
     if (open != LeafBits{}) open_voxels.decide(leaf, open, model.leaves[leaf]);
   });
+  std::vector<LeafBits> centres;
+  if (surface == SurfaceKind::kFractions) {
+    centres = model.leaves;
+    std::vector<LeafLevels> pages = mesh_coverage(model, positions_index, mesh.triangles, winding);
+    for (const LeafLevels& page : pages) model.leaves[page.leaf] = filled_voxels(page.levels);
+    model.fills.emplace(grid.leaf_count(), std::move(pages));
+  }
   if (model.solid_count() == 0) {
     Eigen::AlignedBox3d box_file;
     extend(box_file, mesh);
@@ -177,6 +187,14 @@ void fill(const TriangleMesh& mesh, const Eigen::Affine3d& world_from_file, cons
           << " mm long with no voxel of the grid inside";
     throw InputError(file, "", found.str(), "a closed one, in mm, that reaches into the grid");
   }
+  return centres;
+}
+
+LabelBlock labels_of(const TissueMap& tissues, std::uint32_t leaf) {
+  if (const LabelBlock* block = tissues.block(leaf)) return *block;
+  LabelBlock labels;
+  labels.fill(tissues.uniform_label(leaf));
+  return labels;
 }
 
 /// Adds what one mesh encloses to the solid and gives it its label, over those from before.
@@ -184,16 +202,67 @@ void add_tissue(const VoxelModel& part, std::uint8_t label, VoxelModel& model, T
   model.clipped |= part.clipped;
   tbb::parallel_for(std::uint32_t{0}, model.grid.leaf_count(), [&](std::uint32_t leaf) {
     if (!any(part.leaves[leaf])) return;
-    LabelBlock labels;
-    if (const LabelBlock* block = tissues.block(leaf)) {
-      labels = *block;
-    } else {
-      labels.fill(tissues.uniform_label(leaf));
-    }
+    LabelBlock labels = labels_of(tissues, leaf);
     for_each_voxel(part.leaves[leaf], [&](int place) { labels[place] = label; });
     model.leaves[leaf] |= part.leaves[leaf];
     tissues.set_block(leaf, labels, model.leaves[leaf]);
   });
+}
+
+/// Where the fill of a voxel's neighbours rises to, in index space.
+Eigen::Vector3i rise_of_levels(const VoxelModel& model, const Cell& c) {
+  Eigen::Vector3i rise = Eigen::Vector3i::Zero();
+  for_each_cell(Cell::Constant(-1), Cell::Constant(2),
+                [&](const Cell& to) { rise += int{model.level(c + to)} * to; });
+  return rise;
+}
+
+/// Of a voxel that two parts fill in part: where their surfaces face each other they fill it side
+/// by side, else the one within the other.
+FillLevel level_of_both(const VoxelModel& a, const VoxelModel& b, const Cell& c) {
+  const int one = a.level(c), other = b.level(c);
+  if (std::max(one, other) == kFullLevel || std::min(one, other) == 0 ||
+      rise_of_levels(a, c).dot(rise_of_levels(b, c)) >= 0) {
+    return static_cast<FillLevel>(std::max(one, other));
+  }
+  return static_cast<FillLevel>(std::min<int>(one + other, kFullLevel));
+}
+
+/// The same of fractions. `part_centres`, `centres`: the voxels whose centre is inside.
+void add_filled_tissue(const VoxelModel& part, const std::vector<LeafBits>& part_centres,
+                       std::uint8_t label, VoxelModel& model, std::vector<LeafBits>& centres,
+                       TissueMap& tissues) {
+  const VoxelGrid& grid = model.grid;
+  // Apart from the model, whose neighbouring leaves are still asked for.
+  std::vector<std::unique_ptr<LevelBlock>> joined(grid.leaf_count());
+  tbb::parallel_for(std::uint32_t{0}, grid.leaf_count(), [&](std::uint32_t leaf) {
+    const bool paged = part.fills->page(leaf) || model.fills->page(leaf);
+    if (!paged && !any(part.leaves[leaf])) return;
+    LabelBlock labels = labels_of(tissues, leaf);
+    for_each_voxel(part_centres[leaf], [&](int place) { labels[place] = label; });
+    LeafBits solid = model.leaves[leaf];
+    solid |= part.leaves[leaf];
+    if (paged) {
+      joined[leaf] = std::make_unique<LevelBlock>();
+      for_each_voxel(solid, [&](int place) {
+        const Cell c = grid.leaf_origin(leaf) + cell_in_leaf(place);
+        (*joined[leaf])[place] = level_of_both(model, part, c);
+        const bool beneath = part.level(c) >= std::max(model.level(c), FillLevel{1});
+        if (beneath && !centres[leaf].has(place)) labels[place] = label;
+      });
+    }
+    tissues.set_block(leaf, labels, solid);
+  });
+  model.clipped |= part.clipped;
+  std::vector<LeafLevels> pages;
+  for (std::uint32_t leaf = 0; leaf < grid.leaf_count(); ++leaf) {
+    model.leaves[leaf] |= part.leaves[leaf];
+    centres[leaf] |= part_centres[leaf];
+    if (!joined[leaf]) continue;
+    const auto in_part = [](FillLevel level) { return level % kFullLevel != 0; };
+    if (std::ranges::any_of(*joined[leaf], in_part)) pages.push_back({leaf, *joined[leaf]});
+  }
+  model.fills.emplace(grid.leaf_count(), std::move(pages));
 }
 
 }  // namespace
@@ -204,7 +273,7 @@ VoxelModel voxelise_mesh(const TriangleMesh& mesh, const VoxelGrid& grid,
   extend(box_file, mesh);
   VoxelModel model;
   model.grid = grid;
-  fill(mesh, placement(box_file.center(), settings), settings.file, model);
+  fill(mesh, placement(box_file.center(), settings), settings.file, settings.surface, model);
   return model;
 }
 
@@ -222,12 +291,22 @@ VoxelModel voxelise_surfaces(std::span<const TissueSurface> surfaces, const Voxe
   VoxelModel model;
   model.grid = grid;
   model.leaves.resize(grid.leaf_count());
+  std::vector<LeafBits> centres;
+  if (settings.surface == SurfaceKind::kFractions) {
+    model.fills.emplace(grid.leaf_count(), std::vector<LeafLevels>{});
+    centres.resize(grid.leaf_count());
+  }
   const auto tissues = std::make_shared<TissueMap>(grid.leaf_count());
   for (const TissueSurface& surface : surfaces) {
     VoxelModel part;
     part.grid = grid;
-    fill(surface.mesh, world_from_file, surface.file, part);
-    add_tissue(part, surface.label, model, *tissues);
+    const std::vector<LeafBits> part_centres =
+        fill(surface.mesh, world_from_file, surface.file, settings.surface, part);
+    if (model.fills) {
+      add_filled_tissue(part, part_centres, surface.label, model, centres, *tissues);
+    } else {
+      add_tissue(part, surface.label, model, *tissues);
+    }
   }
   model.tissues = tissues;
   return model;

@@ -23,6 +23,9 @@ namespace sulcus {
 /// they enter) and none that is disagrees. That is everywhere for a closed mesh; beside holes the
 /// winding number itself is evaluated [Jacobson et al. 2013; Barill et al. 2018].
 ///
+/// With `settings.surface` kFractions a voxel is filled by the share of it that is inside
+/// (mesh_coverage), rounded, and solid where that is not 0, wherever its centre lies.
+///
 /// `mesh` in metres. The centre of its bounding box comes to the scene's origin, is turned by
 /// `settings.rotation` and moved by `settings.position_m`. `clipped` is set where the mesh reaches
 /// beyond the grid. There are no labels: a mesh is of one tissue.
@@ -47,6 +50,11 @@ Eigen::Affine3d world_from_surfaces(std::span<const TissueSurface> surfaces,
 /// Fills several meshes, each as `voxelise_mesh` does: solid is what lies within any of them, and
 /// a voxel is of the last one that it lies within. They are placed by `world_from_surfaces`. One
 /// alone has no labels. There must be one.
+///
+/// With fractions a voxel that two of them fill in part has the greater share where their surfaces
+/// look the same way, as of one within the other, and the sum of both, up to full, where they face
+/// each other. It is of the last one that its centre lies within; where that is outside them all,
+/// of the last one that fills as much of it as those before together.
 /// @throws InputError: one of them encloses no voxel, or has shells as above.
 VoxelModel voxelise_surfaces(std::span<const TissueSurface> surfaces, const VoxelGrid& grid,
                              const WorkpieceSettings& settings);
