@@ -102,10 +102,15 @@ void print_thresholds(const VolumeFacts& facts) {
   if (!facts.two_classes) return;
   say("two classes      solid from %s (Otsu)%s\n", short_number(*facts.two_classes).c_str(),
       facts.enamel_above ? "" : ": suggested");
-  if (facts.three_classes.size() != 2) return;
-  say("three classes    dentine from %s, enamel from %s (Otsu)%s\n",
-      short_number(facts.three_classes[0]).c_str(), short_number(facts.three_classes[1]).c_str(),
-      facts.enamel_above ? ": suggested" : ": not three");
+  if (facts.three_classes.size() == 2) {
+    say("three classes    dentine from %s, enamel from %s (Otsu)%s\n",
+        short_number(facts.three_classes[0]).c_str(), short_number(facts.three_classes[1]).c_str(),
+        facts.enamel_above ? ": suggested" : ": not three");
+  }
+  if (facts.ramp) {
+    say("fractions        at the surface empty at %s, full at %s in the mean\n",
+        short_number((*facts.ramp)[0]).c_str(), short_number((*facts.ramp)[1]).c_str());
+  }
 }
 
 }  // namespace

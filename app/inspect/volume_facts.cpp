@@ -9,6 +9,7 @@
 #include "engine/core/units.hpp"
 #include "engine/core/user_text.hpp"
 #include "engine/import/meshes/solid_components.hpp"
+#include "engine/import/volumes/grey_fills.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/volume/grid.hpp"
 
@@ -91,6 +92,7 @@ VolumeFacts volume_facts(const MedicalVolume& volume) {
       facts.enamel_above = facts.three_classes.back();
     }
     if (!facts.solid_above) return facts;
+    facts.ramp = grey_ramp(volume.values, volume.sizes, static_cast<float>(*facts.solid_above));
   }
   const float level = mask ? 0.0f : static_cast<float>(*facts.solid_above);
   const SolidComponents components = find_components(volume.values, volume.sizes, level, mask);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,6 +29,7 @@ struct VolumeFacts {
   std::optional<double> two_classes;                // Otsu's threshold between air and solid
   std::vector<double> three_classes;                // his two between air, dentine and enamel
   std::optional<double> solid_above, enamel_above;  // those of them that are suggested
+  std::optional<std::array<double, 2>> ramp;        // between empty and full, of fractions
   std::optional<SolidFacts> solid;                  // none: all of one value, or no value above 0
 
   /// From which the picture's outline is drawn: a mask's lies half way.

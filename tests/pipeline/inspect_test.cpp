@@ -95,6 +95,12 @@ TEST(Inspect, SuggestsThresholdsOfAVolume) {
   EXPECT_LT(dentine, 880);
   EXPECT_GT(enamel, 920);
   EXPECT_LT(enamel, 1380);
+  // Half a voxel to either side of a step of 1200 that one sample to the next takes: the kernel
+  // smears it over two thirds of that a voxel at its middle.
+  const double empty = number(result.out, "surface empty at ([0-9.]+)");
+  const double full = number(result.out, "full at ([0-9.]+)");
+  EXPECT_NEAR(0.5 * (empty + full), dentine, 1.0) << result.out;
+  EXPECT_NEAR(full - empty, 1200 * 2.0 / 3.0, 250);
   // 4/3 pi 2^3, in coarse voxels.
   EXPECT_NEAR(number(result.out, "solid +[0-9]+ voxels \\(([0-9.]+) mm3\\)"), 33.5, 1.5);
   EXPECT_NE(result.out.find("extent           6 x 6 x 6 mm"), std::string::npos) << result.out;

@@ -16,7 +16,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
-#include "engine/import/filled_voxels.hpp"
+#include "engine/import/leaf_contents.hpp"
 #include "engine/import/meshes/mesh_coverage.hpp"
 #include "engine/import/meshes/mesh_shells.hpp"
 #include "engine/import/meshes/ray_votes.hpp"
@@ -188,13 +188,6 @@ std::vector<LeafBits> fill(const TriangleMesh& mesh, const Eigen::Affine3d& worl
     throw InputError(file, "", found.str(), "a closed one, in mm, that reaches into the grid");
   }
   return centres;
-}
-
-LabelBlock labels_of(const TissueMap& tissues, std::uint32_t leaf) {
-  if (const LabelBlock* block = tissues.block(leaf)) return *block;
-  LabelBlock labels;
-  labels.fill(tissues.uniform_label(leaf));
-  return labels;
 }
 
 /// Adds what one mesh encloses to the solid and gives it its label, over those from before.

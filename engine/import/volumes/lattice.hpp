@@ -58,4 +58,11 @@ inline std::array<float, 4> interpolation_weights(Interpolation kind, float t) {
   return {first, second, 1.0f - first - second - fourth, fourth};
 }
 
+/// The slopes of kSpline's weights, per step.
+inline std::array<float, 4> spline_slopes(float t) {
+  const float s = 1.0f - t;
+  const float first = -0.5f * s * s, second = t * (1.5f * t - 2.0f), fourth = 0.5f * t * t;
+  return {first, second, -first - second - fourth, fourth};
+}
+
 }  // namespace sulcus

@@ -8,6 +8,7 @@
 #include <optional>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -15,8 +16,10 @@
 #include <tbb/parallel_for.h>
 
 #include "engine/core/error.hpp"
+#include "engine/import/leaf_contents.hpp"
 #include "engine/import/meshes/solid_components.hpp"
 #include "engine/import/placement.hpp"
+#include "engine/import/volumes/grey_fills.hpp"
 #include "engine/import/volumes/lattice.hpp"
 #include "engine/import/volumes/tissue_values.hpp"
 
@@ -266,6 +269,22 @@ class Sampler {
     }
   }
 
+  /// Makes a leaf's voxels those that `page` fills. Those that were not solid take their tissue
+  /// from beneath the surface too.
+  void fill_leaf(const LeafLevels& page, VoxelModel& model, TissueMap* labels) const {
+    const LeafBits filled = filled_voxels(page.levels);
+    const LeafBits added = without(filled, model.leaves[page.leaf]);
+    model.leaves[page.leaf] = filled;
+    if (labels == nullptr || !any(added)) return;
+    LabelBlock block = labels_of(*labels, page.leaf);
+    for_each_voxel(added, [&](int place) {
+      const Cell c = model.grid.leaf_origin(page.leaf) + cell_in_leaf(place);
+      block[place] =
+          sorter_->label(tissue_value(Stencil(map_.linear * c.cast<double>() + map_.offset)));
+    });
+    labels->set_block(page.leaf, block, filled);
+  }
+
  private:
   struct Range {
     float least = std::numeric_limits<float>::infinity();
@@ -434,6 +453,13 @@ VoxelModel voxelise_volume(const MedicalVolume& volume, const VoxelGrid& grid,
   tbb::parallel_for(std::uint32_t{0}, grid.leaf_count(), [&](std::uint32_t leaf) {
     sampler.sample_leaf(grid.leaf_origin(leaf), leaf, model.leaves[leaf], labels.get());
   });
+  if (settings.surface == SurfaceKind::kFractions) {
+    std::vector<LeafLevels> pages;
+    if (!mask) pages = grey_fills(model, {cut.grey, cut.level, map.linear, map.offset});
+    tbb::parallel_for(std::size_t{0}, pages.size(),
+                      [&](std::size_t n) { sampler.fill_leaf(pages[n], model, labels.get()); });
+    model.fills.emplace(grid.leaf_count(), std::move(pages));
+  }
   if (model.solid_count() == 0) {
     throw InputError(volume.file, "position_mm", "a solid that misses the grid",
                      "one that reaches into it");

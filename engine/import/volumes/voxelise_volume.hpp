@@ -51,6 +51,10 @@ struct VolumeImportReport {
 /// value; where tissues have a `label` it is that value itself (the others are taken out before,
 /// volume_part.hpp). One tissue: no labels.
 ///
+/// With `settings.surface` kFractions the voxels next to the surface of grey values are filled as
+/// the interpolated greys say (grey_fills.hpp), and one that is filled at all is solid. A mask's
+/// voxels are all full.
+///
 /// Parallel (oneTBB); the result does not depend on the number of threads.
 /// @throws InputError: no solid, none of it in the grid, spacing neither in the file nor in
 /// `settings`.

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "engine/volume/fill_map.hpp"
 #include "engine/volume/leaf_bits.hpp"
+#include "engine/volume/tissue_map.hpp"
 
 namespace sulcus {
 
@@ -14,6 +16,14 @@ inline LeafBits filled_voxels(const LevelBlock& levels) {
     if (levels[static_cast<std::size_t>(place)] != 0) filled.set(place);
   }
   return filled;
+}
+
+/// The labels of a leaf, one by one.
+inline LabelBlock labels_of(const TissueMap& tissues, std::uint32_t leaf) {
+  if (const LabelBlock* block = tissues.block(leaf)) return *block;
+  LabelBlock labels;
+  labels.fill(tissues.uniform_label(leaf));
+  return labels;
 }
 
 }  // namespace sulcus
