@@ -14,7 +14,7 @@
 namespace sulcus {
 namespace {
 
-constexpr std::uint32_t kClipped = 1, kLabelled = 2;  // flags
+constexpr std::uint32_t kClipped = 1, kLabelled = 2, kFilled = 4, kFlags = 7;
 constexpr std::uint32_t kFullLeaf = 1u << 31;
 constexpr std::uint64_t kFullWord = ~std::uint64_t{0};
 
@@ -26,7 +26,7 @@ struct ModelHeader {
   std::uint64_t input_numbers = 0, warning_bytes = 0;
 };
 static_assert(sizeof(ModelHeader) == 64);
-static_assert(sizeof(LeafBits) == 64 && sizeof(LabelBlock) == 512);
+static_assert(sizeof(LeafBits) == 64 && sizeof(LabelBlock) == 512 && sizeof(LeafLevels) == 516);
 
 bool is_full(const LeafBits& leaf) {
   return std::ranges::all_of(leaf.words, [](std::uint64_t w) { return w == kFullWord; });
@@ -90,6 +90,26 @@ std::string text_of(const std::vector<std::string>& warnings) {
   return text;
 }
 
+bool take_levels(Reader& reader, const ModelHeader& header, std::vector<LeafLevels>& levels) {
+  std::vector<std::uint64_t> count;
+  return reader.take(count, 1) && count[0] <= header.leaves && reader.take(levels, count[0]);
+}
+
+/// Whether pages are of leaves with solid voxels, rising, and fill just those.
+bool levels_fit(const PackedModel& packed) {
+  auto leaf = packed.leaves.begin();
+  for (const LeafLevels& page : packed.levels) {
+    leaf = std::lower_bound(leaf, packed.leaves.end(), page.leaf);
+    if (leaf == packed.leaves.end() || *leaf != page.leaf) return false;
+    const LeafBits& solid = packed.words[static_cast<std::size_t>(leaf - packed.leaves.begin())];
+    for (int place = 0; place < 512; ++place) {
+      if ((page.levels[static_cast<std::size_t>(place)] != 0) != solid.has(place)) return false;
+    }
+    ++leaf;
+  }
+  return true;
+}
+
 /// The arrays of a payload as they were packed; empty where they do not fit one another.
 std::optional<PackedModel> parse(std::span<const std::byte> payload, const VoxelGrid& grid,
                                  std::size_t tissues, ImportNotes& notes) {
@@ -100,21 +120,22 @@ std::optional<PackedModel> parse(std::span<const std::byte> payload, const Voxel
   const ModelHeader expected = header_of(grid);
   const std::uint32_t leaf_count = grid.leaf_count();
   if (header.cells != expected.cells || header.voxel_m != expected.voxel_m ||
-      header.leaves > leaf_count || header.part_full > header.leaves ||
-      header.mixed > header.leaves) {
+      (header.flags & ~kFlags) != 0 || header.leaves > leaf_count ||
+      header.part_full > header.leaves || header.mixed > header.leaves) {
     return std::nullopt;
   }
   PackedModel packed;
   packed.grid = grid;
   packed.clipped = (header.flags & kClipped) != 0;
   packed.labelled = (header.flags & kLabelled) != 0;
+  packed.filled = (header.flags & kFilled) != 0;
   std::vector<LeafBits> part_full;
-  const bool whole = take_notes(reader, header, notes) &&
-                     reader.take(packed.leaves, header.leaves) &&
-                     reader.take(packed.mixed, header.mixed) &&
-                     reader.take(packed.leaf_labels, packed.labelled ? header.leaves : 0) &&
-                     reader.take(part_full, header.part_full) &&
-                     reader.take(packed.mixed_labels, header.mixed) && reader.ended();
+  const bool whole =
+      take_notes(reader, header, notes) && reader.take(packed.leaves, header.leaves) &&
+      reader.take(packed.mixed, header.mixed) &&
+      reader.take(packed.leaf_labels, packed.labelled ? header.leaves : 0) &&
+      reader.take(part_full, header.part_full) && reader.take(packed.mixed_labels, header.mixed) &&
+      (!packed.filled || take_levels(reader, header, packed.levels)) && reader.ended();
   if (!whole || (!packed.labelled && header.mixed > 0)) return std::nullopt;
 
   packed.words.resize(packed.leaves.size());
@@ -136,7 +157,7 @@ std::optional<PackedModel> parse(std::span<const std::byte> payload, const Voxel
                     std::ranges::all_of(packed.mixed_labels, [&](const LabelBlock& block) {
                       return std::ranges::all_of(block, named);
                     });
-  if (!fits) return std::nullopt;
+  if (!fits || !levels_fit(packed)) return std::nullopt;
   return packed;
 }
 
@@ -148,8 +169,9 @@ std::optional<VoxelModel> read_cached_model(LoadCache& cache, const Hash128& key
   // What a grid's leaves take at most, all mixed and part full.
   const std::uint64_t most =
       sizeof(ModelHeader) + sizeof(double) * InputGeometry::kNumbers + kMostWarningBytes +
-      std::uint64_t{grid.leaf_count()} *
-          (2 * sizeof(std::uint32_t) + 1 + sizeof(LeafBits) + sizeof(LabelBlock));
+      std::uint64_t{grid.leaf_count()} * (2 * sizeof(std::uint32_t) + 1 + sizeof(LeafBits) +
+                                          sizeof(LabelBlock) + sizeof(LeafLevels)) +
+      sizeof(std::uint64_t);
   std::vector<std::byte> payload;
   const bool read = cache.read(CacheKind::kModel, key, [&](std::uint64_t bytes) {
     if (bytes <= most) payload.resize(bytes);
@@ -180,7 +202,8 @@ void write_cached_model(LoadCache& cache, const Hash128& key, const VoxelModel& 
     }
   }
   ModelHeader header = header_of(model.grid);
-  header.flags = (model.clipped ? kClipped : 0u) | (packed.labelled ? kLabelled : 0u);
+  header.flags = (model.clipped ? kClipped : 0u) | (packed.labelled ? kLabelled : 0u) |
+                 (packed.filled ? kFilled : 0u);
   header.leaves = packed.leaves.size();
   header.part_full = part_full.size();
   header.mixed = packed.mixed.size();
@@ -188,12 +211,15 @@ void write_cached_model(LoadCache& cache, const Hash128& key, const VoxelModel& 
       notes.input ? notes.input->numbers() : std::array<double, InputGeometry::kNumbers>{};
   header.input_numbers = notes.input ? numbers.size() : 0;
   header.warning_bytes = warnings.size();
+  const std::uint64_t pages = packed.levels.size();
   cache.write(CacheKind::kModel, key,
               {std::as_bytes(std::span(&header, 1)),
                std::as_bytes(std::span(numbers.data(), header.input_numbers)),
                std::as_bytes(std::span(warnings)), std::as_bytes(std::span(packed.leaves)),
                std::as_bytes(std::span(packed.mixed)), std::as_bytes(std::span(packed.leaf_labels)),
-               std::as_bytes(std::span(part_full)), std::as_bytes(std::span(packed.mixed_labels))});
+               std::as_bytes(std::span(part_full)), std::as_bytes(std::span(packed.mixed_labels)),
+               std::as_bytes(std::span(&pages, packed.filled ? 1u : 0u)),
+               std::as_bytes(std::span(packed.levels))});
 }
 
 }  // namespace sulcus

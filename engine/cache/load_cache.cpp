@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array<char, 8> kMagic{'S', 'U', 'L', 'C', 'U', 'S', 'K', '\n'};
-constexpr std::uint32_t kVersion = 1;  // of the entries' format
+constexpr std::uint32_t kVersion = 2;  // of the entries' format
 constexpr std::string_view kSuffix = ".sulcus", kTemporary = ".tmp";
 constexpr std::size_t kKeyDigits = 32;
 constexpr std::chrono::hours kAbandoned{1};  // a temporary file as old as this is of a killed run

@@ -1,5 +1,6 @@
 #include "engine/cache/cached_model.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <functional>
 #include <memory>
@@ -36,11 +37,30 @@ VoxelModel sample(bool labelled) {
   return model;
 }
 
+/// The same with every third voxel of the part-full leaves filled in part.
+VoxelModel filled_sample(bool labelled) {
+  VoxelModel model = sample(labelled);
+  std::vector<LeafLevels> pages;
+  for (std::uint32_t leaf = 0; leaf < model.grid.leaf_count(); ++leaf) {
+    if (const int n = count_voxels(model.leaves[leaf]); n == 0 || n == 512) continue;
+    LeafLevels& page = pages.emplace_back();
+    page.leaf = leaf;
+    for_each_voxel(model.leaves[leaf], [&](int place) {
+      page.levels[place] = place % 3 == 0 ? static_cast<FillLevel>(1 + place % 254) : kFullLevel;
+    });
+  }
+  model.fills.emplace(model.grid.leaf_count(), pages);
+  return model;
+}
+
 void expect_equal(const VoxelModel& a, const VoxelModel& b) {
   EXPECT_EQ(a.grid.cells, b.grid.cells);
   EXPECT_EQ(a.grid.voxel_m, b.grid.voxel_m);
   EXPECT_EQ(a.clipped, b.clipped);
   ASSERT_EQ(a.leaves, b.leaves);
+  ASSERT_EQ(a.fills.has_value(), b.fills.has_value());
+  for_each_cell(Cell::Zero(), a.grid.cells,
+                [&](const Cell& c) { ASSERT_EQ(a.level(c), b.level(c)) << c.transpose(); });
   ASSERT_EQ(a.tissues == nullptr, b.tissues == nullptr);
   if (!a.tissues) return;
   for (std::uint32_t leaf = 0; leaf < a.grid.leaf_count(); ++leaf) {
@@ -66,7 +86,23 @@ TEST(CachedModel, ComesBackBitForBit) {
     ASSERT_TRUE(again);
     expect_equal(model, *again);
   }
-  EXPECT_EQ(cache.hits(), 2);
+  for (const bool labelled : {false, true}) {
+    const VoxelModel model = filled_sample(labelled);
+    ASSERT_GT(model.fills->pages().size(), 10u);
+    write_cached_model(cache, {2, 1}, model);
+    const auto again = read_cached_model(cache, {2, 1}, model.grid, kTissues);
+    ASSERT_TRUE(again);
+    expect_equal(model, *again);
+    EXPECT_EQ(again->fills->pages().size(), model.fills->pages().size());
+  }
+  // A mask's: fractions, and not one that is not full.
+  VoxelModel full = sample(true);
+  full.fills.emplace(full.grid.leaf_count(), std::vector<LeafLevels>{});
+  write_cached_model(cache, {2, 2}, full);
+  const auto again = read_cached_model(cache, {2, 2}, full.grid, kTissues);
+  ASSERT_TRUE(again);
+  expect_equal(full, *again);
+  EXPECT_EQ(cache.hits(), 5);
   EXPECT_EQ(cache.note(), "");
 }
 
@@ -154,6 +190,47 @@ TEST(CachedModel, RefusesWhatNoWriterOfItsOwnWrote) {
     EXPECT_FALSE(read_cached_model(cache, {1, 1}, model.grid, kTissues)) << what;
     EXPECT_EQ(cache.hits(), 0) << what;
     EXPECT_NE(cache.note(), "") << what;
+  }
+  cache.write(CacheKind::kModel, {1, 1}, {std::as_bytes(std::span(good))});
+  EXPECT_TRUE(read_cached_model(cache, {1, 1}, model.grid, kTissues));
+}
+
+TEST(CachedModel, RefusesLevelsThatDoNotFit) {
+  const ScratchFolder scratch;
+  const VoxelModel model = filled_sample(true);
+  const std::size_t pages = model.fills->pages().size();
+  LoadCache cache(scratch.path(""));
+  write_cached_model(cache, {1, 1}, model);
+  const std::string good = test::read_file(cache.entry({1, 1}).string()).substr(64);
+  const std::size_t first = good.size() - pages * sizeof(LeafLevels);
+  const auto put = [](std::string& bytes, std::size_t at, auto value) {
+    std::memcpy(bytes.data() + at, &value, sizeof value);
+  };
+  const LeafLevels& page = model.fills->pages().front();
+  const auto empty = std::ranges::find(page.levels, FillLevel{0}) - page.levels.begin();
+  const auto full = std::ranges::find(page.levels, kFullLevel) - page.levels.begin();
+  const std::size_t levels = first + sizeof(std::uint32_t);
+  const std::vector<std::pair<const char*, std::function<void(std::string&)>>> changes = {
+      {"no levels", [&](std::string& b) { b.resize(first - 8); }},
+      {"half a page", [&](std::string& b) { b.resize(b.size() - 100); }},
+      {"a page more", [&](std::string& b) { put(b, first - 8, std::uint64_t{pages + 1}); }},
+      {"pages without end", [&](std::string& b) { put(b, first - 8, ~std::uint64_t{0}); }},
+      {"levels of a binary model", [&](std::string& b) { put(b, 12, 3u); }},
+      {"an unknown flag", [&](std::string& b) { put(b, 12, 15u); }},
+      {"a page twice", [&](std::string& b) { put(b, first + sizeof(LeafLevels), page.leaf); }},
+      {"a leaf beyond", [&](std::string& b) { put(b, first, model.grid.leaf_count()); }},
+      {"an empty voxel filled",
+       [&](std::string& b) { b[levels + static_cast<std::size_t>(empty)] = 1; }},
+      {"a solid voxel not filled",
+       [&](std::string& b) { b[levels + static_cast<std::size_t>(full)] = 0; }},
+  };
+  int hits = cache.hits();
+  for (const auto& [what, change] : changes) {
+    std::string bytes = good;
+    change(bytes);
+    cache.write(CacheKind::kModel, {1, 1}, {std::as_bytes(std::span(bytes))});
+    EXPECT_FALSE(read_cached_model(cache, {1, 1}, model.grid, kTissues)) << what;
+    EXPECT_EQ(cache.hits(), hits) << what;
   }
   cache.write(CacheKind::kModel, {1, 1}, {std::as_bytes(std::span(good))});
   EXPECT_TRUE(read_cached_model(cache, {1, 1}, model.grid, kTissues));

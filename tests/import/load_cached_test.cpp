@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <functional>
@@ -56,9 +57,11 @@ void expect_equal(const VoxelModel& a, const VoxelModel& b) {
   EXPECT_EQ(a.clipped, b.clipped);
   ASSERT_EQ(a.leaves, b.leaves);
   ASSERT_EQ(a.tissues == nullptr, b.tissues == nullptr);
+  ASSERT_EQ(a.fills.has_value(), b.fills.has_value());
   for (std::uint32_t v = 0; v < a.grid.cell_count(); ++v) {
     const Cell c = a.grid.cell_of_linear(v);
     if (a.solid(c)) {
+      ASSERT_EQ(a.level(c), b.level(c)) << v;
       ASSERT_EQ(a.tissue(c), b.tissue(c)) << v;
     }
   }
@@ -286,6 +289,61 @@ TEST(BuildBodies, TheMeshesOfTissuesAreTheWorkpieces) {
     EXPECT_GT(model.solid_count(), 3000u);
   }
   EXPECT_THROW(build_workpiece(scene), InputError);
+}
+
+/// A shape, a mesh, a mask and grey values.
+std::vector<Scene> one_of_each(const ScratchFolder& scratch) {
+  TriangleMesh mesh = icosphere(3);
+  scale(mesh, 1.5e-3f);
+  write_mesh(scratch.path("m.stl"), mesh);
+  std::string grey;
+  for (int v = 0; v < 32 * 32 * 32; ++v) {
+    const Vector3d p(v % 32 - 15.5, v / 32 % 32 - 15.5, v / 1024 - 15.5);
+    grey += static_cast<char>(std::clamp(100.0 * (11.0 - p.norm()), 0.0, 100.0));
+  }
+  const std::string volume =
+      scratch.write("g.mha",
+                    "ObjectType = Image\nNDims = 3\nDimSize = 32 32 32\nElementType = MET_UCHAR\n"
+                    "ElementSpacing = 0.1 0.1 0.1\nElementDataFile = LOCAL\n" +
+                        grey);
+  std::vector<Scene> scenes = {shape_scene(), file_scene(scratch.path("m.stl")),
+                               file_scene(ball_volume(scratch, "v.nrrd", 10.0)),
+                               file_scene(volume)};
+  scenes.back().workpiece.solid_above = 50.0;
+  return scenes;
+}
+
+TEST(LoadCached, FractionsAreTheSameAndAreNotWhatIsBinary) {
+  const ScratchFolder scratch;
+  LoadCache cache(scratch.path("c"));
+  for (Scene scene : one_of_each(scratch)) {
+    build_workpiece(scene, &cache);
+    scene.workpiece.surface = SurfaceKind::kFractions;
+    EXPECT_FALSE(is_hit(scene, cache)) << scene.workpiece.file;
+    expect_hit_equals_miss(scene, cache);
+    const VoxelModel model = build_workpiece(scene, &cache);
+    ASSERT_TRUE(model.fills);
+    // Only a mask has nothing to tell.
+    EXPECT_EQ(model.fills->pages().empty(), scene.workpiece.file.ends_with("v.nrrd"));
+  }
+}
+
+TEST(BuildBodies, EachHasTheSurfaceThatItsTableSays) {
+  const ScratchFolder scratch;
+  for (const Scene& alone : one_of_each(scratch)) {
+    Scene scene = shape_scene();
+    BodySettings body;
+    body.solid = alone.workpiece;
+    scene.bodies.push_back(body);
+    body.solid.surface = SurfaceKind::kFractions;
+    scene.bodies.push_back(body);
+    const std::vector<VoxelModel> models = build_bodies(scene);
+    EXPECT_FALSE(models[0].fills) << alone.workpiece.file;
+    EXPECT_TRUE(models[1].fills) << alone.workpiece.file;
+    Scene filled = scene;
+    filled.workpiece = body.solid;
+    expect_equal(build_workpiece(filled), models[1]);
+  }
 }
 
 TEST(BuildWorkpiece, AboveWithoutGreyValuesIsSaid) {
