@@ -24,28 +24,33 @@ constexpr double kCubicMillimetre = kMillimetre * kMillimetre * kMillimetre;  //
 
 double mebibytes(std::size_t bytes) { return static_cast<double>(bytes) / kMebibyte; }
 
-/// Solid voxels of each tissue.
-std::vector<std::uint64_t> tissue_voxels(const VoxelModel& model, std::size_t tissues) {
-  std::vector<std::uint64_t> voxels(tissues);
+/// What each tissue takes up: solid voxels, by what of each is filled.
+std::vector<double> tissue_voxels(const VoxelModel& model, std::size_t tissues) {
+  std::vector<std::uint64_t> levels(tissues);
   for (std::uint32_t leaf = 0; leaf < model.leaves.size(); ++leaf) {
     const LabelBlock* block = model.tissues ? model.tissues->block(leaf) : nullptr;
+    const FillLevel* page = model.fills ? model.fills->page(leaf) : nullptr;
+    const std::uint8_t label = model.tissues ? model.tissues->uniform_label(leaf) : std::uint8_t{0};
     const LeafBits& solid = model.leaves[leaf];
-    if (block) {
-      for_each_voxel(solid, [&](int place) { ++voxels[(*block)[place]]; });
+    if (block || page) {
+      for_each_voxel(solid, [&](int place) {
+        levels[block ? (*block)[place] : label] += page ? page[place] : kFullLevel;
+      });
     } else if (any(solid)) {
-      voxels[model.tissues ? model.tissues->uniform_label(leaf) : 0] +=
-          static_cast<std::uint64_t>(count_voxels(solid));
+      levels[label] += std::uint64_t{kFullLevel} * static_cast<std::uint64_t>(count_voxels(solid));
     }
   }
+  std::vector<double> voxels;
+  for (const std::uint64_t sum : levels) voxels.push_back(static_cast<double>(sum) / kFullLevel);
   return voxels;
 }
 
-Json tissue_mm3_json(const Simulation& simulation, std::span<const std::uint64_t> voxels) {
+Json tissue_mm3_json(const Simulation& simulation, std::span<const double> voxels) {
   const auto& tissues = simulation.scene().tissues;
   const double voxel_m3 = simulation.workpiece().grid().voxel_volume_m3();
   Json by_tissue = Json::object();
   for (std::size_t t = 0; t < tissues.size(); ++t) {
-    by_tissue[tissues[t].name] = static_cast<double>(voxels[t]) * voxel_m3 / kCubicMillimetre;
+    by_tissue[tissues[t].name] = voxels[t] * voxel_m3 / kCubicMillimetre;
   }
   return by_tissue;
 }
@@ -53,12 +58,12 @@ Json tissue_mm3_json(const Simulation& simulation, std::span<const std::uint64_t
 /// As it was before the first tick of all: what is left and what went.
 Json start_json(const Simulation& simulation, const std::optional<OutcomeResult>& outcome) {
   const Workpiece& w = simulation.workpiece();
-  std::vector<std::uint64_t> voxels = tissue_voxels(w.model(), simulation.scene().tissues.size());
+  std::vector<double> voxels = tissue_voxels(w.model(), simulation.scene().tissues.size());
   std::uint64_t solid = w.solid_voxels();
   for (std::size_t t = 0; outcome && t < voxels.size(); ++t) {
     for (const EditCause cause : {EditCause::kCut, EditCause::kLoose}) {
       const std::uint64_t removed = outcome->progress.removed_voxels(cause, t);
-      voxels[t] += removed;
+      voxels[t] += static_cast<double>(removed);
       solid += removed;
     }
   }
@@ -68,8 +73,7 @@ Json start_json(const Simulation& simulation, const std::optional<OutcomeResult>
 Json workpiece_json(const Simulation& simulation) {
   const Workpiece& w = simulation.workpiece();
   const VoxelGrid& grid = w.grid();
-  const std::vector<std::uint64_t> voxels =
-      tissue_voxels(w.model(), simulation.scene().tissues.size());
+  const std::vector<double> voxels = tissue_voxels(w.model(), simulation.scene().tissues.size());
   return {{"cells", {grid.cells.x(), grid.cells.y(), grid.cells.z()}},
           {"voxel_mm", grid.voxel_m / kMillimetre},
           {"solid_voxels", w.solid_voxels()},

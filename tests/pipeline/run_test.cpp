@@ -1,3 +1,4 @@
+#include <cmath>
 #include <filesystem>
 #include <set>
 
@@ -41,6 +42,33 @@ TEST(Run, MinimalSceneRunsOnlyThePartsItNeeds) {
   EXPECT_FALSE(std::filesystem::exists(scratch.path("out/recording.h5")));
   EXPECT_FALSE(std::filesystem::exists(scratch.path("out/frames")));
   EXPECT_EQ(summary["removed_voxels"], 0);
+}
+
+TEST(Run, TissuesAreMeasuredByWhatIsFilledAndVoxelsCounted) {
+  const ScratchFolder scratch;
+  const std::string scene = scratch.write("s.toml", test::kProbeScene);
+  const auto workpiece_of = [&](const std::string& surface) {
+    const auto result =
+        sulcus_command("run " + scene + " --duration 0.01 --set workpiece.surface=" + surface +
+                           " --set 'workpiece.box.size_mm=[1.93, 1.77, 1.61]'"
+                           " --set 'workpiece.rotation_deg=[0, 0, 17]' -o " +
+                           scratch.path(surface),
+                       scratch.path("err"));
+    EXPECT_EQ(result.status, 0) << result.err;
+    return summary_of(scratch.path(surface))["workpiece"];
+  };
+  const auto mm3 = [](const nlohmann::json& workpiece) {
+    double sum = 0.0;
+    for (const auto& tissue : workpiece["tissue_mm3"]) sum += tissue.get<double>();
+    return sum;
+  };
+  const auto binary = workpiece_of("binary"), filled = workpiece_of("fractions");
+  const double exact = 1.93 * 1.77 * 1.61, voxel_mm3 = 0.05 * 0.05 * 0.05;
+  EXPECT_NEAR(mm3(filled) / exact, 1.0, 1e-3);
+  EXPECT_GT(std::abs(mm3(binary) / exact - 1.0), 3e-3);
+  EXPECT_NEAR(mm3(binary), binary["solid_voxels"].get<double>() * voxel_mm3, 1e-9);
+  // More voxels are solid at all.
+  EXPECT_GT(filled["solid_voxels"].get<double>() * voxel_mm3, 1.03 * exact);
 }
 
 TEST(Run, NamedPartsAreListedWithTheirMemory) {
