@@ -17,22 +17,24 @@ namespace {
 
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
-/// Convex, of a triangle that planes have clipped: three to a voxel's column and slice make 9
-/// corners at most.
+/// Convex, of a triangle that planes have clipped: six about a voxel make 9 corners at most. Where
+/// rounding makes more of a sliver's, those are left out.
 struct ClippedTriangle {
-  std::array<Eigen::Vector3d, 12> corners;
-  int count = 0;
+  std::array<Eigen::Vector3d, 16> corners;
+  std::size_t count = 0;
 
-  void add(const Eigen::Vector3d& p) { corners[static_cast<std::size_t>(count++)] = p; }
+  void add(const Eigen::Vector3d& p) {
+    if (count < corners.size()) corners[count++] = p;
+  }
 };
 
 /// Parts a polygon at a plane across an axis: what lies on it, wholly, is above.
 void split(const ClippedTriangle& whole, int axis, double at, ClippedTriangle& below,
            ClippedTriangle& above) {
   below.count = above.count = 0;
-  for (int i = 0; i < whole.count; ++i) {
-    const Eigen::Vector3d& p = whole.corners[static_cast<std::size_t>(i)];
-    const Eigen::Vector3d& q = whole.corners[static_cast<std::size_t>((i + 1) % whole.count)];
+  for (std::size_t i = 0; i < whole.count; ++i) {
+    const Eigen::Vector3d& p = whole.corners[i];
+    const Eigen::Vector3d& q = whole.corners[(i + 1) % whole.count];
     const bool p_below = p[axis] < at, q_below = q[axis] < at;
     (p_below ? below : above).add(p);
     if (p_below == q_below) continue;
@@ -98,9 +100,7 @@ class AreaSums {
     split(column, 2, -0.5, part, rest);
     if (part.count > 0) below_[static_cast<std::size_t>(line)] -= moments(part)[0];
     double least = voxels_;
-    for (int i = 0; i < rest.count; ++i) {
-      least = std::min(least, rest.corners[static_cast<std::size_t>(i)][2]);
-    }
+    for (std::size_t i = 0; i < rest.count; ++i) least = std::min(least, rest.corners[i][2]);
     for (int k = static_cast<int>(std::floor(least + 0.5)); k < voxels_ && rest.count > 0; ++k) {
       split(rest, 2, k + 0.5, part, after);
       std::swap(rest, after);
@@ -117,7 +117,7 @@ class AreaSums {
   static std::array<double, 2> moments(const ClippedTriangle& p) {
     double area = 0.0, height = 0.0;
     const Eigen::Vector3d& o = p.corners[0];
-    for (std::size_t i = 1; i + 1 < static_cast<std::size_t>(p.count); ++i) {
+    for (std::size_t i = 1; i + 1 < p.count; ++i) {
       const Eigen::Vector3d u = p.corners[i] - o, v = p.corners[i + 1] - o;
       const double part = 0.5 * (u[0] * v[1] - u[1] * v[0]);
       area += part;

@@ -152,10 +152,10 @@ class OpenVoxels {
   std::vector<std::uint8_t> touched_;
 };
 
-/// Fills a mesh into the leaves of an empty model; `file` for messages. Returns the voxels whose
-/// centre is inside, where `surface` has others as well.
-std::vector<LeafBits> fill(const TriangleMesh& mesh, const Eigen::Affine3d& world_from_file,
-                           const std::string& file, SurfaceKind surface, VoxelModel& model) {
+/// Fills a mesh into the leaves of an empty model; `file` for messages. `centres`: takes the voxels
+/// whose centre is inside, where fractions are wanted and others are solid as well.
+void fill(const TriangleMesh& mesh, const Eigen::Affine3d& world_from_file, const std::string& file,
+          SurfaceKind surface, VoxelModel& model, std::vector<LeafBits>* centres = nullptr) {
   const VoxelGrid& grid = model.grid;
   const std::vector<Eigen::Vector3d> positions_index =
       positions_in_index(mesh, grid, world_from_file);
@@ -172,9 +172,8 @@ std::vector<LeafBits> fill(const TriangleMesh& mesh, const Eigen::Affine3d& worl
     model.leaves[leaf] = count_votes(grid, votes, leaf, open);
     if (open != LeafBits{}) open_voxels.decide(leaf, open, model.leaves[leaf]);
   });
-  std::vector<LeafBits> centres;
   if (surface == SurfaceKind::kFractions) {
-    centres = model.leaves;
+    if (centres) *centres = model.leaves;
     std::vector<LeafLevels> pages = mesh_coverage(model, positions_index, mesh.triangles, winding);
     for (const LeafLevels& page : pages) model.leaves[page.leaf] = filled_voxels(page.levels);
     model.fills.emplace(grid.leaf_count(), std::move(pages));
@@ -187,7 +186,6 @@ std::vector<LeafBits> fill(const TriangleMesh& mesh, const Eigen::Affine3d& worl
           << " mm long with no voxel of the grid inside";
     throw InputError(file, "", found.str(), "a closed one, in mm, that reaches into the grid");
   }
-  return centres;
 }
 
 /// Adds what one mesh encloses to the solid and gives it its label, over those from before.
@@ -293,8 +291,8 @@ VoxelModel voxelise_surfaces(std::span<const TissueSurface> surfaces, const Voxe
   for (const TissueSurface& surface : surfaces) {
     VoxelModel part;
     part.grid = grid;
-    const std::vector<LeafBits> part_centres =
-        fill(surface.mesh, world_from_file, surface.file, settings.surface, part);
+    std::vector<LeafBits> part_centres;
+    fill(surface.mesh, world_from_file, surface.file, settings.surface, part, &part_centres);
     if (model.fills) {
       add_filled_tissue(part, part_centres, surface.label, model, centres, *tissues);
     } else {
