@@ -62,12 +62,14 @@ void say_removed(const Scene& scene, const SessionResult& result) {
   const double voxel_mm3 = std::pow(scene.workpiece.voxel_m / kMillimetre, 3);
   const auto say_line = [&](const char* name, const OutcomeResult& outcome, EditCause cause) {
     std::uint64_t voxels = 0;
+    double volume = 0.0;
     for (std::size_t t = 0; t < scene.tissues.size(); ++t) {
       voxels += outcome.progress.removed_voxels(cause, t);
+      volume += outcome.progress.removed_volume(cause, t);
     }
     if (voxels == 0 && cause == EditCause::kLoose) return;
     say("  %-18s %llu voxels, %.4f mm3\n", name, static_cast<unsigned long long>(voxels),
-        static_cast<double>(voxels) * voxel_mm3);
+        volume * voxel_mm3);
   };
   const OutcomeResult& own = result.part ? *result.part : *result.outcome;
   say_line("removed", own, EditCause::kCut);

@@ -62,9 +62,8 @@ Json start_json(const Simulation& simulation, const std::optional<OutcomeResult>
   std::uint64_t solid = w.solid_voxels();
   for (std::size_t t = 0; outcome && t < voxels.size(); ++t) {
     for (const EditCause cause : {EditCause::kCut, EditCause::kLoose}) {
-      const std::uint64_t removed = outcome->progress.removed_voxels(cause, t);
-      voxels[t] += static_cast<double>(removed);
-      solid += removed;
+      voxels[t] += outcome->progress.removed_volume(cause, t);
+      solid += outcome->progress.removed_voxels(cause, t);
     }
   }
   return {{"solid_voxels", solid}, {"tissue_mm3", tissue_mm3_json(simulation, voxels)}};
@@ -165,13 +164,13 @@ Json reach_json(const Reach& reach) {
 
 nlohmann::ordered_json outcome_json(const Scene& scene, const OutcomeResult& outcome) {
   const double voxel_mm3 = voxel_mm3_of(scene);
-  const auto mm3 = [&](std::uint64_t voxels) { return static_cast<double>(voxels) * voxel_mm3; };
+  const auto mm3 = [&](double voxels) { return voxels * voxel_mm3; };
   const PreparationProgress& progress = outcome.progress;
   Json j;
   for (const auto& [name, cause] :
        {std::pair{"cut", EditCause::kCut}, std::pair{"loose", EditCause::kLoose}}) {
     for (std::size_t t = 0; t < scene.tissues.size(); ++t) {
-      j["removed_mm3"][name][scene.tissues[t].name] = mm3(progress.removed_voxels(cause, t));
+      j["removed_mm3"][name][scene.tissues[t].name] = mm3(progress.removed_volume(cause, t));
     }
   }
   if (const auto left = progress.caries_left()) j["caries_left_mm3"] = mm3(*left);

@@ -67,6 +67,7 @@ FrameHistory::FrameHistory(const Scene& scene, const VoxelModel& start, const Ea
 
 void FrameHistory::add(const Edit& edit) {
   if (progress_) progress_->add(edit);
+  if (!edit.is_gone()) return;
   if (edit.body > 0) ++damage_[edit.body - 1u].removed;
   if (edit.body == 0) ++removed_;
 }
@@ -75,13 +76,13 @@ std::vector<OutcomeLine> FrameHistory::outcome() const {
   std::vector<OutcomeLine> lines;
   if (progress_) {
     for (std::size_t t = 0; t < tissues_.size() && tissues_.size() > 1; ++t) {
-      const std::uint64_t voxels = progress_->removed_voxels(EditCause::kCut, t) +
-                                   progress_->removed_voxels(EditCause::kLoose, t);
-      if (voxels == 0) continue;
-      lines.push_back({"  " + tissues_[t], mm3(static_cast<double>(voxels) * voxel_mm3_)});
+      const double volume = progress_->removed_volume(EditCause::kCut, t) +
+                            progress_->removed_volume(EditCause::kLoose, t);
+      if (volume == 0.0) continue;
+      lines.push_back({"  " + tissues_[t], mm3(volume * voxel_mm3_)});
     }
     if (const auto left = progress_->caries_left()) {
-      lines.push_back({"Caries left", mm3(static_cast<double>(*left) * voxel_mm3_)});
+      lines.push_back({"Caries left", mm3(*left * voxel_mm3_)});
     }
     if (progress_->has_pulp()) {
       const std::optional<std::uint64_t> tick = progress_->pulp_exposed_tick();

@@ -14,17 +14,31 @@ std::optional<std::size_t> label_of(std::string_view name,
   return static_cast<std::size_t>(found - tissues.begin());
 }
 
+/// What is filled of solid voxels, in voxels.
+double filled_of(const VoxelSet& voxels, const VoxelModel& model) {
+  if (!model.fills) return static_cast<double>(voxels.count());
+  std::uint64_t levels = 0;
+  for (const std::uint32_t leaf : voxels.leaves()) {
+    for_each_voxel(voxels.voxels(leaf),
+                   [&](int place) { levels += model.fills->level(leaf, place); });
+  }
+  return static_cast<double>(levels) / kFullLevel;
+}
+
 }  // namespace
 
 PreparationProgress::PreparationProgress(const VoxelModel& start,
                                          std::span<const TissueSettings> tissues)
     : grid_(start.grid),
       tissues_(start.tissues),
+      fills_(start.fills),
       caries_label_(label_of("caries", tissues)),
       pulp_label_(label_of("pulp", tissues)) {
   removed_.fill(std::vector<std::uint64_t>(tissues.size()));
+  removed_levels_ = removed_;
   if (caries_label_) {
-    caries_at_start_ = voxels_of_tissue(start, static_cast<std::uint8_t>(*caries_label_)).count();
+    const VoxelSet caries = voxels_of_tissue(start, static_cast<std::uint8_t>(*caries_label_));
+    caries_at_start_ = filled_of(caries, start);
   }
   if (pulp_label_) pulp_ = voxels_of_tissue(start, static_cast<std::uint8_t>(*pulp_label_));
 }
@@ -33,7 +47,10 @@ void PreparationProgress::add(const Edit& edit) {
   if (edit.body != 0) return;
   const Cell c = grid_.cell_of_linear(edit.voxel);
   const std::uint8_t tissue = tissues_ ? tissues_->label(grid_.leaf_of(c), c) : std::uint8_t{0};
-  ++removed_[edit.cause == EditCause::kCut ? 0 : 1][tissue];
+  const std::size_t cause = edit.cause == EditCause::kCut ? 0 : 1;
+  removed_levels_[cause][tissue] += static_cast<std::uint64_t>(lower(c, edit.level) - edit.level);
+  if (!edit.is_gone()) return;
+  ++removed_[cause][tissue];
   if (pulp_ && !pulp_exposed_tick_ && touches_pulp(c, tissue)) pulp_exposed_tick_ = edit.tick;
 }
 
@@ -46,17 +63,33 @@ bool PreparationProgress::touches_pulp(const Cell& c, std::uint8_t tissue) const
   return false;
 }
 
-std::uint64_t PreparationProgress::removed_voxels(std::size_t tissue) const {
-  return removed_voxels(EditCause::kCut, tissue) + removed_voxels(EditCause::kLoose, tissue);
+/// Returns what it was before.
+FillLevel PreparationProgress::lower(const Cell& c, FillLevel level) {
+  if (!fills_) return kFullLevel;
+  const std::uint32_t leaf = grid_.leaf_of(c);
+  const int place = leaf_place(c);
+  const FillLevel before = fills_->level(leaf, place);
+  constexpr std::uint32_t kMorePages = 256;
+  if (!fills_->page(leaf) && !fills_->has_room()) {
+    fills_->reserve(std::max(kMorePages, static_cast<std::uint32_t>(fills_->pages().size() / 2)));
+  }
+  LeafBits all;  // nobody asks for those that were empty
+  all.words.fill(~std::uint64_t{0});
+  fills_->set(leaf, place, level, all);
+  return before;
 }
 
-std::optional<std::uint64_t> PreparationProgress::caries_left() const {
+double PreparationProgress::removed_volume(std::size_t tissue) const {
+  return removed_volume(EditCause::kCut, tissue) + removed_volume(EditCause::kLoose, tissue);
+}
+
+std::optional<double> PreparationProgress::caries_left() const {
   if (!caries_label_) return {};
-  return caries_at_start_ - removed_voxels(*caries_label_);
+  return caries_at_start_ - removed_volume(*caries_label_);
 }
 
-std::uint64_t PreparationProgress::pulp_removed() const {
-  return pulp_label_ ? removed_voxels(*pulp_label_) : 0;
+double PreparationProgress::pulp_removed() const {
+  return pulp_label_ ? removed_volume(*pulp_label_) : 0.0;
 }
 
 }  // namespace sulcus

@@ -19,40 +19,51 @@ namespace sulcus {
 /// one that the scene does not name. Used by one thread.
 class PreparationProgress {
  public:
-  /// Walks the volume once where the scene names caries or pulp.
+  /// Walks the volume once where the scene names caries or pulp. Of fractions it keeps a copy.
   PreparationProgress(const VoxelModel& start, std::span<const TissueSettings> tissues);
 
   /// The edits of a run in its order, each of a voxel that was solid. Those of other bodies than
   /// the workpiece are left out.
   void add(const Edit& edit);
 
-  /// Removed voxels of a tissue, by an index into the scene's tissues. `cause`: kCut or kLoose.
+  /// Voxels of a tissue that are gone, by an index into the scene's tissues. `cause`: kCut or
+  /// kLoose.
   std::uint64_t removed_voxels(EditCause cause, std::size_t tissue) const {
     return removed_[static_cast<std::size_t>(cause)][tissue];
   }
-  /// None where the scene names no caries.
-  std::optional<std::uint64_t> caries_left() const;
+  /// What they took up, in voxels: with fractions by what of each was filled, and what was cut of
+  /// those that still stand as well.
+  double removed_volume(EditCause cause, std::size_t tissue) const {
+    return static_cast<double>(removed_levels_[static_cast<std::size_t>(cause)][tissue]) /
+           kFullLevel;
+  }
+  /// In voxels, as above. None where the scene names no caries.
+  std::optional<double> caries_left() const;
 
   /// Whether the scene names a pulp.
   bool has_pulp() const { return pulp_.has_value(); }
   /// The tick of the first edit that removed a voxel of the pulp or one with a face on it.
   std::optional<std::uint64_t> pulp_exposed_tick() const { return pulp_exposed_tick_; }
-  /// 0 where the scene names none.
-  std::uint64_t pulp_removed() const;
+  /// In voxels, as above; 0 where the scene names none.
+  double pulp_removed() const;
   /// As it was at the start; null where the scene names none.
   const VoxelSet* pulp() const { return pulp_ ? &*pulp_ : nullptr; }
 
-  std::size_t memory_bytes() const { return pulp_ ? pulp_->memory_bytes() : 0; }
+  std::size_t memory_bytes() const {
+    return (pulp_ ? pulp_->memory_bytes() : 0) + (fills_ ? fills_->memory_bytes() : 0);
+  }
 
  private:
   bool touches_pulp(const Cell& c, std::uint8_t tissue) const;
-  std::uint64_t removed_voxels(std::size_t tissue) const;
+  double removed_volume(std::size_t tissue) const;
+  FillLevel lower(const Cell& c, FillLevel level);
 
   VoxelGrid grid_;
   std::shared_ptr<const TissueMap> tissues_;
-  std::array<std::vector<std::uint64_t>, 2> removed_;  // by cause, then tissue
+  std::array<std::vector<std::uint64_t>, 2> removed_, removed_levels_;  // by cause, then tissue
+  std::optional<FillMap> fills_;  // as they are now, of what is left
   std::optional<std::size_t> caries_label_, pulp_label_;
-  std::uint64_t caries_at_start_ = 0;
+  double caries_at_start_ = 0.0;
   std::optional<VoxelSet> pulp_;
   std::optional<std::uint64_t> pulp_exposed_tick_;
 };

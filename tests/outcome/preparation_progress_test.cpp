@@ -38,6 +38,40 @@ TEST(PreparationProgress, CountsByCauseAndTissue) {
   EXPECT_EQ(progress.pulp_removed(), 0u);
 }
 
+TEST(PreparationProgress, FractionsCountByWhatOfThemWasFilled) {
+  VoxelModel model = layered_block();
+  const Cell part(2, 3, 20), full(3, 3, 20), deep(10, 3, 4);  // caries twice, pulp
+  LeafLevels page;
+  page.leaf = model.grid.leaf_of(part);
+  page.levels.fill(kFullLevel);
+  page.levels[leaf_place(part)] = 51;
+  model.fills.emplace(model.grid.leaf_count(), std::vector<LeafLevels>{page});
+  PreparationProgress progress(model, kAll);
+  const double caries = 4.0 * 16 * 16 - 0.8;
+  EXPECT_NEAR(*progress.caries_left(), caries, 1e-12);
+  const auto cut_to = [&](const Cell& c, FillLevel level) {
+    Edit edit = test::edit_of(model, c, 3);
+    edit.level = level;
+    progress.add(edit);
+  };
+  cut_to(full, 204);  // a fifth
+  cut_to(full, 102);  // two fifths more
+  cut_to(deep, 153);  // two fifths, in a leaf without a page
+  EXPECT_EQ(progress.removed_voxels(EditCause::kCut, kCaries), 0u);
+  EXPECT_NEAR(progress.removed_volume(EditCause::kCut, kCaries), 0.6, 1e-12);
+  EXPECT_NEAR(progress.pulp_removed(), 0.4, 1e-12);
+  EXPECT_FALSE(progress.pulp_exposed_tick()) << "none is gone";
+  cut_to(part, 0);  // a fifth
+  progress.add(test::edit_of(model, full, 4, EditCause::kLoose));
+  cut_to(deep, 0);
+  EXPECT_EQ(progress.removed_voxels(EditCause::kCut, kCaries), 1u);
+  EXPECT_NEAR(progress.removed_volume(EditCause::kCut, kCaries), 0.8, 1e-12);
+  EXPECT_NEAR(progress.removed_volume(EditCause::kLoose, kCaries), 0.4, 1e-12);
+  EXPECT_NEAR(*progress.caries_left(), caries - 1.2, 1e-12);
+  EXPECT_NEAR(progress.pulp_removed(), 1.0, 1e-12);
+  EXPECT_EQ(progress.pulp_exposed_tick(), 3u);
+}
+
 TEST(PreparationProgress, ThePulpIsExposedByTheFirstVoxelThatLaysOneOfItsFacesOpen) {
   const VoxelModel model = layered_block();
   PreparationProgress progress(model, kAll);

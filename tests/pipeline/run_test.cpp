@@ -46,29 +46,35 @@ TEST(Run, MinimalSceneRunsOnlyThePartsItNeeds) {
 
 TEST(Run, TissuesAreMeasuredByWhatIsFilledAndVoxelsCounted) {
   const ScratchFolder scratch;
-  const std::string scene = scratch.write("s.toml", test::kProbeScene);
-  const auto workpiece_of = [&](const std::string& surface) {
-    const auto result =
-        sulcus_command("run " + scene + " --duration 0.01 --set workpiece.surface=" + surface +
-                           " --set 'workpiece.box.size_mm=[1.93, 1.77, 1.61]'"
-                           " --set 'workpiece.rotation_deg=[0, 0, 17]' -o " +
-                           scratch.path(surface),
-                       scratch.path("err"));
+  const std::string scene = scratch.write("s.toml", test::kProbeScene + "[cutting]\n");
+  const auto summary_with = [&](const std::string& surface) {
+    const auto result = sulcus_command("run " + scene + " --set workpiece.surface=" + surface +
+                                           " --set 'workpiece.box.size_mm=[1.93, 1.77, 1.91]'"
+                                           " --set 'workpiece.rotation_deg=[0, 0, 17]' -o " +
+                                           scratch.path(surface),
+                                       scratch.path("err"));
     EXPECT_EQ(result.status, 0) << result.err;
-    return summary_of(scratch.path(surface))["workpiece"];
+    return summary_of(scratch.path(surface));
   };
-  const auto mm3 = [](const nlohmann::json& workpiece) {
+  const auto mm3 = [](const nlohmann::json& tissues) {
     double sum = 0.0;
-    for (const auto& tissue : workpiece["tissue_mm3"]) sum += tissue.get<double>();
+    for (const auto& tissue : tissues) sum += tissue.get<double>();
     return sum;
   };
-  const auto binary = workpiece_of("binary"), filled = workpiece_of("fractions");
-  const double exact = 1.93 * 1.77 * 1.61, voxel_mm3 = 0.05 * 0.05 * 0.05;
-  EXPECT_NEAR(mm3(filled) / exact, 1.0, 1e-3);
-  EXPECT_GT(std::abs(mm3(binary) / exact - 1.0), 3e-3);
-  EXPECT_NEAR(mm3(binary), binary["solid_voxels"].get<double>() * voxel_mm3, 1e-9);
+  const auto binary = summary_with("binary"), filled = summary_with("fractions");
+  const auto before = filled["workpiece_start"], after = filled["workpiece"];
+  const double exact = 1.93 * 1.77 * 1.91, voxel_mm3 = 0.05 * 0.05 * 0.05;
+  EXPECT_NEAR(mm3(before["tissue_mm3"]) / exact, 1.0, 1e-3);
+  EXPECT_GT(std::abs(mm3(binary["workpiece_start"]["tissue_mm3"]) / exact - 1.0), 3e-3);
+  for (const char* time : {"workpiece_start", "workpiece"}) {
+    EXPECT_NEAR(mm3(binary[time]["tissue_mm3"]),
+                binary[time]["solid_voxels"].get<double>() * voxel_mm3, 1e-9);
+  }
   // More voxels are solid at all.
-  EXPECT_GT(filled["solid_voxels"].get<double>() * voxel_mm3, 1.03 * exact);
+  EXPECT_GT(before["solid_voxels"].get<double>() * voxel_mm3, 1.03 * exact);
+  const double removed = mm3(filled["outcome"]["removed_mm3"]["cut"]);
+  EXPECT_GT(removed, 1e-3);
+  EXPECT_NEAR(mm3(before["tissue_mm3"]) - mm3(after["tissue_mm3"]), removed, 1e-9);
 }
 
 TEST(Run, NamedPartsAreListedWithTheirMemory) {
