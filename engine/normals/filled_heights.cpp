@@ -9,16 +9,7 @@ namespace sulcus {
 
 namespace {
 
-constexpr int kReach = 15;  // voxels above and below that a map's windows hold
-
-constexpr std::array<std::uint8_t, kFullLevel + 1> kParts = [] {
-  std::array<std::uint8_t, kFullLevel + 1> parts{};
-  for (int level = 0; level <= kFullLevel; ++level) {
-    parts[static_cast<std::size_t>(level)] =
-        static_cast<std::uint8_t>((level * kHeightParts + kFullLevel / 2) / kFullLevel);
-  }
-  return parts;
-}();
+static_assert(kHeightParts == kFullLevel);
 
 /// Reads levels voxel by voxel, mostly of one leaf.
 class LevelReader {
@@ -60,14 +51,13 @@ class LevelReader {
 std::int16_t lack_of(LevelReader& levels, Cell at, int axis, int inward, int most) noexcept {
   int lack = 0, before = 0;
   for (int n = 0; n < most; ++n) {
-    const FillLevel level = levels.at(at.x(), at.y(), at.z());
-    const int parts = kParts[level];
+    const int parts = levels.at(at.x(), at.y(), at.z());
     if (parts == kHeightParts) return static_cast<std::int16_t>(lack);
     if (parts < before) {
       // A wall that no voxel of is full: what its fullest lacks is halved between the sides.
       return static_cast<std::int16_t>(lack - (kHeightParts - before) / 2);
     }
-    if (level == 0) break;
+    if (parts == 0) break;
     lack += kHeightParts - parts;
     before = parts;
     at[axis] += inward;

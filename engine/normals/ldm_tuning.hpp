@@ -117,7 +117,7 @@ inline constexpr float kScorePerBehind = 0.1f, kScorePerRadius = 0.05f;
 inline constexpr float kSecondAxis = 0.55f;
 
 // --- Fractions ----------------------------------------------------------------------------------
-// Rounded to 1/64, heights of a plane scatter by 0.005 and up to 0.015.
+// Rounded to 1/255, heights of a plane scatter by 0.001 to 0.002.
 
 /// Largest residual, across the surface, of what explains a whole map, a ball, a side; or so many
 /// times the noise of the heights [m: torus 0.19 degrees with 0.08, 0.11 with 0.03].

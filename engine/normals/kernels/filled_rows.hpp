@@ -67,6 +67,8 @@ inline std::uint32_t fill_rows(const HeightMap& traced, std::uint32_t rows, cons
 
 inline void filled_sums(const FilledMap& map, const QuadricFilter& filter,
                         std::int64_t* sums) noexcept {
+  // Up to this neighbourhood the sums of a row stay below 2^31.
+  constexpr int kMostNarrow = 10;
   const int lanes = map.lanes;
   const std::int16_t centre = map.height.begin()[map.ns * lanes + lanes / 2];
   for (int f = 0; f < kQuadric; ++f) sums[f] = 0;
@@ -79,9 +81,13 @@ inline void filled_sums(const FilledMap& map, const QuadricFilter& filter,
     }
     for (int f = 0; f < kQuadric; ++f) {
       const std::int16_t* factors = filter.coefficient.begin()[f].begin() + row * lanes;
-      std::int32_t sum = 0;  // of a row it stays below 2^31 at every neighbourhood
-      for (int lane = 0; lane < lanes; ++lane) sum += factors[lane] * above[lane];
-      sums[f] += sum;
+      if (map.ns <= kMostNarrow) {
+        std::int32_t sum = 0;
+        for (int lane = 0; lane < lanes; ++lane) sum += factors[lane] * above[lane];
+        sums[f] += sum;
+      } else {
+        for (int lane = 0; lane < lanes; ++lane) sums[f] += factors[lane] * above[lane];
+      }
     }
   }
 }
