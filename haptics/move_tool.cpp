@@ -86,8 +86,10 @@ void follow_load(const TickContext& context, const DeviceReading& device, Simula
   Pose tool = device.pose;
   const TrajectorySettings& settings = context.scene.trajectory;
   const Eigen::Vector3d& along = settings.load_direction;
+  // On binary voxels the force itself is no more even than 1 %.
+  const double tolerance = state.workpiece().solid.has_fills() ? 0.001 : 0.01;
   const LoadSearch search{*settings.load_N, 0.5 * voxel_m_of(state),
-                          kFastestAdvance_m_per_s / context.scene.haptics.rate_hz};
+                          kFastestAdvance_m_per_s / context.scene.haptics.rate_hz, tolerance};
   const auto evaluate = [&](double offset_m, Outputs outputs) {
     tool.position = device.pose.position + offset_m * along;
     const ContactResult& contact = result.contact =

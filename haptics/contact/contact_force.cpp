@@ -45,7 +45,8 @@ double divisor_of(Scaling scaling, const MeasureSums& all) noexcept {
 double contact_reach_m(const Workpiece& workpiece, Scaling scaling, Outputs outputs) noexcept {
   const double voxel_m = workpiece.grid().voxel_m;
   if (scaling == Scaling::kPotential) return voxel_m;
-  if (scaling != Scaling::kSmooth) return 0.0;
+  // A voxel with fractions may have its centre outside of its surface.
+  if (scaling != Scaling::kSmooth) return workpiece.has_fills() ? voxel_m : 0.0;
   return (outputs == Outputs::kCoupling ? 2.0 : 1.0) * voxel_m;
 }
 
@@ -53,9 +54,10 @@ ContactForce::ContactForce(const Workpiece& workpiece, const ContactQuery& query
     : query_(query),
       frame_(workpiece.grid(), query.burr.field, query.world_from_tool, query.burr.reference_m) {
   const Scaling scaling = query.settings.scaling;
-  settings_.at_surface = scaling == Scaling::kSmooth;
+  settings_.weighs_depth = scaling == Scaling::kSmooth;
+  settings_.at_surface = settings_.weighs_depth || workpiece.has_fills();
   settings_.fade_below = kFadeBelow;
-  if (settings_.at_surface && query.outputs == Outputs::kCoupling) {
+  if (settings_.weighs_depth && query.outputs == Outputs::kCoupling) {
     settings_.spread_reach_m =
         static_cast<float>(contact_reach_m(workpiece, scaling, query.outputs));
   }

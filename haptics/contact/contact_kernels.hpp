@@ -33,8 +33,9 @@ inline constexpr std::size_t kCachedBlock = 64;
 
 /// How a contact's depth and weight are measured.
 struct ForceSettings {
-  bool at_surface = false;  // depth at the fitted surface point, and weights: Scaling::kSmooth
-  float fade_below = 0.0f;  // cosine between the normal and the tool's
+  bool at_surface = false;    // depth at the fitted surface point: Scaling::kSmooth, and fractions
+  bool weighs_depth = false;  // weights by depth: Scaling::kSmooth; only with `at_surface`
+  float fade_below = 0.0f;    // cosine between the normal and the tool's
   // Distance from the burr within which normals count for the spread; 0: it is not wanted. Only
   // with `at_surface`.
   float spread_reach_m = 0.0f;

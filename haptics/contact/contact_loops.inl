@@ -276,7 +276,8 @@ inline void measure_all(const ContactFrame& frame, const ForceSettings& settings
       along = where(known | tells, along);
       if (settings.at_surface) {
         const Lanes fade = smaller(Lanes{} + 1.0f, cosine * full_cosine);
-        weight = where(there & (depth > 0.0f) & (cosine > 0.0f), depth * per_voxel * fade);
+        const Lanes share = settings.weighs_depth ? depth * per_voxel * fade : Lanes{} + 1.0f;
+        weight = where(there & (depth > 0.0f) & (cosine > 0.0f), share);
         if (spreads) {
           store3(away * turned, contacts, Contacts::kToolNormal, k);
           const Lanes reached =
