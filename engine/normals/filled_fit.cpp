@@ -164,7 +164,9 @@ void FilledFitter::fit_sides(std::span<const MapSide> sides, float tolerance,
   const MapKernels& kernels = map_kernels();
   const TiltedFrame& f = frame_;
   std::array<SidePoints, TiltedGroup::kSize> taken;
-  for (TiltedPoints& points : of_sides_) copy_points(all_, points);
+  for (TiltedPoints& points : std::span(of_sides_).first(std::min(taken.size(), sides.size()))) {
+    copy_points(all_, points);
+  }
   for (std::size_t first = 0; first < sides.size(); first += taken.size()) {
     const std::size_t count = std::min(taken.size(), sides.size() - first);
     TiltedMoments moments;

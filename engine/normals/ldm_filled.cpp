@@ -167,24 +167,34 @@ class FilledEstimator {
     fitter_.gather(map_, normal, kFilledSideRadii[0]);
     std::array<SideFit, kSides> fits;
     fitter_.fit_sides(kAllSides, tolerance_, fits);
+    float nearest = std::numeric_limits<float>::infinity();
+    for (const SideFit& fit : fits) {
+      if (fit.explains == SideFit::Explains::kAll && may_be_face(fit.point, normal)) {
+        nearest = std::min(nearest, std::abs(fit.point.closest.offset));
+      }
+    }
     for (std::size_t n = 0; n < kSides; ++n) {
       SideFit& fit = fits[n];
       // What curves is a quadric in its own frame, which is far from the coarse normal's.
-      for (const float radius : kFilledSideRadii) {
-        if (fit.explains != SideFit::Explains::kNearly) break;
-        fitter_.gather(map_, normal_of(fit.point), radius);
-        SideFit again;
-        fitter_.fit_sides({&kAllSides[n], 1}, tolerance_, {&again, 1});
-        if (again.explains != SideFit::Explains::kNothing) fit = again;
-      }
-      if (fit.explains != SideFit::Explains::kAll) continue;
-      const ClosestPoint& c = fit.point.closest;
-      if (c.normal_z < kLeastFilledCosine ||
-          normal_of(fit.point).dot(normal) < kLeastFilledCosineToCoarse) {
-        continue;
-      }
-      candidates_[candidate_count_++] = {estimate_of(fit.point, axes), std::abs(c.offset)};
+      if (std::abs(fit.point.closest.offset) < nearest + kRefittedWithin) refit(kAllSides[n], fit);
+      if (fit.explains != SideFit::Explains::kAll || !may_be_face(fit.point, normal)) continue;
+      candidates_[candidate_count_++] = {estimate_of(fit.point, axes),
+                                         std::abs(fit.point.closest.offset)};
     }
+  }
+  /// By the largest part of a ball that is explained in the frame of what nearly was.
+  void refit(const MapSide& side, SideFit& fit) noexcept {
+    for (const float radius : kFilledSideRadii) {
+      if (fit.explains != SideFit::Explains::kNearly) return;
+      fitter_.gather(map_, normal_of(fit.point), radius);
+      SideFit again;
+      fitter_.fit_sides({&side, 1}, tolerance_, {&again, 1});
+      if (again.explains != SideFit::Explains::kNothing) fit = again;
+    }
+  }
+  static bool may_be_face(const FilledPoint& point, const Vector3f& coarse) noexcept {
+    return point.closest.normal_z >= kLeastFilledCosine &&
+           normal_of(point).dot(coarse) >= kLeastFilledCosineToCoarse;
   }
   static Vector3f normal_of(const FilledPoint& point) {
     return {point.closest.normal_x, point.closest.normal_y, point.closest.normal_z};

@@ -128,7 +128,8 @@ inline constexpr float kFilledBallRadii[] = {6.0f, 5.0f, 4.2f, 3.4f, 2.6f};
 /// Sides of balls: radius, fewest points of a plane, and how far they must reach across the rim:
 /// the one or two columns that an edge goes through look like a plane of their own [m: edges of the
 /// cube 8 degrees without, 1 with].
-inline constexpr float kFilledSideRadii[] = {5.5f, 3.8f}, kNearlyExplained = 0.5f;
+inline constexpr float kFilledSideRadii[] = {5.5f, 3.8f}, kNearlyExplained = 0.5f,
+                       kRefittedWithin = 0.2f;
 inline constexpr float kLeastPlaneWidth = 2.9f, kLeastQuadricWidth = 4.5f;
 inline constexpr int kFewestPointsOnSide = 7;
 /// Least cosines of a face to its columns and to the coarse normal, and least component of the
