@@ -67,12 +67,13 @@ std::optional<FilledPoint> fit_whole_filled(const FilledMap& map, float toleranc
   ColumnQuadric surface = column_quadric(fitted, filter.answers, 1.0f);
   const float cosine =
       1.0f / std::sqrt(1.0f + (surface.c[1] * surface.c[1] + surface.c[2] * surface.c[2]));
-  if (!(kernels.filled_residual(map, surface) * cosine <= tolerance)) return {};
-  const float residual = static_cast<float>(map.at(0, 0)) * kPerPart - surface.c[0];
+  const float left = kernels.filled_residual(map, surface) * cosine;
+  if (!(left <= tolerance)) return {};
+  const float own = static_cast<float>(map.at(0, 0)) * kPerPart - surface.c[0];
   // A column's mean height is above that at its middle by 1/24 of the second derivatives.
   surface.c[0] -= (surface.c[3] + surface.c[5]) * (1.0f / 12.0f);
   const ClosestPoint closest = closest_point_of(surface);
-  return FilledPoint{closest, closest.offset + residual * closest.normal_z};
+  return FilledPoint{closest, closest.offset + own * closest.normal_z, left};
 }
 
 float height_noise(const FilledMap& map, float least) noexcept {
@@ -122,7 +123,7 @@ void FilledFitter::gather(const FilledMap& map, const Eigen::Vector3f& normal,
 }
 
 /// In map space and voxels, of a quadric in the frame in units of its radius.
-FilledPoint FilledFitter::nearest_on(const Quadric& c) const noexcept {
+FilledPoint FilledFitter::nearest_on(const Quadric& c, float residual_of_fit) const noexcept {
   const TiltedFrame& f = frame_;
   const ClosestPoint p = nearest_of(c);
   const auto along = [&](std::size_t a) {
@@ -138,7 +139,8 @@ FilledPoint FilledFitter::nearest_on(const Quadric& c) const noexcept {
         c[0] + (c[1] * u + c[2] * w) + ((c[3] * u * u + c[5] * w * w) + c[4] * (u * w));
     own_offset += (in_frame(f.n) - fitted) * p.normal_z;
   }
-  return {{along(0), along(1), along(2), p.offset * f.radius}, own_offset * f.radius};
+  return {
+      {along(0), along(1), along(2), p.offset * f.radius}, own_offset * f.radius, residual_of_fit};
 }
 
 float FilledFitter::residual(const Quadric& quadric, const TiltedPoints& points) const noexcept {
@@ -155,8 +157,11 @@ std::optional<FilledPoint> FilledFitter::fit_ball(float tolerance) noexcept {
   group_.put_frame(0, frame_);
   group_.put_moments(0, moments);
   kernels.solve_points(group_);
-  if (group_.has_quadric[0] == 0 || !(residual(group_.quadric_at(0), all_) <= tolerance)) return {};
-  return nearest_on(group_.quadric_at(0));
+  if (group_.has_quadric[0] == 0) return {};
+  const Quadric surface = group_.quadric_at(0);
+  const float left = residual(surface, all_);
+  if (!(left <= tolerance)) return {};
+  return nearest_on(surface, left);
 }
 
 void FilledFitter::fit_sides(std::span<const MapSide> sides, float tolerance,
@@ -192,7 +197,7 @@ void FilledFitter::fit_sides(std::span<const MapSide> sides, float tolerance,
         if (!(left <= least)) return;
         least = left;
         fit = {left <= tolerance ? SideFit::Explains::kAll : SideFit::Explains::kNearly,
-               nearest_on(surface)};
+               nearest_on(surface, left)};
       };
       if (group_.has_quadric[k] != 0 && taken[k].count >= kFewestPointsInBall &&
           taken[k].width >= kLeastQuadricWidth) {

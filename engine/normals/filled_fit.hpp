@@ -19,6 +19,7 @@ namespace sulcus {
 struct FilledPoint {
   ClosestPoint closest;
   float own_offset = 0.0f;
+  float residual = 0.0f;  // of the points that it was fitted to, the largest, voxels
 };
 
 /// What was fitted to the points over a side.
@@ -51,7 +52,7 @@ class FilledFitter {
   void fit_sides(std::span<const MapSide> sides, float tolerance, std::span<SideFit> fits) noexcept;
 
  private:
-  FilledPoint nearest_on(const Quadric& quadric) const noexcept;
+  FilledPoint nearest_on(const Quadric& quadric, float residual_of_fit) const noexcept;
   /// Largest residual, voxels.
   float residual(const Quadric& quadric, const TiltedPoints& points) const noexcept;
 

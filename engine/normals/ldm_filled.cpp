@@ -89,7 +89,11 @@ class FilledEstimator {
     // What neither a ball nor a side explains: the least squares of all of a ball.
     std::optional<SurfaceEstimate> rough;
     fitter_.gather(map_, normal, kRoughRadius);
-    if (const auto point = fitter_.fit_ball(kAnyResidual)) rough = estimate_of(*point, axes);
+    at_edge_ = true;
+    if (const auto point = fitter_.fit_ball(kAnyResidual)) {
+      rough = estimate_of(*point, axes);
+      at_edge_ = point->residual > kEdgeResidual;
+    }
     found = nearest_face(k, axes, coarse, hint);
     if (holds(found)) return *found;
     if (!holds(rough)) rough = last_resort(coarse, hint, 0);
@@ -177,9 +181,13 @@ class FilledEstimator {
       SideFit& fit = fits[n];
       // What curves is a quadric in its own frame, which is far from the coarse normal's.
       if (std::abs(fit.point.closest.offset) < nearest + kRefittedWithin) refit(kAllSides[n], fit);
-      if (fit.explains != SideFit::Explains::kAll || !may_be_face(fit.point, normal)) continue;
-      candidates_[candidate_count_++] = {estimate_of(fit.point, axes),
-                                         std::abs(fit.point.closest.offset)};
+      if (!may_be_face(fit.point, normal)) continue;
+      const float away = std::abs(fit.point.closest.offset);
+      if (fit.explains == SideFit::Explains::kAll) {
+        candidates_[candidate_count_++] = {estimate_of(fit.point, axes), away};
+      } else if (fit.explains == SideFit::Explains::kNearly && at_edge_) {
+        candidates_[candidate_count_++] = {estimate_of(fit.point, axes), away + kOnlyNearly};
+      }
     }
   }
   /// By the largest part of a ball that is explained in the frame of what nearly was.
@@ -205,6 +213,7 @@ class FilledEstimator {
   FilledMap map_;
   FilledFitter fitter_;
   float tolerance_ = 0.0f;
+  bool at_edge_ = false;  // what nothing explains is no rough surface
   std::array<Candidate, 3 * kSides> candidates_;
   std::size_t candidate_count_ = 0;
   std::uint8_t windows_ = 0;  // of the maps that nearest_face looked at

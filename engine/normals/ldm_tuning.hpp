@@ -128,7 +128,7 @@ inline constexpr float kFilledBallRadii[] = {6.0f, 5.0f, 4.2f, 3.4f, 2.6f};
 /// Sides of balls: radius, fewest points of a plane, and how far they must reach across the rim:
 /// the one or two columns that an edge goes through look like a plane of their own [m: edges of the
 /// cube 8 degrees without, 1 with].
-inline constexpr float kFilledSideRadii[] = {5.5f, 3.8f}, kNearlyExplained = 0.5f,
+inline constexpr float kFilledSideRadii[] = {5.5f, 3.8f}, kNearlyExplained = 0.4f,
                        kRefittedWithin = 0.2f;
 inline constexpr float kLeastPlaneWidth = 2.9f, kLeastQuadricWidth = 4.5f;
 inline constexpr int kFewestPointsOnSide = 7;
@@ -137,7 +137,10 @@ inline constexpr int kFewestPointsOnSide = 7;
 inline constexpr float kLeastFilledCosine = 0.15f, kLeastFilledCosineToCoarse = 0.3f,
                        kOtherAxis = 0.2f;
 /// Ball of what nothing explains: where a cut is rough, and where walls are thin.
-inline constexpr float kRoughRadius = 4.2f, kAnyResidual = 1e9f;
+/// From this residual on it is an edge, and a side that is nearly explained is the better face,
+/// after all that are [m: rim of the cut molar 17 degrees without, 13 with it].
+inline constexpr float kRoughRadius = 4.2f, kAnyResidual = 1e9f, kEdgeResidual = 0.6f,
+                       kOnlyNearly = 10.0f;
 /// Faces are equally near within the heights' noise.
 inline constexpr float kEqualFace = 1e-3f;
 
