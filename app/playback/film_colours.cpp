@@ -17,7 +17,7 @@ namespace {
 VoxelSet removed_voxels(const VoxelGrid& grid, std::span<const Edit> edits) {
   VoxelSet removed(grid);
   for (const Edit& edit : edits) {
-    if (edit.body == 0) removed.insert(grid.cell_of_linear(edit.voxel));
+    if (edit.body == 0 && edit.is_gone()) removed.insert(grid.cell_of_linear(edit.voxel));
   }
   return removed;
 }

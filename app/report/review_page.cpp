@@ -187,7 +187,7 @@ std::optional<Section> section_of_cut(const RecordedFilm& film, std::span<const 
   std::size_t count = 0;
   const VoxelGrid& grid = film.model().grid;
   for (const Edit& edit : edits) {
-    if (edit.body != 0 || edit.cause != EditCause::kCut) continue;
+    if (edit.body != 0 || edit.cause != EditCause::kCut || !edit.is_gone()) continue;
     sum += grid.world_from_index(grid.cell_of_linear(edit.voxel).cast<double>()).y();
     ++count;
   }

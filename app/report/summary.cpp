@@ -338,8 +338,10 @@ nlohmann::ordered_json make_summary(const Simulation& simulation, const SessionR
   add_times(scene, result, j);
   add_contact(s, j);
   j["removed_voxels"] = s.removed;
-  j["removed_mm3"] = removed_json(simulation.state().workpiece().removal,
-                                  simulation.workpiece().grid(), scene.tissues);
+  j["removed_mm3"] = simulation.workpiece().has_fills() && result.outcome
+                         ? outcome_json(scene, *result.outcome)["removed_mm3"]["cut"]
+                         : removed_json(simulation.state().workpiece().removal,
+                                        simulation.workpiece().grid(), scene.tissues);
   if (const Body& body = simulation.state().workpiece(); body.removal) {
     j["tissue_energy_J"] = tissue_energy_json(body, scene.tissues);
   }

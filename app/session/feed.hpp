@@ -41,6 +41,10 @@ struct TickReport {
   PortRecord port;
   std::array<float, kStageCount> stage_us{};
   std::uint64_t loose_left = 0;  // voxels of loose pieces that have left, or were gone: so far
+  std::uint64_t fills_end = 0;   // edits up to and with this tick that lowered a level
+
+  /// All edits up to and with this tick.
+  std::uint64_t all_edits_end() const { return record.edits_end + fills_end; }
 };
 
 /// A piece that was cut loose: that it is one, or how far it has moved.

@@ -67,9 +67,7 @@ FrameHistory::FrameHistory(const Scene& scene, const VoxelModel& start, const Ea
 
 void FrameHistory::add(const Edit& edit) {
   if (progress_) progress_->add(edit);
-  if (!edit.is_gone()) return;
-  if (edit.body > 0) ++damage_[edit.body - 1u].removed;
-  if (edit.body == 0) ++removed_;
+  if (edit.body > 0 && edit.is_gone()) ++damage_[edit.body - 1u].removed;
 }
 
 std::vector<OutcomeLine> FrameHistory::outcome() const {
@@ -162,7 +160,7 @@ FrameState FrameHistory::state() const {
   }
   state.contacts = latest_.contacts;
   state.tick_us = latest_.step_us;
-  state.removed_mm3 = static_cast<double>(removed_) * voxel_mm3_;
+  if (progress_) state.removed_mm3 = progress_->removed_volume() * voxel_mm3_;
   state.outcome = outcome();
   for (std::size_t s = 0; timed_ && s < stage_us_.size(); ++s) {
     if (Stage(s) == Stage::kRemoval && !cutting_) continue;  // was not there

@@ -53,7 +53,6 @@ class FrameHistory {
   double dt_s_, set_speed_rad_per_s_, turn_rad_ = 0.0;  // of the spindle
   double voxel_mm3_;
   TickRecord latest_;
-  std::uint64_t removed_ = 0;                    // of the workpiece, cut and come loose
   std::optional<PreparationProgress> progress_;  // with [cutting]
   struct Damage {
     std::string name;

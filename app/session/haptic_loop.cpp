@@ -199,8 +199,9 @@ TickReport HapticLoop::step(std::span<const std::uint32_t> loose, float late_us)
 
 void HapticLoop::publish(TickReport& report) {
   const auto edits = simulation_.edits();
-  edits_ += edits.size();
-  report.record.edits_end = edits_;
+  const auto gone = static_cast<std::uint64_t>(std::ranges::count_if(edits, &Edit::is_gone));
+  report.record.edits_end = edits_ += gone;
+  report.fills_end = fills_ += edits.size() - gone;
   seal(report.record);
   seal(report.cutting);
   seal(report.port);

@@ -88,7 +88,7 @@ class HapticLoop {
   PiecesThread* pieces_;
   LooseSchedule loose_;
   Pacer pacer_;
-  std::uint64_t done_ = 0, edits_ = 0;
+  std::uint64_t done_ = 0, edits_ = 0, fills_ = 0;
   std::vector<std::string> refused_;
   FirstFailure failure_;
   std::atomic<bool> stop_{false};

@@ -32,8 +32,8 @@ class LiveFilm {
   std::optional<TickReport> take() {
     TickReport report;
     if (!feed_.reports.try_dequeue(report)) return {};
-    for (Edit edit; edits_taken_ < report.record.edits_end && feed_.edits.try_dequeue(edit);) {
-      removed_[edit.body].push_back(edit.voxel);
+    for (Edit edit; edits_taken_ < report.all_edits_end() && feed_.edits.try_dequeue(edit);) {
+      if (edit.is_gone()) removed_[edit.body].push_back(edit.voxel);
       history_.add(edit);
       ++edits_taken_;
     }

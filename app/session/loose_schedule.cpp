@@ -8,7 +8,7 @@ namespace sulcus {
 std::optional<LooseAnswer> LooseFinder::add_tick(std::uint64_t tick, std::span<const Edit> edits) {
   removed_.clear();
   for (const Edit& edit : edits) {
-    if (edit.body == 0) removed_.push_back(edit.voxel);
+    if (edit.body == 0 && edit.is_gone()) removed_.push_back(edit.voxel);
   }
   pieces_.remove(removed_);
   if (!asks_after(tick)) return {};

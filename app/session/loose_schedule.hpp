@@ -35,16 +35,21 @@ struct LooseAnswer {
 /// Searches a copy of the workpiece. Free of threads: one at a time uses it.
 class LooseFinder {
  public:
-  explicit LooseFinder(VoxelModel start) : pieces_(std::move(start)) {}
+  explicit LooseFinder(VoxelModel start) : pieces_(without_fills(std::move(start))) {}
 
-  /// The edits of a tick, each once, in their order; those of other bodies than the workpiece are
-  /// skipped. The answer where it is asked after the tick.
+  /// The edits of a tick, each once, in their order; those of other bodies than the workpiece and
+  /// of voxels that are still there are skipped. The answer where it is asked after the tick.
   std::optional<LooseAnswer> add_tick(std::uint64_t tick, std::span<const Edit> edits);
   /// What stays.
   const VoxelModel& model() const { return pieces_.model(); }
   std::size_t memory_bytes() const { return pieces_.memory_bytes(); }
 
  private:
+  static VoxelModel without_fills(VoxelModel model) {
+    model.fills.reset();  // whether a voxel is there is all that is asked
+    return model;
+  }
+
   LoosePieces pieces_;
   std::vector<std::uint32_t> removed_;  // of a tick
 };

@@ -11,6 +11,12 @@ namespace {
 
 constexpr std::uint64_t kPublishEvery = 10;  // ticks between the poses of a piece that moves
 
+/// Whether a voxel is there is all that is asked of them.
+std::vector<VoxelModel> without_fills(std::vector<VoxelModel> bodies) {
+  for (VoxelModel& body : bodies) body.fills.reset();
+  return bodies;
+}
+
 }  // namespace
 
 PiecesThread::PiecesThread(Feed& feed, std::vector<PieceFeed*> followers,
@@ -18,7 +24,8 @@ PiecesThread::PiecesThread(Feed& feed, std::vector<PieceFeed*> followers,
     : feed_(feed),
       followers_(std::move(followers)),
       scene_(simulation.scene()),
-      bodies_(simulation.other_bodies()),
+      bodies_(without_fills(simulation.other_bodies())),
+      levels_(simulation.workpiece().model()),
       finder_(simulation.workpiece().model()),
       world_(finder_.model().grid, *scene_.loose_pieces, still_bodies()),
       thread_(feed) {
@@ -43,7 +50,7 @@ void PiecesThread::drain() {
   for (TickReport report; feed_.reports.try_dequeue(report);) {
     const std::uint64_t begin = thread_cpu_ns();
     edits_.clear();
-    for (Edit edit; edits_taken_ < report.record.edits_end && feed_.edits.try_dequeue(edit);) {
+    for (Edit edit; edits_taken_ < report.all_edits_end() && feed_.edits.try_dequeue(edit);) {
       edits_.push_back(edit);
       ++edits_taken_;
     }
@@ -53,7 +60,7 @@ void PiecesThread::drain() {
 }
 
 void PiecesThread::end() {
-  memory_bytes_ = finder_.memory_bytes() + world_.memory_bytes();
+  memory_bytes_ = finder_.memory_bytes() + world_.memory_bytes() + levels_.memory_bytes();
   for (const VoxelModel& body : bodies_) memory_bytes_ += body.leaves.capacity() * sizeof(LeafBits);
   for (PieceFeed* follower : followers_) follower->ticks_done = PieceFeed::kAllTicks;
 }
@@ -61,14 +68,18 @@ void PiecesThread::end() {
 void PiecesThread::add_tick(const TickReport& report, std::span<const Edit> edits) {
   const std::uint64_t tick = report.record.tick;
   for (const Edit& edit : edits) {
-    if (edit.cause == EditCause::kLoose) note_loose(edit.voxel);
+    if (edit.cause == EditCause::kLoose) {
+      note_loose(edit);
+    } else if (edit.body == 0) {
+      (void)levels_.before(edit);
+    }
   }
   if (std::optional<LooseAnswer> answer = finder_.add_tick(tick, edits)) {
     auto first = answer->voxels.begin();
     for (const std::size_t end : answer->ends) {
       const auto last = answer->voxels.begin() + static_cast<std::ptrdiff_t>(end);
       leaving_end_ += static_cast<std::uint64_t>(last - first);
-      leaving_.push_back({{first, last}, 0, leaving_end_, {}, 0});
+      leaving_.push_back({{first, last}, 0, leaving_end_, {}, 0, 0});
       first = last;
     }
     answers_.enqueue(std::move(*answer));
@@ -90,11 +101,12 @@ std::vector<DebrisWorld::StillBody> PiecesThread::still_bodies() const {
   return still;
 }
 
-/// What was cut may have held a piece.
+/// What was cut may have held a piece; a voxel that is still there holds on.
 void PiecesThread::apply(std::span<const Edit> edits) {
   Eigen::AlignedBox3d cut;
   double edge_m = finder_.model().grid.voxel_m;
   for (const Edit& edit : edits) {
+    if (!edit.is_gone()) continue;
     if (edit.body == 0) {
       const VoxelGrid& grid = finder_.model().grid;
       cut.extend(grid.centre_world(grid.cell_of_linear(edit.voxel)));
@@ -106,17 +118,19 @@ void PiecesThread::apply(std::span<const Edit> edits) {
     edge_m = std::max(edge_m, body.grid.voxel_m);
     cut.extend(scene_.bodies[edit.body - 1u].world_from_grid.point(body.grid.centre_world(cell)));
   }
-  if (world_.size() > 0) world_.wake(cut, edge_m);
+  if (world_.size() > 0 && !cut.isEmpty()) world_.wake(cut, edge_m);
 }
 
-void PiecesThread::note_loose(std::uint32_t voxel) {
-  const std::uint64_t edit = loose_edits_++;
+void PiecesThread::note_loose(const Edit& edit) {
+  const std::uint64_t number = loose_edits_++;
+  const FillLevel level = levels_.before(edit);
   // They come in the order of the pieces; those that were cut meanwhile do not come.
   for (Leaving& piece : leaving_) {
     while (piece.next < piece.voxels.size()) {
-      if (piece.voxels[piece.next++] != voxel) continue;
-      if (piece.gone.empty()) piece.first_loose_edit = edit;
-      piece.gone.push_back(voxel);
+      if (piece.voxels[piece.next++] != edit.voxel) continue;
+      if (piece.gone.empty()) piece.first_loose_edit = number;
+      piece.gone.push_back(edit.voxel);
+      piece.levels += level;
       return;
     }
   }
@@ -124,7 +138,7 @@ void PiecesThread::note_loose(std::uint32_t voxel) {
 
 void PiecesThread::free_piece(const Leaving& piece, std::uint64_t tick) {
   const double volume_m3 =
-      static_cast<double>(piece.gone.size()) * finder_.model().grid.voxel_volume_m3();
+      static_cast<double>(piece.levels) / kFullLevel * finder_.model().grid.voxel_volume_m3();
   if (piece.gone.empty() || volume_m3 < scene_.loose_pieces->smallest_m3) return;
   PieceNews news;
   news.tick = tick;

@@ -10,6 +10,7 @@
 #include "app/session/loose_schedule.hpp"
 #include "app/session/simulation.hpp"
 #include "engine/bodies/debris_world.hpp"
+#include "engine/volume/level_changes.hpp"
 
 namespace sulcus {
 
@@ -40,6 +41,7 @@ class PiecesThread {
     std::size_t next = 0;                // that may come
     std::uint64_t end = 0;               // voxels that have left once it has
     std::vector<std::uint32_t> gone;     // its voxels that were not cut before
+    std::uint64_t levels = 0;            // that they were filled up to, their sum
     std::uint64_t first_loose_edit = 0;  // number of its first among the edits of loose voxels
   };
 
@@ -47,7 +49,7 @@ class PiecesThread {
   void end();
   void add_tick(const TickReport& report, std::span<const Edit> edits);
   std::vector<DebrisWorld::StillBody> still_bodies() const;
-  void note_loose(std::uint32_t voxel);
+  void note_loose(const Edit& edit);
   void apply(std::span<const Edit> edits);
   void free_piece(const Leaving& piece, std::uint64_t tick);
   void publish(const PieceNews& news);
@@ -56,7 +58,8 @@ class PiecesThread {
   Feed& feed_;
   std::vector<PieceFeed*> followers_;
   const Scene& scene_;
-  std::vector<VoxelModel> bodies_;  // besides the workpiece, as they are now
+  std::vector<VoxelModel> bodies_;  // besides the workpiece, as they are now, without fractions
+  LevelChanges levels_;             // of the workpiece
   LooseFinder finder_;
   DebrisWorld world_;
   Queue<LooseAnswer> answers_;

@@ -32,7 +32,7 @@ PreparationOutcome::PreparationOutcome(const VoxelModel& start,
 void PreparationOutcome::add(const Edit& edit) {
   if (edit.body != 0) return;
   progress_.add(edit);
-  removed_.insert(removed_.grid().cell_of_linear(edit.voxel));
+  if (edit.is_gone()) removed_.insert(removed_.grid().cell_of_linear(edit.voxel));
 }
 
 std::optional<double> PreparationOutcome::wall_over_pulp_m() const {

@@ -31,7 +31,7 @@ PreparationProgress::PreparationProgress(const VoxelModel& start,
                                          std::span<const TissueSettings> tissues)
     : grid_(start.grid),
       tissues_(start.tissues),
-      fills_(start.fills),
+      levels_(start),
       caries_label_(label_of("caries", tissues)),
       pulp_label_(label_of("pulp", tissues)) {
   removed_.fill(std::vector<std::uint64_t>(tissues.size()));
@@ -48,7 +48,7 @@ void PreparationProgress::add(const Edit& edit) {
   const Cell c = grid_.cell_of_linear(edit.voxel);
   const std::uint8_t tissue = tissues_ ? tissues_->label(grid_.leaf_of(c), c) : std::uint8_t{0};
   const std::size_t cause = edit.cause == EditCause::kCut ? 0 : 1;
-  removed_levels_[cause][tissue] += static_cast<std::uint64_t>(lower(c, edit.level) - edit.level);
+  removed_levels_[cause][tissue] += std::uint64_t{levels_.before(edit)} - edit.level;
   if (!edit.is_gone()) return;
   ++removed_[cause][tissue];
   if (pulp_ && !pulp_exposed_tick_ && touches_pulp(c, tissue)) pulp_exposed_tick_ = edit.tick;
@@ -63,20 +63,12 @@ bool PreparationProgress::touches_pulp(const Cell& c, std::uint8_t tissue) const
   return false;
 }
 
-/// Returns what it was before.
-FillLevel PreparationProgress::lower(const Cell& c, FillLevel level) {
-  if (!fills_) return kFullLevel;
-  const std::uint32_t leaf = grid_.leaf_of(c);
-  const int place = leaf_place(c);
-  const FillLevel before = fills_->level(leaf, place);
-  constexpr std::uint32_t kMorePages = 256;
-  if (!fills_->page(leaf) && !fills_->has_room()) {
-    fills_->reserve(std::max(kMorePages, static_cast<std::uint32_t>(fills_->pages().size() / 2)));
+double PreparationProgress::removed_volume() const {
+  double volume = 0.0;
+  for (std::size_t tissue = 0; tissue < removed_[0].size(); ++tissue) {
+    volume += removed_volume(tissue);
   }
-  LeafBits all;  // nobody asks for those that were empty
-  all.words.fill(~std::uint64_t{0});
-  fills_->set(leaf, place, level, all);
-  return before;
+  return volume;
 }
 
 double PreparationProgress::removed_volume(std::size_t tissue) const {

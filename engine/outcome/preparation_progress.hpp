@@ -10,6 +10,7 @@
 #include "engine/outcome/voxel_set.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/volume/edit.hpp"
+#include "engine/volume/level_changes.hpp"
 #include "engine/volume/voxel_model.hpp"
 
 namespace sulcus {
@@ -37,6 +38,8 @@ class PreparationProgress {
     return static_cast<double>(removed_levels_[static_cast<std::size_t>(cause)][tissue]) /
            kFullLevel;
   }
+  /// Of all tissues, cut and come loose.
+  double removed_volume() const;
   /// In voxels, as above. None where the scene names no caries.
   std::optional<double> caries_left() const;
 
@@ -50,18 +53,17 @@ class PreparationProgress {
   const VoxelSet* pulp() const { return pulp_ ? &*pulp_ : nullptr; }
 
   std::size_t memory_bytes() const {
-    return (pulp_ ? pulp_->memory_bytes() : 0) + (fills_ ? fills_->memory_bytes() : 0);
+    return levels_.memory_bytes() + (pulp_ ? pulp_->memory_bytes() : 0);
   }
 
  private:
   bool touches_pulp(const Cell& c, std::uint8_t tissue) const;
   double removed_volume(std::size_t tissue) const;
-  FillLevel lower(const Cell& c, FillLevel level);
 
   VoxelGrid grid_;
   std::shared_ptr<const TissueMap> tissues_;
+  LevelChanges levels_;
   std::array<std::vector<std::uint64_t>, 2> removed_, removed_levels_;  // by cause, then tissue
-  std::optional<FillMap> fills_;  // as they are now, of what is left
   std::optional<std::size_t> caries_label_, pulp_label_;
   double caries_at_start_ = 0.0;
   std::optional<VoxelSet> pulp_;

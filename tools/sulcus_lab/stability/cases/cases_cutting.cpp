@@ -108,7 +108,7 @@ field = 'auto'
     run.force_N.push_back(static_cast<float>(felt.force_N.norm()));
     std::vector<std::uint32_t> removed;
     for (const Edit& edit : rig.simulation().edits()) {
-      removed.push_back(edit.voxel);
+      if (edit.is_gone()) removed.push_back(edit.voxel);
       if (edit.cause == EditCause::kLoose) piece.push_back(edit.voxel);
     }
     at_once.remove(removed);
