@@ -48,12 +48,19 @@ void copy_recording(const RecordingReader& reader, const std::string& missing,
   RecordingWriter writer(file, header, start, burr ? &*burr : nullptr, tables, others);
 
   Progress progress("copying");
-  std::size_t edits = 0;
+  std::size_t edits = 0, fills = 0;
   for (std::size_t first = 0; first < reader.tick_count(); first += kRowsAtOnce) {
     const std::vector<TickRecord> rows = reader.ticks(first, kRowsAtOnce);
     const auto end = static_cast<std::size_t>(rows.back().edits_end);
     writer.append_edits(reader.edits(edits, end - edits));
     edits = end;
+    if (reader.has_fills()) {
+      const std::vector<FillEndRow> ends = reader.fill_ends(first, kRowsAtOnce);
+      const auto fill_end = static_cast<std::size_t>(ends.back().fills_end);
+      writer.append_edits(reader.fills(fills, fill_end - fills));
+      writer.append_fill_ends(ends);
+      fills = fill_end;
+    }
     if (tables.cutting) writer.append_cutting(reader.cutting(first, kRowsAtOnce));
     if (tables.port) writer.append_port(reader.port(first, kRowsAtOnce));
     writer.append_ticks(rows);

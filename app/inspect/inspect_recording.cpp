@@ -27,6 +27,7 @@ void inspect_recording(const std::string& file) {
   if (scene.loose_pieces) say(", %zd in pieces cut loose", loose);
   if (!scene.bodies.empty()) say(", %zd of other bodies", others);
   say("\n");
+  if (reader.has_fills()) say("lowered levels   %zu\n", reader.fill_count());
   const VoxelGrid& grid = reader.grid();
   say("cells            %d x %d x %d of %g mm\n", grid.cells.x(), grid.cells.y(), grid.cells.z(),
       grid.voxel_m / kMillimetre);

@@ -88,9 +88,13 @@ bool RecorderThread::write_some() {
   std::vector<TickRecord> rows;
   std::vector<CuttingRecord> cuts;
   std::vector<PortRecord> port;
+  std::vector<FillEndRow> fill_ends;
   std::vector<Edit> edits;
   for (TickReport report; rows.size() < kMostRows && feed_.reports.try_dequeue(report);) {
     rows.push_back(report.record);
+    if (writer_->has_fills()) {
+      fill_ends.push_back(sealed(FillEndRow{report.record.tick, report.fills_end, 0}));
+    }
     if (writer_->has_cutting()) cuts.push_back(report.cutting);
     if (writer_->has_port()) port.push_back(report.port);
   }
@@ -99,6 +103,7 @@ bool RecorderThread::write_some() {
   }
   writer_->append_edits(edits);
   if (feed_.pieces) write_pieces();
+  if (!fill_ends.empty()) writer_->append_fill_ends(fill_ends);
   if (!cuts.empty()) writer_->append_cutting(cuts);
   if (!port.empty()) writer_->append_port(port);
   writer_->append_ticks(rows);

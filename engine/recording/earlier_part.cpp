@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -9,6 +10,8 @@
 #include "engine/recording/hdf5_fixed.hpp"
 #include "engine/recording/recording_format.hpp"
 #include "engine/recording/recording_parts.hpp"
+#include "engine/volume/edits.hpp"
+#include "engine/volume/packed_model.hpp"
 
 namespace sulcus {
 
@@ -56,7 +59,20 @@ VoxelModel touched_leaves(const VoxelModel& start, std::span<const Edit> edits) 
     const std::uint32_t leaf = start.grid.leaf_of(start.grid.cell_of_linear(edit.voxel));
     touched.leaves[leaf] = start.leaves[leaf];
   }
+  if (!start.fills) return touched;
+  std::vector<LeafLevels> pages = start.fills->pages();
+  std::erase_if(pages, [&](const LeafLevels& page) { return !any(touched.leaves[page.leaf]); });
+  touched.fills.emplace(start.grid.leaf_count(), std::move(pages));
   return touched;
+}
+
+/// Levels of `now`, of some leaves those of `touched`.
+FillMap fills_as_they_were(const VoxelModel& now, const VoxelModel& touched) {
+  std::vector<LeafLevels> pages = now.fills->pages();
+  std::erase_if(pages, [&](const LeafLevels& page) { return any(touched.leaves[page.leaf]); });
+  const std::vector<LeafLevels>& were = touched.fills->pages();
+  pages.insert(pages.end(), were.begin(), were.end());
+  return {now.grid.leaf_count(), std::move(pages)};
 }
 
 /// `now` with some of its leaves as they were, tissues of what has gone since among it.
@@ -64,7 +80,11 @@ VoxelModel as_it_was(const VoxelModel& now, const VoxelModel& touched) {
   if (touched.grid.cells != now.grid.cells || !touched.tissues != !now.tissues) {
     throw Hdf5Error("earlier/workpiece: another grid or tissues than of the workpiece");
   }
+  if (touched.fills.has_value() != now.fills.has_value()) {
+    throw Hdf5Error("earlier/workpiece: with fill levels, or the workpiece has them alone");
+  }
   VoxelModel start = now;
+  if (now.fills) start.fills = fills_as_they_were(now, touched);
   std::shared_ptr<TissueMap> tissues;
   if (now.tissues) tissues = std::make_shared<TissueMap>(now.grid.leaf_count());
   for (std::uint32_t leaf = 0; leaf < now.leaves.size(); ++leaf) {
@@ -81,30 +101,51 @@ VoxelModel as_it_was(const VoxelModel& now, const VoxelModel& touched) {
   return start;
 }
 
-std::vector<Edit> read_edits(const Hdf5Handle& group, std::span<const VoxelGrid> grids,
+/// `intact(row)`: whether one can be, by itself.
+template <class Row, class Intact>
+std::vector<Edit> read_edits(const Hdf5Handle& group, const Intact& intact,
                              std::uint64_t file_bytes) {
-  const Hdf5Handle type = row_type<EditRow>();
-  const auto rows = read_fixed_rows<EditRow>(group, {"edits", type, 1, kMaxEdits}, file_bytes);
+  const std::string name = kRowTable<Row>.name;
+  const Hdf5Handle type = row_type<Row>();
+  const auto rows = read_fixed_rows<Row>(group, {name.c_str(), type, 1, kMaxEdits}, file_bytes);
   std::vector<Edit> edits;
   edits.reserve(rows.size());
-  for (const EditRow& row : rows) {
-    if (!is_intact(row, grids) || (!edits.empty() && row.tick < edits.back().tick)) {
-      throw Hdf5Error("earlier/edits: row " + std::to_string(edits.size()) + " is damaged");
+  for (const Row& row : rows) {
+    if (!intact(row) || (!edits.empty() && row.tick < edits.back().tick)) {
+      throw Hdf5Error("earlier/" + name + ": row " + std::to_string(edits.size()) + " is damaged");
     }
     edits.push_back(unpacked(row));
   }
   return edits;
 }
 
-/// Each edit takes a voxel that is there, and what is left is `now`.
+template <class Row, class Pack>
+void write_edits(const Hdf5Handle& group, std::span<const Edit> edits, bool gone,
+                 const Pack& pack_row) {
+  std::vector<Row> rows;
+  for (const Edit& edit : edits) {
+    if (edit.is_gone() == gone) rows.push_back(pack_row(edit));
+  }
+  write_fixed_rows(group, kRowTable<Row>.name, row_type<Row>(), rows.data(), rows.size());
+}
+
+bool same_levels(const VoxelModel& a, const VoxelModel& b) {
+  const auto equal = [](const LeafLevels& x, const LeafLevels& y) {
+    return x.leaf == y.leaf && x.levels == y.levels;
+  };
+  return a.leaves == b.leaves && std::ranges::equal(pack(a).levels, pack(b).levels, equal);
+}
+
+/// Each edit takes a voxel that is there or lowers its level, and what is left is `now`.
 void check_edits(VoxelModel model, std::span<const Edit> edits, const VoxelModel& now) {
   for (const Edit& edit : edits) {
     if (edit.body != 0) continue;
-    const Cell c = model.grid.cell_of_linear(edit.voxel);
-    if (!model.solid(c)) throw Hdf5Error("earlier/edits: a voxel removed that is not there");
-    model.set(c, false);
+    const FillLevel level = model.level(model.grid.cell_of_linear(edit.voxel));
+    if (level == 0) throw Hdf5Error("earlier/edits: a voxel removed that is not there");
+    if (edit.level >= level) throw Hdf5Error("earlier/fills: a level that does not fall");
+    apply_edit(edit, model);
   }
-  if (model.leaves != now.leaves) {
+  if (now.fills ? !same_levels(model, now) : model.leaves != now.leaves) {
     throw Hdf5Error("earlier/edits: they do not lead to the workpiece");
   }
 }
@@ -122,15 +163,17 @@ void write_earlier(const Hdf5Handle& file, const EarlierRun& earlier) {
     write_attribute(group, name, H5T_IEEE_F64LE, &force);
   });
   write_check(group, check_of(earlier));
-  std::vector<EditRow> rows;
-  rows.reserve(earlier.edits.size());
-  for (const Edit& edit : earlier.edits) rows.push_back(packed(edit));
-  write_fixed_rows(group, "edits", row_type<EditRow>(), rows.data(), rows.size());
+  write_edits<EditRow>(group, earlier.edits, true, packed);
+  const auto lowers = [](const Edit& edit) { return !edit.is_gone(); };
+  if (earlier.start.fills || std::ranges::any_of(earlier.edits, lowers)) {
+    write_edits<FillRow>(group, earlier.edits, false, packed_fill);
+  }
   write_model(group, "workpiece", touched_leaves(earlier.start, earlier.edits));
 }
 
 std::optional<EarlierRun> read_earlier(const Hdf5Handle& file, const VoxelModel& now,
-                                       std::span<const VoxelGrid> grids, std::uint64_t file_bytes) {
+                                       std::span<const VoxelGrid> grids,
+                                       const std::vector<bool>& filled, std::uint64_t file_bytes) {
   const auto group = open_group_if(file, "earlier");
   if (!group.valid()) return {};
   EarlierRun earlier;
@@ -144,7 +187,13 @@ std::optional<EarlierRun> read_earlier(const Hdf5Handle& file, const VoxelModel&
     if (!std::isfinite(force)) throw Hdf5Error("earlier: a force that is not finite");
   });
   verify_check(group, "earlier", check_of(earlier));
-  earlier.edits = read_edits(group, grids, file_bytes);
+  const auto gone_intact = [&](const EditRow& row) { return is_intact(row, grids); };
+  const auto fill_intact = [&](const FillRow& row) { return is_intact(row, grids, filled); };
+  earlier.edits = read_edits<EditRow>(group, gone_intact, file_bytes);
+  if (now.fills || H5Lexists(group, "fills", H5P_DEFAULT) > 0) {
+    earlier.edits =
+        in_order(read_edits<FillRow>(group, fill_intact, file_bytes), std::move(earlier.edits));
+  }
   earlier.start = as_it_was(now, read_model(group, "workpiece", file_bytes));
   check_edits(earlier.start, earlier.edits, now);
   return earlier;

@@ -55,14 +55,28 @@ EditRow packed(const Edit& edit) {
       EditRow{edit.tick, edit.body, edit.voxel, static_cast<std::uint8_t>(edit.cause), 0});
 }
 
+FillRow packed_fill(const Edit& edit) {
+  return sealed(FillRow{edit.tick, edit.body, edit.voxel, edit.level, 0});
+}
+
 Edit unpacked(const EditRow& row) {
   return {row.tick, row.voxel, row.body, static_cast<EditCause>(row.cause)};
+}
+
+Edit unpacked(const FillRow& row) {
+  return {row.tick, row.voxel, row.body, EditCause::kCut, row.level};
 }
 
 bool is_intact(const EditRow& row, std::span<const VoxelGrid> grids) {
   return is_sealed(row) && row.cause <= static_cast<std::uint8_t>(EditCause::kUndo) &&
          row.body < grids.size() && row.voxel < grids[row.body].cell_count() &&
          (row.body == 0 || row.cause != static_cast<std::uint8_t>(EditCause::kLoose));
+}
+
+bool is_intact(const FillRow& row, std::span<const VoxelGrid> grids,
+               const std::vector<bool>& filled) {
+  return is_sealed(row) && row.level % kFullLevel != 0 && row.body < grids.size() &&
+         filled[row.body] && row.voxel < grids[row.body].cell_count();
 }
 
 }  // namespace sulcus

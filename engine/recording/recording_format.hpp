@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "engine/recording/hdf5_handle.hpp"
 #include "engine/recording/tick_record.hpp"
@@ -34,8 +35,17 @@ struct EditRow {
   std::uint8_t cause = 0;
   std::uint32_t check = 0;  // low half of XXH3-64 of the bytes before it
 };
+
+/// A row of /fills.
+struct FillRow {
+  std::uint64_t tick = 0;
+  std::uint16_t body = 0;
+  std::uint32_t voxel = 0;
+  std::uint8_t level = 0;   // 1 to 254
+  std::uint32_t check = 0;  // low half of XXH3-64 of the bytes before it
+};
 #pragma pack(pop)
-static_assert(sizeof(EditRow) == 19);
+static_assert(sizeof(EditRow) == 19 && sizeof(FillRow) == 19);
 
 /// A row of /state_hashes.
 struct StateHashRow {
@@ -97,6 +107,10 @@ inline constexpr RowTable kRowTable<TakenAnswerRow>{"taken_answers", 128};
 template <>
 inline constexpr RowTable kRowTable<EditRow>{"edits", 1024};
 template <>
+inline constexpr RowTable kRowTable<FillRow>{"fills", 1024};
+template <>
+inline constexpr RowTable kRowTable<FillEndRow>{"fill_ends", 128};
+template <>
 inline constexpr RowTable kRowTable<StateHashRow>{"state_hashes", 512};
 template <>
 inline constexpr RowTable kRowTable<KeyframeRow>{"keyframe_index", 16};
@@ -109,10 +123,16 @@ inline constexpr RowTable kRowTable<SummaryCheckRow>{"summary_check"};
 inline constexpr RowTable kKeyframeBytes{"keyframes", 1u << 14};
 inline constexpr RowTable kSummaryBytes{"summary", 1u << 13};
 
+/// Of an edit by which a voxel went, and of one that lowered its level.
 EditRow packed(const Edit& edit);
+FillRow packed_fill(const Edit& edit);
 Edit unpacked(const EditRow& row);
+Edit unpacked(const FillRow& row);
 /// Whether its check fits and it is of a voxel of these bodies, the workpiece first.
 bool is_intact(const EditRow& row, std::span<const VoxelGrid> grids);
+/// The same, also of a level that there may be; `filled`: which bodies carry fractions.
+bool is_intact(const FillRow& row, std::span<const VoxelGrid> grids,
+               const std::vector<bool>& filled);
 
 /// The type of the rows of a table, in memory and in the file alike: packed, little-endian, as the
 /// layout has them. std::logic_error where that is not `bytes` long.

@@ -73,11 +73,25 @@ constexpr std::array<StoredField, 19> kTicks{{
 }};
 
 constexpr std::array<StoredField, 5> kEdits{{
-    {"tick", kU64, 1, "", "in which the voxel changed"},
+    {"tick", kU64, 1, "", "in which the voxel went"},
     {"body", kU16, 1, "", "0 the workpiece, 1 the first of /bodies, ..."},
     {"voxel", kU32, 1, "", "x + y nx + z nx ny, of its grid of nx x ny x nz cells"},
     {"cause", kU8, 1, "", "0 cut, 1 came loose with a piece (2, undone: written by none)"},
     {"check", kU32, 1, "", "low half of XXH3-64 of the row's bytes before it"},
+}};
+
+constexpr std::array<StoredField, 5> kFills{{
+    {"tick", kU64, 1, "", "in which the voxel's level fell"},
+    {"body", kU16, 1, "", "as in /edits"},
+    {"voxel", kU32, 1, "", "as in /edits"},
+    {"level", kU8, 1, "", "how much of it is filled from then on, in parts of 255: 1 to 254"},
+    {"check", kU32, 1, "", "low half of XXH3-64 of the row's bytes before it"},
+}};
+
+constexpr std::array<StoredField, 3> kFillEnds{{
+    {"tick", kU64, 1, "", "as in /ticks"},
+    {"fills_end", kU64, 1, "", "rows of /fills up to and with this tick"},
+    kCheck,
 }};
 
 constexpr std::array<StoredField, 6> kCutting{{
@@ -186,6 +200,10 @@ constexpr std::array<StoredField, 1> kMixed{{{"", kU32, 1, "", "place in leaves,
 constexpr std::array<StoredField, 1> kMixedLabels{
     {{"", kU8, 512, "", "tissues of its voxels, x + 8 y + 64 z"}}};
 
+constexpr std::array<StoredField, 1> kLevelled{{{"", kU32, 1, "", "place in leaves, from 0 on"}}};
+constexpr std::array<StoredField, 1> kLevels{
+    {{"", kU8, 512, "", "of its voxels, x + 8 y + 64 z, in parts of 255: 0 empty, 255 full"}}};
+
 constexpr std::array<StoredField, 6> kInput{{
     {"file_from_scene", kF64, 12, "", "three rows of four: turn, and way in m"},
     {"sizes", kF64, 3, "", "of a volume, voxels; 0 for a mesh"},
@@ -220,12 +238,15 @@ constexpr StoredPart array(Text path, Text when, Text what, Fields values) {
 
 // What these parts come with.
 constexpr Text kWithPieces = "with [loose_pieces]", kWithTissues = "with several tissues",
-               kWithBodies = "with [[body]]", kWhereItGoesOn = "where it goes on from another";
+               kWithBodies = "with [[body]]", kWhereItGoesOn = "where it goes on from another",
+               kWithFills = "with surface = \"fractions\"";
 
 constexpr std::array kLayout{
     group("/", "", "what the recording is", kRoot),
     rows("/ticks", "", "one row for each tick", kTicks),
-    rows("/edits", "", "every voxel that changed, in order", kEdits),
+    rows("/edits", "", "every voxel that went, in order", kEdits),
+    rows("/fills", kWithFills, "every voxel that is less filled than it was, in order", kFills),
+    rows("/fill_ends", kWithFills, "one row for each of /ticks", kFillEnds),
     rows("/cutting", "with [cutting]", "one row for each of /ticks", kCutting),
     rows("/port", "with [device] or [coupling]", "one row for each of /ticks", kPort),
     rows("/pieces", kWithPieces, "what came loose and left", kPieces),
@@ -243,12 +264,16 @@ constexpr std::array kLayout{
     array("/workpiece/leaf_labels", kWithTissues, "for each of leaves", kLeafLabels),
     array("/workpiece/mixed", kWithTissues, "those of several tissues, rising", kMixed),
     array("/workpiece/mixed_labels", kWithTissues, "for each of mixed", kMixedLabels),
+    array("/workpiece/levelled", kWithFills, "those with a voxel that is not full, rising",
+          kLevelled),
+    array("/workpiece/levels", kWithFills, "for each of levelled", kLevels),
     group("/bodies", kWithBodies, "the solids beside it", {}),
     like("/bodies/0", "/workpiece", kWithBodies, "and so on, in their order"),
     like("/goal", "/workpiece", "with a file in [goal]",
          "what that holds, on the workpiece's grid"),
     group("/earlier", kWhereItGoesOn, "what came before, for the marks of the whole", kEarlier),
-    rows("/earlier/edits", kWhereItGoesOn, "every voxel that had changed", kEdits),
+    rows("/earlier/edits", kWhereItGoesOn, "every voxel that had gone", kEdits),
+    rows("/earlier/fills", kWithFills, "every voxel that had been less filled than before", kFills),
     like("/earlier/workpiece", "/workpiece", kWhereItGoesOn,
          "the leaves that these are of, as they were before the first tick of all"),
     group("/input", "with a file in [workpiece]",

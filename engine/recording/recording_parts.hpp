@@ -39,6 +39,8 @@ void write_earlier(const Hdf5Handle& file, const EarlierRun& earlier);
 
 /// The grids alone, checked: the workpiece's, then those of the other bodies.
 std::vector<VoxelGrid> read_grids(const Hdf5Handle& file);
+/// Which of them carry fractions.
+std::vector<bool> read_which_are_filled(const Hdf5Handle& file);
 /// Of the bodies besides the workpiece.
 std::vector<VoxelModel> read_bodies(const Hdf5Handle& file, std::uint64_t file_bytes);
 /// None where no goal names a file. Throws also where it is on another grid than the workpiece.
@@ -48,10 +50,11 @@ std::optional<InputGeometry> read_input(const Hdf5Handle& file);
 /// Empty where the scene generates the burr.
 std::optional<TriangleMesh> read_burr(const Hdf5Handle& file, std::uint64_t file_bytes);
 
-/// `now`: the recording's own workpiece at its start; `grids`: of all bodies, the workpiece's
-/// first. None where the recording says nothing of what came before it. Throws also where the edits
-/// do not make `now` of what was before.
+/// `now`: the recording's own workpiece at its start; `grids` and `filled`: of all bodies, the
+/// workpiece's first. None where the recording says nothing of what came before it. Throws also
+/// where the edits do not make `now` of what was before.
 std::optional<EarlierRun> read_earlier(const Hdf5Handle& file, const VoxelModel& now,
-                                       std::span<const VoxelGrid> grids, std::uint64_t file_bytes);
+                                       std::span<const VoxelGrid> grids,
+                                       const std::vector<bool>& filled, std::uint64_t file_bytes);
 
 }  // namespace sulcus

@@ -63,12 +63,15 @@ struct RecordingReader::File {
   std::uint64_t bytes = 0;
   RecordingHeader header;
   std::vector<VoxelGrid> grids;  // of the bodies, the workpiece first
+  std::vector<bool> filled;      // which of them carry fractions
   std::optional<StoredTable<TickRecord>> tick_table;
   std::optional<StoredTable<EditRow>> edit_table;
+  std::optional<StoredTable<FillRow>> fill_table;  // where a body carries fractions
+  std::optional<StoredTable<FillEndRow>> fill_end_table;
   std::optional<StoredTable<CuttingRecord>> cutting_table;  // where the recording cuts
   std::optional<StoredTable<PortRecord>> port_table;        // where it has a device or a coupling
   std::size_t ticks = 0;
-  std::size_t edits = 0;
+  std::size_t edits = 0, fills = 0;
   std::uint64_t first_tick = 0, last_tick = 0;
   std::vector<StateHash> state_hashes;
   std::optional<StoredTable<std::byte>> keyframe_bytes;  // from version 2 on
@@ -86,8 +89,13 @@ struct RecordingReader::File {
   void open() {
     header = read_header(file, path, bytes);
     grids = read_grids(file);
+    filled = read_which_are_filled(file);
     tick_table.emplace(file, bytes);
     edit_table.emplace(file, bytes);
+    if (std::ranges::count(filled, true) > 0) {
+      fill_table.emplace(file, bytes);
+      fill_end_table.emplace(file, bytes);
+    }
     if (H5Lexists(file, "cutting", H5P_DEFAULT) > 0) cutting_table.emplace(file, bytes);
     if (H5Lexists(file, "port", H5P_DEFAULT) > 0) port_table.emplace(file, bytes);
     const auto end = read_row<EndRow>(file);
@@ -139,14 +147,48 @@ struct RecordingReader::File {
     return row && is_sealed(*row) && row->tick == tick;
   }
 
+  template <class Row>
+  static std::optional<RowCursor<Row>> cursor(const std::optional<StoredTable<Row>>& table) {
+    return table ? std::optional<RowCursor<Row>>(*table) : std::nullopt;
+  }
+
+  /// The edits from number `at` to before `end`, which belong to the ticks from `first` to `last`,
+  /// and rise. Says what is wrong with the first that does not.
+  template <class Row, class Intact>
+  static std::string scan_edits(RowCursor<Row>& rows, std::uint64_t first, std::uint64_t last,
+                                std::uint64_t end, std::size_t& at, const Intact& intact) {
+    for (; at < end; ++at) {
+      const Row* edit = rows.next();
+      if (!edit || !intact(*edit) || edit->tick < first || edit->tick > last) {
+        return row_name(kRowTable<Row>.name, at) + " is damaged";
+      }
+      first = edit->tick;
+    }
+    return "";
+  }
+
+  /// Those that lowered a level, up to the end that the next row of /fill_ends names.
+  std::string scan_fills(RowCursor<FillRow>& rows, RowCursor<FillEndRow>& ends, std::uint64_t first,
+                         std::uint64_t last, std::size_t& at) const {
+    const FillEndRow* end = ends.next();
+    if (!end || !is_sealed(*end) || end->tick != last || end->fills_end < at) {
+      return row_name("fill_ends", ticks) + " is damaged";
+    }
+    if (end->fills_end > fill_table->rows()) {
+      return "fills of tick " + std::to_string(last) + " are missing";
+    }
+    return scan_edits(rows, first, last, end->fills_end, at,
+                      [&](const FillRow& fill) { return is_intact(fill, grids, filled); });
+  }
+
   /// Counts the ticks that can be trusted; says what is wrong with the one after them.
   std::string scan_rows() {
     RowCursor<TickRecord> tick_rows(*tick_table);
     RowCursor<EditRow> edit_rows(*edit_table);
-    std::optional<RowCursor<CuttingRecord>> cutting_rows;
-    if (cutting_table) cutting_rows.emplace(*cutting_table);
-    std::optional<RowCursor<PortRecord>> port_rows;
-    if (port_table) port_rows.emplace(*port_table);
+    auto fill_rows = cursor(fill_table);
+    auto fill_end_rows = cursor(fill_end_table);
+    auto cutting_rows = cursor(cutting_table);
+    auto port_rows = cursor(port_table);
     while (const TickRecord* row = tick_rows.next()) {
       if (!is_sealed(*row)) return row_name("ticks", ticks) + " is damaged";
       const bool gap = ticks > 0 && row->tick > last_tick + 1 && header.version > 1 &&
@@ -157,16 +199,14 @@ struct RecordingReader::File {
       if (row->edits_end > edit_table->rows()) {
         return "edits of tick " + std::to_string(row->tick) + " are missing";
       }
-      std::size_t end = edits;
-      std::uint64_t edit_tick = gap ? last_tick + 1 : row->tick;
-      while (end < row->edits_end) {
-        const EditRow* edit = edit_rows.next();
-        if (!edit || !is_intact(*edit, grids) || edit->tick < edit_tick || edit->tick > row->tick) {
-          return row_name("edits", end) + " is damaged";
-        }
-        edit_tick = edit->tick;
-        ++end;
+      std::size_t end = edits, fill_end = fills;
+      const std::uint64_t since = gap ? last_tick + 1 : row->tick;
+      std::string damaged = scan_edits(edit_rows, since, row->tick, row->edits_end, end,
+                                       [&](const EditRow& edit) { return is_intact(edit, grids); });
+      if (damaged.empty() && fill_rows) {
+        damaged = scan_fills(*fill_rows, *fill_end_rows, since, row->tick, fill_end);
       }
+      if (!damaged.empty()) return damaged;
       if (cutting_rows && !follows(*cutting_rows, row->tick)) {
         return row_name("cutting", ticks) + " is damaged";
       }
@@ -174,6 +214,7 @@ struct RecordingReader::File {
         return row_name("port", ticks) + " is damaged";
       }
       edits = end;
+      fills = fill_end;
       if (gap) gaps.push_back({last_tick + 1, row->tick});
       if (ticks == 0) first_tick = row->tick;
       last_tick = row->tick;
@@ -225,6 +266,23 @@ struct RecordingReader::File {
           end += row.bytes;
           keyframes.push_back({row.tick, row.offset, row.bytes, row.content});
         });
+  }
+
+  /// Rows of a table of edits, `end` of which are of ticks that can be trusted.
+  template <class Row, class Intact>
+  std::vector<Edit> read_edits(const StoredTable<Row>& table, std::size_t end, std::size_t first,
+                               std::size_t count, const Intact& intact) const {
+    const std::size_t begin = std::min(first, end);
+    const auto rows = table.read(begin, std::min(count, end - begin));
+    std::vector<Edit> edits_read;
+    edits_read.reserve(rows.size());
+    for (const Row& row : rows) {
+      if (!intact(row)) {
+        throw Hdf5Error(std::string(kRowTable<Row>.name) + ": changed since it was opened");
+      }
+      edits_read.push_back(unpacked(row));
+    }
+    return edits_read;
   }
 
   template <class Row>
@@ -313,8 +371,11 @@ RecordingReader::RecordingReader(const std::string& path) : file_(std::make_uniq
 RecordingReader::~RecordingReader() = default;
 RecordingReader::RecordingReader(RecordingReader&&) noexcept = default;
 
+const std::string& RecordingReader::path() const { return file_->path; }
 const RecordingHeader& RecordingReader::header() const { return file_->header; }
 const std::vector<VoxelGrid>& RecordingReader::grids() const { return file_->grids; }
+
+bool RecordingReader::has_fills() const { return file_->fill_table.has_value(); }
 
 std::vector<VoxelModel> RecordingReader::bodies() const {
   return file_->guarded([this] { return read_bodies(file_->file, file_->bytes); });
@@ -331,7 +392,7 @@ std::optional<InputGeometry> RecordingReader::input() const {
 std::optional<EarlierRun> RecordingReader::earlier() const {
   return file_->guarded([this] {
     return read_earlier(file_->file, read_model(file_->file, "workpiece", file_->bytes),
-                        file_->grids, file_->bytes);
+                        file_->grids, file_->filled, file_->bytes);
   });
 }
 
@@ -349,6 +410,7 @@ RecordingTables RecordingReader::tables() const {
 
 std::size_t RecordingReader::tick_count() const { return file_->ticks; }
 std::size_t RecordingReader::edit_count() const { return file_->edits; }
+std::size_t RecordingReader::fill_count() const { return file_->fills; }
 
 std::vector<TickRecord> RecordingReader::ticks(std::size_t first, std::size_t count) const {
   return file_->guarded([&] { return file_->of_ticks(*file_->tick_table, first, count); });
@@ -366,16 +428,23 @@ std::vector<PortRecord> RecordingReader::port(std::size_t first, std::size_t cou
 
 std::vector<Edit> RecordingReader::edits(std::size_t first, std::size_t count) const {
   return file_->guarded([&] {
-    const std::size_t begin = std::min(first, file_->edits);
-    const auto rows = file_->edit_table->read(begin, std::min(count, file_->edits - begin));
-    std::vector<Edit> edits;
-    edits.reserve(rows.size());
-    for (const EditRow& row : rows) {
-      if (!is_intact(row, file_->grids)) throw Hdf5Error("edits: changed since it was opened");
-      edits.push_back(unpacked(row));
-    }
-    return edits;
+    return file_->read_edits(*file_->edit_table, file_->edits, first, count,
+                             [&](const EditRow& row) { return is_intact(row, file_->grids); });
   });
+}
+
+std::vector<Edit> RecordingReader::fills(std::size_t first, std::size_t count) const {
+  if (!file_->fill_table) return {};
+  return file_->guarded([&] {
+    return file_->read_edits(
+        *file_->fill_table, file_->fills, first, count,
+        [&](const FillRow& row) { return is_intact(row, file_->grids, file_->filled); });
+  });
+}
+
+std::vector<FillEndRow> RecordingReader::fill_ends(std::size_t first, std::size_t count) const {
+  if (!file_->fill_end_table) return {};
+  return file_->guarded([&] { return file_->of_ticks(*file_->fill_end_table, first, count); });
 }
 
 const std::vector<StateHash>& RecordingReader::state_hashes() const { return file_->state_hashes; }

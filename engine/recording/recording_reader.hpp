@@ -36,10 +36,13 @@ class RecordingReader {
   ~RecordingReader();
   RecordingReader(RecordingReader&&) noexcept;
 
+  const std::string& path() const;
   const RecordingHeader& header() const;
   /// Of the workpiece, then of the other bodies.
   const std::vector<VoxelGrid>& grids() const;
   const VoxelGrid& grid() const { return grids().front(); }
+  /// Whether one of them carries fractions.
+  bool has_fills() const;
   /// The workpiece before the first tick. Labels of leaves without a solid voxel are 0.
   VoxelModel workpiece() const;
   /// The other bodies before the first tick, in the order of the scene.
@@ -57,11 +60,16 @@ class RecordingReader {
   /// Which of the tables that not every scene needs it has.
   RecordingTables tables() const;
   std::size_t tick_count() const;
-  /// Edits of these ticks.
+  /// Edits of these ticks: voxels that went, and levels that fell.
   std::size_t edit_count() const;
+  std::size_t fill_count() const;
   /// Rows `first` to `first + count`, cut at the end.
   std::vector<TickRecord> ticks(std::size_t first = 0, std::size_t count = kAll) const;
   std::vector<Edit> edits(std::size_t first = 0, std::size_t count = kAll) const;
+  /// Edits that lowered a level, and how many of them there are up to each tick; empty where no
+  /// body carries fractions.
+  std::vector<Edit> fills(std::size_t first = 0, std::size_t count = kAll) const;
+  std::vector<FillEndRow> fill_ends(std::size_t first = 0, std::size_t count = kAll) const;
   /// What was cut in ticks `first` to `first + count`; none where the recording does not cut.
   std::vector<CuttingRecord> cutting(std::size_t first = 0, std::size_t count = kAll) const;
   /// Of the same ticks; empty where the recording has neither device nor coupling.

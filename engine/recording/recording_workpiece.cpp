@@ -14,7 +14,7 @@
 namespace sulcus {
 namespace {
 
-static_assert(sizeof(LeafBits) == 64 && sizeof(LabelBlock) == 512);
+static_assert(sizeof(LeafBits) == 64 && sizeof(LabelBlock) == 512 && sizeof(LevelBlock) == 512);
 static_assert(sizeof(Eigen::Vector3f) == 12 && sizeof(std::array<std::uint32_t, 3>) == 12);
 
 template <class T>
@@ -38,7 +38,12 @@ std::uint64_t check_of(const PackedModel& packed) {
   hash = hash_of(packed.words, hash);
   hash = hash_of(packed.leaf_labels, hash);
   hash = hash_of(packed.mixed, hash);
-  return hash_of(packed.mixed_labels, hash);
+  hash = hash_of(packed.mixed_labels, hash);
+  for (const LeafLevels& page : packed.levels) {
+    hash = hash_bytes(&page.leaf, sizeof page.leaf, hash);
+    hash = hash_bytes(page.levels.data(), page.levels.size(), hash);
+  }
+  return hash;
 }
 
 std::uint64_t check_of(const TriangleMesh& mesh) {
@@ -69,6 +74,11 @@ VoxelGrid read_grid_of(const Hdf5Handle& group) {
   return grid;
 }
 
+bool is_filled(const Hdf5Handle& group) {
+  return H5Lexists(group, "levels", H5P_DEFAULT) > 0 ||
+         H5Lexists(group, "levelled", H5P_DEFAULT) > 0;
+}
+
 void read_labels(const Hdf5Handle& group, std::uint64_t file_bytes, PackedModel& in) {
   const std::size_t n = in.leaves.size();
   in.leaf_labels =
@@ -80,6 +90,38 @@ void read_labels(const Hdf5Handle& group, std::uint64_t file_bytes, PackedModel&
       group, {"mixed_labels", H5T_STD_U8LE, sizeof(LabelBlock), n}, file_bytes);
   if (in.mixed_labels.size() != in.mixed.size()) {
     throw Hdf5Error("mixed_labels: not as many as mixed");
+  }
+}
+
+void write_levels(const Hdf5Handle& group, const PackedModel& out) {
+  std::vector<std::uint32_t> levelled;
+  std::vector<LevelBlock> levels;
+  std::uint32_t row = 0;
+  for (const LeafLevels& page : out.levels) {
+    while (out.leaves[row] != page.leaf) ++row;
+    levelled.push_back(row);
+    levels.push_back(page.levels);
+  }
+  write_fixed_rows(group, "levelled", H5T_STD_U32LE, levelled.data(), levelled.size());
+  write_fixed_rows(group, "levels", H5T_STD_U8LE, levels.data(), levels.size(), sizeof(LevelBlock));
+}
+
+/// A voxel is solid where its level is above 0.
+void read_levels(const Hdf5Handle& group, std::uint64_t file_bytes, PackedModel& in) {
+  const std::size_t n = in.leaves.size();
+  const auto levelled =
+      read_fixed_rows<std::uint32_t>(group, {"levelled", H5T_STD_U32LE, 1, n}, file_bytes);
+  check_indices(levelled, n, "levelled");
+  const auto levels = read_fixed_rows<LevelBlock>(
+      group, {"levels", H5T_STD_U8LE, sizeof(LevelBlock), n}, file_bytes);
+  if (levels.size() != levelled.size()) throw Hdf5Error("levels: not as many as levelled");
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    const std::uint32_t row = levelled[i];
+    for (int place = 0; place < 512; ++place) {
+      if ((levels[i][static_cast<std::size_t>(place)] > 0) == in.words[row].has(place)) continue;
+      throw Hdf5Error("levels: of leaf " + std::to_string(in.leaves[row]) + " not as its voxels");
+    }
+    in.levels.push_back({in.leaves[row], levels[i]});
   }
 }
 
@@ -96,6 +138,7 @@ void write_model(const Hdf5Handle& parent, const char* name, const VoxelModel& m
   write_check(group, check_of(out));
   write_fixed_rows(group, "leaves", H5T_STD_U32LE, out.leaves.data(), out.leaves.size());
   write_fixed_rows(group, "words", H5T_STD_U64LE, out.words.data(), out.words.size(), 8);
+  if (out.filled) write_levels(group, out);
   if (!out.labelled) return;
   write_fixed_rows(group, "leaf_labels", H5T_STD_U8LE, out.leaf_labels.data(),
                    out.leaf_labels.size());
@@ -127,6 +170,8 @@ VoxelModel read_model(const Hdf5Handle& parent, const char* name, std::uint64_t 
   if (in.words.size() != in.leaves.size()) throw Hdf5Error("words: not as many as leaves");
   in.labelled = H5Lexists(group, "leaf_labels", H5P_DEFAULT) > 0;
   if (in.labelled) read_labels(group, file_bytes, in);
+  in.filled = is_filled(group);
+  if (in.filled) read_levels(group, file_bytes, in);
   verify_check(group, name, check_of(in));
   return unpack(in);
 }
@@ -153,6 +198,14 @@ std::vector<VoxelGrid> read_grids(const Hdf5Handle& file) {
     grids.push_back(read_grid_of(open_group(bodies, name.c_str())));
   });
   return grids;
+}
+
+std::vector<bool> read_which_are_filled(const Hdf5Handle& file) {
+  std::vector<bool> filled{is_filled(open_group(file, "workpiece"))};
+  for_each_body(file, [&](const Hdf5Handle& bodies, const std::string& name) {
+    filled.push_back(is_filled(open_group(bodies, name.c_str())));
+  });
+  return filled;
 }
 
 std::vector<VoxelModel> read_bodies(const Hdf5Handle& file, std::uint64_t file_bytes) {

@@ -81,6 +81,8 @@ struct RecordingWriter::File {
   Hdf5Handle file;
   std::optional<GrowingTable<EditRow>> edits;
   std::optional<GrowingTable<TickRecord>> ticks;
+  std::optional<GrowingTable<FillRow>> fills;  // where a body carries fractions
+  std::optional<GrowingTable<FillEndRow>> fill_ends;
   std::optional<GrowingTable<CuttingRecord>> cutting;  // with RecordingTables::cutting
   std::optional<GrowingTable<PortRecord>> port;        // with RecordingTables::port
   std::optional<GrowingTable<StateHashRow>> state_hashes;
@@ -109,6 +111,11 @@ struct RecordingWriter::File {
     if (burr_mesh_tool) write_burr(file, *burr_mesh_tool);
     edits.emplace(file);
     ticks.emplace(file);
+    const auto is_filled = [](const VoxelModel* body) { return body->fills.has_value(); };
+    if (is_filled(&start) || std::ranges::any_of(others.bodies, is_filled)) {
+      fills.emplace(file);
+      fill_ends.emplace(file);
+    }
     if (tables.cutting) cutting.emplace(file);
     if (tables.port) port.emplace(file);
     if (tables.pieces) {
@@ -136,6 +143,7 @@ struct RecordingWriter::File {
   void flush() {
     if (!named) take_name();
     edits->flush();
+    if (fills) fills->flush();
     if (pieces) {
       // Answers before the ticks that took them. News of pieces come from another thread, sooner or
       // later than their ticks: readers go by the numbers in the rows.
@@ -144,19 +152,33 @@ struct RecordingWriter::File {
       piece_poses->flush();
     }
     std::size_t most = ticks->waiting();
+    const auto wait_for_rows_of_ticks = [&](const auto& table) {
+      most = std::min<std::size_t>(most, table.written() - ticks->written());
+    };
     const auto flush_rows_of_ticks = [&](auto& table) {
       if (!table) return;
       table->flush();
-      most = std::min<std::size_t>(most, table->written() - ticks->written());
+      wait_for_rows_of_ticks(*table);
     };
     flush_rows_of_ticks(cutting);
     flush_rows_of_ticks(port);
-    std::size_t ready = 0;
-    while (ready < most && ticks->waiting_row(ready).edits_end <= edits->written()) ++ready;
-    ticks->flush(ready);
+    if (fill_ends) {
+      flush_ready(*fill_ends, fill_ends->waiting(), &FillEndRow::fills_end, fills->written());
+      wait_for_rows_of_ticks(*fill_ends);
+    }
+    flush_ready(*ticks, most, &TickRecord::edits_end, edits->written());
     state_hashes->flush();
     keyframes->flush();
     keyframe_index->flush();
+  }
+
+  /// Flushes the rows, at most `most`, whose edits are all written.
+  template <class Row>
+  static void flush_ready(GrowingTable<Row>& table, std::size_t most, std::uint64_t Row::*end,
+                          std::uint64_t written) {
+    std::size_t ready = 0;
+    while (ready < most && table.waiting_row(ready).*end <= written) ++ready;
+    table.flush(ready);
   }
 
   void close() {
@@ -188,8 +210,8 @@ struct RecordingWriter::File {
   template <class Visit>
   void for_each_table(const Visit& visit) {
     const auto visit_all = [&](auto&... tables) { (visit(tables), ...); };
-    visit_all(edits, ticks, cutting, port, pieces, piece_poses, taken_answers, state_hashes,
-              keyframes, keyframe_index, summary);
+    visit_all(edits, ticks, fills, fill_ends, cutting, port, pieces, piece_poses, taken_answers,
+              state_hashes, keyframes, keyframe_index, summary);
   }
 
   /// Runs `step`; the first failure is kept and thrown again by every later call.
@@ -240,8 +262,17 @@ RecordingWriter::~RecordingWriter() {
 
 void RecordingWriter::append_edits(std::span<const Edit> edits) {
   file_->guarded([&] {
-    for (const Edit& edit : edits) file_->edits->add(packed(edit));
+    for (const Edit& edit : edits) {
+      if (edit.is_gone()) {
+        file_->edits->add(packed(edit));
+      } else if (file_->fills) {
+        file_->fills->add(packed_fill(edit));
+      } else {
+        throw Hdf5Error("/fills: not in this recording");
+      }
+    }
     if (file_->edits->waiting() > kMaxWaitingEdits) file_->edits->flush();
+    if (has_fills() && file_->fills->waiting() > kMaxWaitingEdits) file_->fills->flush();
   });
 }
 
@@ -249,6 +280,15 @@ void RecordingWriter::append_ticks(std::span<const TickRecord> ticks) {
   file_->guarded([&] {
     file_->ticks->add(ticks);
     if (file_->ticks->waiting() > kMaxWaitingTicks) file_->flush();
+  });
+}
+
+bool RecordingWriter::has_fills() const { return file_->fills.has_value(); }
+
+void RecordingWriter::append_fill_ends(std::span<const FillEndRow> rows) {
+  file_->guarded([&] {
+    if (!file_->fill_ends) throw Hdf5Error("/fill_ends: not in this recording");
+    file_->fill_ends->add(rows);
   });
 }
 

@@ -31,8 +31,8 @@ struct RecordedSolids {
 /// is a thread-safe build, so a reader of another file may work beside it).
 ///
 /// The rows given wait in memory for `flush`, which writes edits before the ticks that name them
-/// (`TickRecord::edits_end`); a tick whose edits were not given yet waits for a later flush.
-/// Too many waiting rows flush themselves. The caller flushes every 30 ms.
+/// (`TickRecord::edits_end`, `FillEndRow::fills_end`); a tick whose edits were not given yet waits
+/// for a later flush. Too many waiting rows flush themselves. The caller flushes every 30 ms.
 ///
 /// Errors: std::runtime_error "PATH: what: reason", one line, when a write fails (disk full). From
 /// then on every call but the destructor throws the same; what was flushed before stays readable.
@@ -50,8 +50,13 @@ class RecordingWriter {
   ~RecordingWriter();
   RecordingWriter(RecordingWriter&&) noexcept;
 
-  /// In the order of their ticks, all edits of a tick in one or several calls.
+  /// In the order of their ticks, all edits of a tick in one or several calls. Those that lowered a
+  /// level only where a body carries fractions.
   void append_edits(std::span<const Edit> edits);
+  /// Whether a body carries fractions.
+  bool has_fills() const;
+  /// One sealed row for each tick, where `has_fills`, as append_cutting takes them.
+  void append_fill_ends(std::span<const FillEndRow> rows);
   /// Sealed rows of consecutive ticks; one that follows on ticks that are left out has the fault
   /// kFaultRowsDropped.
   void append_ticks(std::span<const TickRecord> ticks);

@@ -59,6 +59,14 @@ struct PortRecord {
 };
 static_assert(sizeof(PortRecord) == 8 + 9 * 8 + 8 + 8);
 
+/// One row of /fill_ends, of the tick of the same number: what /ticks would say beside `edits_end`.
+struct FillEndRow {
+  std::uint64_t tick = 0;
+  std::uint64_t fills_end = 0;  // rows of /fills up to and with this tick
+  std::uint64_t check = 0;      // XXH3-64 of the bytes before it
+};
+static_assert(sizeof(FillEndRow) == 24);
+
 /// One row of /pieces: a piece that was cut loose and has left the workpiece.
 struct PieceRow {
   std::uint64_t piece = 0;             // numbered from 0, in the order of the rows
