@@ -37,9 +37,11 @@ struct ReplayOptions {
 
 void verify(RecordedRun& run, std::size_t first_row) {
   const Verified verified = verify_recording(run, first_row);
-  say("%s: %zu ticks, %zu removed voxels and %zu state hashes agree bit for bit; "
+  const std::string levels =
+      run.reader.has_fills() ? ", " + std::to_string(verified.fills) + " lowered levels" : "";
+  say("%s: %zu ticks, %zu removed voxels%s and %zu state hashes agree bit for bit; "
       "volume %s\n",
-      run.path.c_str(), verified.rows, verified.edits, verified.state_hashes,
+      run.path.c_str(), verified.rows, verified.edits, levels.c_str(), verified.state_hashes,
       hex(run.simulation->workpiece().hash()).c_str());
   if (verified.skipped > 0) {
     say("%s: %zu ticks after rows that were not recorded could not be compared\n", run.path.c_str(),

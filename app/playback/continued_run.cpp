@@ -51,8 +51,7 @@ std::shared_ptr<const EarlierRun> earlier_of(const RecordedRun& run, std::size_t
   }
   earlier->recording = run.path;
   earlier->scene_sha256 = run.reader.header().scene_sha256;
-  const std::vector<Edit> edits =
-      run.reader.edits(0, static_cast<std::size_t>(run.rows[row].edits_end));
+  const std::vector<Edit> edits = recorded_edits(run.reader, row);
   earlier->edits.insert(earlier->edits.end(), edits.begin(), edits.end());
   const std::vector<PortRecord> port = run.reader.port(0, row + 1);
   for (std::size_t i = 0; i <= row; ++i) {

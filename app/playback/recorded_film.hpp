@@ -48,9 +48,12 @@ class RecordedFilm {
       voxels_.clear();
       while (end < edits.size() && edits[end].body == edits[i].body &&
              edits[end].tick == edits[i].tick) {
-        voxels_.push_back(edits[end++].voxel);
+        if (edits[end].is_gone()) voxels_.push_back(edits[end].voxel);
+        ++end;
       }
-      if (back) {
+      if (voxels_.empty()) {
+        // Only less filled than they were.
+      } else if (back) {
         drawing.restore(edits[i].body, voxels_);
       } else {
         drawing.remove(edits[i].body, voxels_, static_cast<double>(edits[i].tick) * dt_s_);

@@ -1,6 +1,7 @@
 #include "app/playback/recorded_run.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -141,16 +142,20 @@ std::size_t asked_row(std::span<const TickRecord> rows, double time_s, const std
 }
 
 RecordedShape::RecordedShape(const RecordingReader& reader, VoxelModel start)
-    : model_(std::move(start)), rows_(reader.ticks()), edits_(reader.edits()) {}
+    : model_(std::move(start)),
+      rows_(reader.ticks()),
+      edits_(reader, std::array<const VoxelModel*, 1>{&model_}) {}
 
 std::span<const Edit> RecordedShape::seek_row(std::size_t row) {
   const std::uint64_t from = edits_.at();
-  const auto set = [this](const Edit& edit, bool solid) {
-    if (edit.body == 0) model_.set(model_.grid.cell_of_linear(edit.voxel), solid);
-  };
   edits_.seek(
-      rows_[row].edits_end, [&](const Edit& edit) { set(edit, false); },
-      [&](const Edit& edit) { set(edit, true); });
+      edits_.end_of_row(row),
+      [&](const Edit& edit) {
+        if (edit.body == 0) apply_edit(edit, model_);
+      },
+      [&](const Edit& edit, FillLevel before) {
+        if (edit.body == 0) take_back_edit(edit, before, model_);
+      });
   return edits_.between(std::min(from, edits_.at()), std::max(from, edits_.at()));
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -9,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/playback/edit_cursor.hpp"
 #include "app/session/loose_schedule.hpp"
 #include "app/session/simulation.hpp"
 #include "engine/recording/recording_reader.hpp"
@@ -56,40 +56,10 @@ std::size_t row_at(std::span<const TickRecord> rows, double time_s);
 std::size_t asked_row(std::span<const TickRecord> rows, double time_s, const std::string& option,
                       const std::string& path);
 
-/// The edits of a recording, and how many of them a shape has seen: any time of it is reached by
-/// going on or back from where it is.
-class EditCursor {
- public:
-  explicit EditCursor(std::vector<Edit> edits) : edits_(std::move(edits)) {}
-
-  std::span<const Edit> edits() const { return edits_; }
-  std::uint64_t at() const { return at_; }
-  /// Those from `first` to before `end`, as far as there are.
-  std::span<const Edit> between(std::uint64_t first, std::uint64_t end) const {
-    const auto last = std::min<std::uint64_t>(end, edits_.size());
-    return std::span(edits_).subspan(std::min(first, last), last - std::min(first, last));
-  }
-
-  /// To where the first `end` of them have been made: `apply` each on the way on, `take_back` each
-  /// on the way back, the latest first.
-  template <class Apply, class TakeBack>
-  void seek(std::uint64_t end, const Apply& apply, const TakeBack& take_back) {
-    end = std::min<std::uint64_t>(end, edits_.size());
-    for (; at_ < end; ++at_) apply(edits_[at_]);
-    for (; at_ > end; --at_) take_back(edits_[at_ - 1]);
-  }
-  /// The shape has seen them otherwise: a tick made them again.
-  void pass(std::uint64_t end) { at_ = end; }
-
- private:
-  std::vector<Edit> edits_;
-  std::uint64_t at_ = 0;
-};
-
-/// The recorded workpiece over time.
+/// The recorded workpiece over time, with its fill levels where it carries any.
 class RecordedShape {
  public:
-  /// `start`: the workpiece at the start.
+  /// `start`: the workpiece at the start. InputError as EditCursor.
   RecordedShape(const RecordingReader& reader, VoxelModel start);
 
   /// To right after a row, on or back. Returns the edits on the way, of all bodies and in their
@@ -97,7 +67,7 @@ class RecordedShape {
   std::span<const Edit> seek_row(std::size_t row);
   /// All edits up to right after a row.
   std::span<const Edit> edits_before(std::size_t row) const {
-    return edits_.between(0, rows_[row].edits_end);
+    return edits_.between(0, edits_.end_of_row(row));
   }
   const VoxelModel& model() const { return model_; }
   const std::vector<TickRecord>& rows() const { return rows_; }

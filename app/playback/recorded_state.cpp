@@ -10,12 +10,19 @@ namespace sulcus {
 namespace {
 
 bool same_edit(const Edit& a, const Edit& b) {
-  return a.tick == b.tick && a.voxel == b.voxel && a.body == b.body && a.cause == b.cause;
+  return a.tick == b.tick && a.voxel == b.voxel && a.body == b.body && a.cause == b.cause &&
+         a.level == b.level;
+}
+
+EditCursor cursor_of(const RecordedRun& run) {
+  std::vector<const VoxelModel*> start;
+  for (const Body& body : run.simulation->state().bodies) start.push_back(&body.solid.model());
+  return {run.reader, start};
 }
 
 }  // namespace
 
-RecordedState::RecordedState(RecordedRun& run) : run_(run), edits_(run.reader.edits()) {
+RecordedState::RecordedState(RecordedRun& run) : run_(run), edits_(cursor_of(run)) {
   save_state(run_.simulation->state(), start_);
   const auto is_loose = [](const Edit& edit) { return edit.cause == EditCause::kLoose; };
   if (!run_.simulation->scene().loose_pieces && std::ranges::any_of(edits_.edits(), is_loose)) {
@@ -34,7 +41,7 @@ void RecordedState::move_shapes(std::uint64_t edits_end) {
         }
         simulation.apply(edit);
       },
-      [&](const Edit& edit) { simulation.take_back(edit); });
+      [&](const Edit& edit, FillLevel before) { simulation.take_back(edit, before); });
 }
 
 void RecordedState::go_to_start() {
@@ -46,7 +53,7 @@ void RecordedState::go_to_start() {
 bool RecordedState::go_to(const KeyframeInfo& info, std::size_t row) {
   const std::optional<std::vector<std::byte>> state = run_.reader.keyframe(info);
   if (!state) return false;
-  move_shapes(run_.rows[row].edits_end);
+  move_shapes(edits_.end_of_row(row));
   if (!run_.simulation->load_state(*state) ||
       run_.simulation->state().tick != run_.rows[row].tick + 1) {
     go_to_start();  // what was loaded of it is no state
@@ -63,7 +70,8 @@ bool RecordedState::follows() const {
 
 TickRecord RecordedState::step(std::optional<std::span<const std::uint32_t>> loose) {
   const TickRecord& row = run_.rows[next_];
-  const auto recorded = edits_.between(edits_.at(), row.edits_end);
+  const std::uint64_t end = edits_.end_of_row(next_);
+  const auto recorded = edits_.between(edits_.at(), end);
   if (!loose) {
     loose_.clear();
     for (const Edit& edit : recorded) {
@@ -75,9 +83,12 @@ TickRecord RecordedState::step(std::optional<std::span<const std::uint32_t>> loo
   const std::optional<Pose>& pose = run_.poses[next_];
   PlaybackDevice device({&pose, 1}, row.tick);
   const TickRecord again = run_.simulation->step(device, *loose);
-  same_edits_ = std::ranges::equal(run_.simulation->edits(), recorded, same_edit);
+  made_.assign(run_.simulation->edits().begin(), run_.simulation->edits().end());
+  std::stable_partition(made_.begin(), made_.end(),
+                        [](const Edit& edit) { return !edit.is_gone(); });
+  same_edits_ = std::ranges::equal(made_, recorded, same_edit);
   // Where they differ, going back from here would not lead to the start.
-  if (same_edits_) edits_.pass(row.edits_end);
+  if (same_edits_) edits_.pass(end);
   ++next_;
   return again;
 }

@@ -45,6 +45,7 @@ class RecordedState {
   std::size_t next_ = 0;
   bool same_edits_ = true;
   std::vector<std::uint32_t> loose_;
+  std::vector<Edit> made_;  // by the last step, in the recording's order
 };
 
 }  // namespace sulcus

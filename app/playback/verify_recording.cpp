@@ -1,5 +1,6 @@
 #include "app/playback/verify_recording.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <deque>
 #include <optional>
@@ -103,10 +104,16 @@ class Verification {
     const TickRecord again = loose ? state_.step(loose->before_tick(recorded.tick)) : state_.step();
     if (loose) loose->add_tick(recorded.tick, state_.simulation().edits());
     if (const char* quantity = difference(recorded, again)) fail(recorded.tick, quantity);
-    if (!state_.same_edits()) fail(recorded.tick, "the voxels removed");
+    if (!state_.same_edits()) {
+      fail(recorded.tick,
+           run_.reader.has_fills() ? "the voxels removed or lowered" : "the voxels removed");
+    }
     check_hash(row);
     ++done_.rows;
-    done_.edits += state_.simulation().edits().size();
+    const std::span<const Edit> edits = state_.simulation().edits();
+    const auto gone = static_cast<std::size_t>(std::ranges::count_if(edits, &Edit::is_gone));
+    done_.edits += gone;
+    done_.fills += edits.size() - gone;
   }
 
   /// Against what was recorded of the state after that row, where that was.

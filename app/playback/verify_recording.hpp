@@ -6,7 +6,7 @@ namespace sulcus {
 
 /// What was compared.
 struct Verified {
-  std::size_t rows = 0, edits = 0, state_hashes = 0;
+  std::size_t rows = 0, edits = 0, fills = 0, state_hashes = 0;
   std::size_t skipped = 0;         // rows after ticks that were not recorded, up to the next state
   std::size_t damaged_states = 0;  // from which it would have gone on there
 };

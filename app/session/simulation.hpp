@@ -6,6 +6,7 @@
 #include "app/session/tick_rows.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/tool/burr.hpp"
+#include "engine/volume/edits.hpp"
 #include "engine/volume/workpiece.hpp"
 #include "haptics/saved_state.hpp"
 #include "haptics/tick.hpp"
@@ -30,8 +31,11 @@ class Simulation {
   }
   // For going through a recording, on and back.
   /// An edit that another run made.
-  void apply(const Edit& edit) noexcept { state_.bodies[edit.body].solid.remove(cell(edit)); }
-  void take_back(const Edit& edit) noexcept { state_.bodies[edit.body].solid.put_back(cell(edit)); }
+  void apply(const Edit& edit) { apply_edit(edit, state_.bodies[edit.body].solid); }
+  /// `before`: the level that its voxel had.
+  void take_back(const Edit& edit, FillLevel before) {
+    take_back_edit(edit, before, state_.bodies[edit.body].solid);
+  }
   bool is_solid(const Edit& edit) const noexcept {
     return state_.bodies[edit.body].solid.solid(cell(edit));
   }
