@@ -24,7 +24,7 @@ namespace sulcus {
 namespace {
 
 struct ExportOptions {
-  std::string recording, mesh, volume, csv;
+  std::string recording, mesh, volume, fills, csv;
   std::string geometry;        // empty: file where the workpiece came from one, else scene
   std::optional<double> at_s;  // none: the end
   bool per_tissue = false;
@@ -65,22 +65,22 @@ std::optional<InputGeometry> wanted_space(const ExportOptions& options,
     throw InputError(options.recording, "/input", "none: a built-in shape, or an older recording",
                      "--geometry scene");
   }
-  if (options.geometry == "input" && !options.volume.empty() && !input->has_lattice()) {
+  const bool voxels = !options.volume.empty() || !options.fills.empty();
+  if (options.geometry == "input" && voxels && !input->has_lattice()) {
     throw InputError(options.recording, "/input", "a mesh, which has no voxels",
                      "--geometry file or scene for a volume");
   }
   return input;
 }
 
-void export_volume(const ExportOptions& options, const VoxelModel& model,
-                   const std::optional<InputGeometry>& space) {
-  const VolumeContent content = model.tissues ? VolumeContent::kLabels : VolumeContent::kMask;
+void export_volume(const std::string& file, const ExportOptions& options, const VoxelModel& model,
+                   VolumeContent content, const std::optional<InputGeometry>& space) {
   if (!space) {
-    write_volume(options.volume, model, content);
+    write_volume(file, model, content);
   } else if (options.geometry == "input") {
-    write_volume_on_input(options.volume, model, content, *space);
+    write_volume_on_input(file, model, content, *space);
   } else {
-    write_volume_in_file_space(options.volume, model, content, *space);
+    write_volume_in_file_space(file, model, content, *space);
   }
 }
 
@@ -118,11 +118,13 @@ void write_tissue_meshes(const std::string& file, const VoxelModel& model,
 }
 
 void export_recording(const ExportOptions& options) {
-  if (options.mesh.empty() && options.volume.empty() && options.csv.empty()) {
-    throw InputError("", "export", "nothing to write", "--mesh, --volume or --csv");
+  if (options.mesh.empty() && options.volume.empty() && options.fills.empty() &&
+      options.csv.empty()) {
+    throw InputError("", "export", "nothing to write", "--mesh, --volume, --fills or --csv");
   }
   check_output("--mesh", options.mesh, {".stl", ".obj", ".ply"});
   check_output("--volume", options.volume, {".nrrd", ".mha", ".nii.gz"});
+  check_output("--fills", options.fills, {".nrrd", ".mha", ".nii.gz"});
   check_output("--csv", options.csv, {".csv"});
   Progress progress("exporting");
   const RecordingReader reader(options.recording);
@@ -150,10 +152,15 @@ void export_recording(const ExportOptions& options) {
     say("%s: %zu triangles\n", options.mesh.c_str(), mesh.triangles.size());
   }
   if (!options.volume.empty()) {
-    export_volume(options, model, space);
+    export_volume(options.volume, options, model,
+                  model.tissues ? VolumeContent::kLabels : VolumeContent::kMask, space);
     say("%s: %llu solid voxels%s\n", options.volume.c_str(),
         static_cast<unsigned long long>(model.solid_count()),
         options.geometry == "input" ? " of the run's grid, resampled" : "");
+  }
+  if (!options.fills.empty()) {
+    export_volume(options.fills, options, model, VolumeContent::kFills, space);
+    say("%s: fill levels\n", options.fills.c_str());
   }
   if (!options.csv.empty()) {
     write_csv(options.csv, std::span(shape.rows()).first(row + 1));
@@ -176,6 +183,8 @@ void add_export_command(CLI::App& program) {
       ->needs(mesh);
   add_option(*command, "--volume", options->volume, "FILE",
              "Voxels, .nrrd, .mha or .nii.gz: 0 empty, else 1 + tissue in the scene's order");
+  add_option(*command, "--fills", options->fills, "FILE",
+             "How much of each voxel is filled, 0 to 255, as --volume is written");
   add_option(*command, "--geometry", options->geometry, "SPACE",
              "file: in the space of the workpiece's file, over the scan (the default where\n"
              "it came from one); input: on the scan's own voxels; scene: the scene's space")

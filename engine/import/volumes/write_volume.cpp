@@ -20,6 +20,7 @@ namespace sulcus {
 namespace {
 
 std::uint8_t value_of(const VoxelModel& model, const Cell& c, VolumeContent content) {
+  if (content == VolumeContent::kFills) return model.level(c);
   const bool labelled = content == VolumeContent::kLabels && model.tissues;
   return static_cast<std::uint8_t>(labelled ? 1 + model.tissue(c) : 1);
 }
@@ -88,11 +89,14 @@ class Resampler {
     const Eigen::Affine3d world_from_lattice =
         input.file_from_world.inverse() * input.file_from_lattice();
     index_from_lattice_ = world_from_index(model.grid).inverse() * world_from_lattice;
-    // Along an axis, an odd number: no voxel is half solid, which would be for one side only.
+    // Along an axis, an odd number: no voxel is half solid, which would be for one side only. For a
+    // mean as many in each of the grid's voxels.
     constexpr double kMostSamples = 9.0;
+    const double odd = content == VolumeContent::kFills ? 0.0 : 1.0;
     for (int d = 0; d < 3; ++d) {
       const double voxels = input.spacing_m[d] / model.grid.voxel_m;
-      samples_[d] = static_cast<int>(std::clamp(2.0 * std::ceil(voxels) - 1.0, 1.0, kMostSamples));
+      samples_[d] = static_cast<int>(
+          std::clamp(2.0 * std::ceil(voxels - 1e-9) - odd, 1.0, kMostSamples + 1.0 - odd));
     }
   }
 
@@ -113,7 +117,7 @@ class Resampler {
 
   std::uint8_t value(int i, int j, int k) const {
     std::array<std::uint16_t, 256> counts{};
-    int solid = 0;
+    int solid = 0, levels = 0;
     for (int c = 0; c < samples_.z(); ++c) {
       for (int b = 0; b < samples_.y(); ++b) {
         for (int a = 0; a < samples_.x(); ++a) {
@@ -122,10 +126,16 @@ class Resampler {
           const Eigen::Vector3d p_index = index_from_lattice_ * p_lattice;
           const Cell cell = (p_index.array() + 0.5).floor().matrix().cast<int>();
           if (!model_.solid(cell)) continue;
+          const std::uint8_t sample = value_of(model_, cell, content_);
           ++solid;
-          ++counts[value_of(model_, cell, content_)];
+          ++counts[sample];
+          levels += sample;
         }
       }
+    }
+    if (content_ == VolumeContent::kFills) {
+      const int samples = samples_.prod();
+      return static_cast<std::uint8_t>((2 * levels + samples) / (2 * samples));  // rounded
     }
     if (solid == 0 || 2 * solid < samples_.prod()) return 0;
     return static_cast<std::uint8_t>(std::ranges::max_element(counts) - counts.begin());

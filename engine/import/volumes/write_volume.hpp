@@ -13,6 +13,7 @@ namespace sulcus {
 enum class VolumeContent : std::uint8_t {
   kMask,    // 1 where solid
   kLabels,  // 1 + tissue where solid
+  kFills,   // how much of it is filled, in parts of 255
 };
 
 /// Throws InputError unless the name ends in .nrrd, .mha or .nii.gz, in small or capital letters.
@@ -32,7 +33,8 @@ void write_volume_in_file_space(const std::string& path, const VoxelModel& model
                                 VolumeContent content, const InputGeometry& input);
 
 /// Resampled to the lattice of the file that the workpiece came from: a voxel is solid where at
-/// least half of it is, and of the tissue that most of that has. Parallel (oneTBB).
+/// least half of it is, and of the tissue that most of that has; of fills it is their mean.
+/// Parallel (oneTBB).
 /// @throws InputError: a mesh, which has no lattice; one of more voxels than the limits allow.
 void write_volume_on_input(const std::string& path, const VoxelModel& model, VolumeContent content,
                            const InputGeometry& input, const InputLimits& limits = {});
