@@ -268,7 +268,7 @@ void RecordingWriter::append_edits(std::span<const Edit> edits) {
       } else if (file_->fills) {
         file_->fills->add(packed_fill(edit));
       } else {
-        throw Hdf5Error("/fills: not in this recording");
+        throw std::logic_error("/fills: not in this recording");
       }
     }
     if (file_->edits->waiting() > kMaxWaitingEdits) file_->edits->flush();
@@ -287,7 +287,7 @@ bool RecordingWriter::has_fills() const { return file_->fills.has_value(); }
 
 void RecordingWriter::append_fill_ends(std::span<const FillEndRow> rows) {
   file_->guarded([&] {
-    if (!file_->fill_ends) throw Hdf5Error("/fill_ends: not in this recording");
+    if (!file_->fill_ends) throw std::logic_error("/fill_ends: not in this recording");
     file_->fill_ends->add(rows);
   });
 }

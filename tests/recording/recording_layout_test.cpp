@@ -11,6 +11,7 @@
 #include <hdf5.h>
 
 #include "tests/recording/sample_recording.hpp"
+#include "tests/support/filled_model.hpp"
 
 // The layout against recordings as they were written, read by HDF5 alone.
 
@@ -151,10 +152,11 @@ class RecordingLayoutTest : public RecordingTest {
     goal.leaves.resize(goal.grid.leaf_count());
     goal.set({9, 10, 11}, true);
     const InputGeometry input;
-    const EarlierRun earlier{"earlier.h5", "of its scene", workpiece(), {}, {}};
-    RecordingWriter writer(path(), all, workpiece(), &mesh,
+    const VoxelModel filled = test::filled_anyhow(workpiece(), 1);
+    const EarlierRun earlier{"earlier.h5", "of its scene", filled, {}, {}};
+    RecordingWriter writer(path(), all, filled, &mesh,
                            {.cutting = true, .port = true, .pieces = true},
-                           {{&workpiece(), &workpiece()}, &goal, &input, &earlier});
+                           {{&filled, &filled}, &goal, &input, &earlier});
     writer.close();
     return path();
   }

@@ -48,6 +48,12 @@ VoxelModel solid(int cells, bool labelled) {
     for (int j = 0; j < i; ++j) model.set({i, j, (i + j) % cells}, true);
   }
   if (!labelled) return model;
+  std::vector<LeafLevels> pages;  // of one leaf: the others are full
+  pages.push_back({.leaf = 0});
+  for_each_voxel(model.leaves[0], [&](int place) {
+    pages[0].levels[static_cast<std::size_t>(place)] = static_cast<FillLevel>(1 + place % 255);
+  });
+  model.fills.emplace(model.grid.leaf_count(), std::move(pages));
   auto tissues = std::make_shared<TissueMap>(model.grid.leaf_count());
   LabelBlock labels{};
   for (std::size_t v = 0; v < labels.size(); ++v) labels[v] = v % 3 == 0 ? 1 : 0;
@@ -94,10 +100,16 @@ SoundRecording write_sound() {
                           {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
   std::vector<TickRecord> ticks(kTicks);
   std::vector<EditRow> edits;
+  std::vector<FillRow> fills;
+  std::vector<FillEndRow> fill_ends(kTicks);
   std::vector<CuttingRecord> cutting(kTicks);
   std::vector<PortRecord> port(kTicks);
-  EarlierRun earlier{"first.h5", std::string(64, 'a'), start, {{0, 0, 0, EditCause::kCut}}, {}};
-  earlier.start.set({0, 0, 0}, true);
+  EarlierRun earlier{"first.h5",
+                     std::string(64, 'a'),
+                     start,
+                     {{0, 0, 0, EditCause::kCut, 100}, {0, 0, 0, EditCause::kCut}},
+                     {}};
+  earlier.start.set_level({0, 0, 0}, 200);
   RecordingWriter writer(place.path(), header_of(kScene), start, &burr,
                          {.cutting = true, .port = true, .pieces = true},
                          {{&body}, &goal, nullptr, &earlier});
@@ -109,6 +121,13 @@ SoundRecording write_sound() {
       writer.append_edits({&edit, 1});
       edits.push_back(packed(edit));
     }
+    if (t % 3 == 1) {
+      const Edit lowered{t, static_cast<std::uint32_t>(t), 0, EditCause::kCut,
+                         static_cast<FillLevel>(250 - t)};
+      writer.append_edits({&lowered, 1});
+      fills.push_back(packed_fill(lowered));
+    }
+    fill_ends[row] = sealed(FillEndRow{t, fills.size(), 0});
     ticks[row].tick = cutting[row].tick = port[row].tick = t;
     ticks[row].time_s = 1e-3 * static_cast<double>(t);
     ticks[row].edits_end = edits.size();
@@ -117,6 +136,7 @@ SoundRecording write_sound() {
     seal(port[row]);
   }
   writer.append_ticks(ticks);
+  writer.append_fill_ends(fill_ends);
   writer.append_cutting(cutting);
   writer.append_port(port);
   std::vector<PieceRow> pieces(1);
@@ -157,12 +177,13 @@ SoundRecording write_sound() {
   std::ifstream in(place.path(), std::ios::binary);
   SoundRecording sound;
   sound.bytes.assign(std::istreambuf_iterator<char>(in), {});
-  sound.tables = {find_rows(sound.bytes, ticks),   find_rows(sound.bytes, edits, 4),
-                  find_rows(sound.bytes, cutting), find_rows(sound.bytes, port),
-                  find_rows(sound.bytes, pieces),  find_rows(sound.bytes, poses),
-                  find_rows(sound.bytes, answers), find_rows(sound.bytes, hashes),
-                  find_rows(sound.bytes, end),     find_rows(sound.bytes, keyframes),
-                  find_rows(sound.bytes, told)};
+  sound.tables = {find_rows(sound.bytes, ticks),    find_rows(sound.bytes, edits, 4),
+                  find_rows(sound.bytes, cutting),  find_rows(sound.bytes, port),
+                  find_rows(sound.bytes, pieces),   find_rows(sound.bytes, poses),
+                  find_rows(sound.bytes, answers),  find_rows(sound.bytes, hashes),
+                  find_rows(sound.bytes, end),      find_rows(sound.bytes, keyframes),
+                  find_rows(sound.bytes, told),     find_rows(sound.bytes, fills, 4),
+                  find_rows(sound.bytes, fill_ends)};
   return sound;
 }
 
@@ -214,6 +235,18 @@ void read_all(const std::string& path) {
   for (const Edit& edit : edits) {
     expect(edit.body < reader.grids().size() && edit.voxel < reader.grids()[edit.body].cell_count(),
            "an edit outside of its body");
+  }
+  const std::vector<Edit> fills = reader.fills();
+  const std::vector<FillEndRow> fill_ends = reader.fill_ends();
+  expect(fill_ends.size() == (reader.has_fills() ? ticks.size() : 0), "ticks without fills");
+  expect(fills.size() == reader.fill_count() &&
+             (fill_ends.empty() ? fills.empty() : fill_ends.back().fills_end == fills.size()),
+         "other fills than were counted");
+  for (const Edit& fill : fills) {
+    expect(fill.body < reader.grids().size() &&
+               fill.voxel < reader.grids()[fill.body].cell_count() && fill.level > 0 &&
+               fill.level < kFullLevel,
+           "a level that there is not");
   }
   for (const KeyframeInfo& keyframe : reader.keyframes()) {
     const auto state = reader.keyframe(keyframe);
