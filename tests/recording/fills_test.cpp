@@ -154,6 +154,7 @@ TEST_F(Fills, ATickWaitsForThem) {
   append(writer, 4, 4);
   writer.flush();
   EXPECT_EQ(RecordingReader(path()).tick_count(), 3u);
+  EXPECT_EQ(RecordingReader(path()).damage(), "") << "nothing is there that lacks its edits";
   writer.append_edits(fills(4));
   append(writer, 5, 5);  // without its row of /fill_ends
   writer.flush();
