@@ -48,6 +48,19 @@ TEST(FrameHistory, TellsWhatThePreparationHasComeTo) {
   EXPECT_EQ(line(history, "Pulp"), "exposed at 2.5 s");
 }
 
+TEST(FrameHistory, TellsOfWhatIsOnlyLessFilled) {
+  VoxelModel start = layers();
+  start.fills.emplace(start.grid.leaf_count(), std::vector<LeafLevels>{});
+  FrameHistory history(cutting_scene(), start);
+  for (int x = 0; x < 10; ++x) {  // 51 of 255
+    history.add(Edit{100, start.grid.linear({x, 5, 15}), 0, EditCause::kCut, 204});
+  }
+  history.add(Edit{100, start.grid.linear({5, 5, 4}), 0, EditCause::kCut, 1});
+  EXPECT_EQ(line(history, "  caries"), "0.002 mm\xC2\xB3");
+  EXPECT_NEAR(history.state().removed_mm3, 1e-3 * (2.0 + 254.0 / 255), 1e-12);
+  EXPECT_EQ(line(history, "Pulp"), "covered");
+}
+
 TEST(FrameHistory, TellsTheForceWhileInContact) {
   FrameHistory history(cutting_scene(), layers());
   TickRecord record;

@@ -117,5 +117,17 @@ TEST(LooseFinder, WhatIsCutOfAnotherBodyIsNotItsOwn) {
   EXPECT_FALSE(finder.model().solid({5, 5, 5}));
 }
 
+TEST(LooseFinder, AVoxelThatIsOnlyLessFilledHoldsOn) {
+  // Two blocks and a voxel between them.
+  const VoxelModel start = test::make_model({16, 16, 16}, 1e-4, [](const Cell& c) {
+    return c.x() < 6 || c.x() > 6 || c == Cell(6, 5, 5);
+  });
+  LooseFinder finder(start);
+  Edit edit{9, start.grid.linear({6, 5, 5}), 0, EditCause::kCut, 1};
+  EXPECT_TRUE(finder.add_tick(9, {&edit, 1})->voxels.empty());
+  edit.level = 0;
+  EXPECT_EQ(finder.add_tick(19, {&edit, 1})->voxels.size(), 6u * 16 * 16);
+}
+
 }  // namespace
 }  // namespace sulcus

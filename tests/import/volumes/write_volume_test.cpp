@@ -13,7 +13,9 @@
 #include "engine/import/build_workpiece.hpp"
 #include "engine/import/volumes/medical_volume.hpp"
 #include "tests/import/oblique_volume.hpp"
+#include "tests/support/filled_model.hpp"
 #include "tests/support/scratch_folder.hpp"
+#include "tests/support/shapes.hpp"
 
 // What is cut lies over the scan: the written volumes are read back and compared with the input.
 
@@ -119,6 +121,32 @@ INSTANTIATE_TEST_SUITE_P(Formats, WriteVolume, testing::Values(".nrrd", ".mha", 
                            std::erase(name, '.');
                            return name;
                          });
+
+TEST(WriteVolumeOnce, FillsAreTheLevelsAndOnACoarserLatticeTheirMean) {
+  const ScratchFolder folder;
+  const VoxelModel model = test::filled_anyhow(test::random_blobs({24, 16, 32}, 4, 1e-4), 9);
+  write_volume(folder.path("grid.nrrd"), model, VolumeContent::kFills);
+  const MedicalVolume grid = read_medical_volume(folder.path("grid.nrrd"));
+  InputGeometry input;  // twice and three times as coarse, its first voxel in the grid's corner
+  const Eigen::Vector3i coarse(2, 2, 3);
+  input.sizes = {12, 8, 10};
+  input.spacing_m = 1e-4 * coarse.cast<double>();
+  input.origin_m = grid.origin_m + 0.5 * (input.spacing_m - grid.spacing_m);
+  input.direction.setIdentity();
+  write_volume_on_input(folder.path("coarse.nrrd"), model, VolumeContent::kFills, input);
+  const MedicalVolume out = read_medical_volume(folder.path("coarse.nrrd"));
+  ASSERT_EQ(grid.sizes, model.grid.cells);
+  for_each_voxel(grid, [&](int i, int j, int k) {
+    ASSERT_EQ(grid.at(i, j, k), model.level({i, j, k})) << i << " " << j << " " << k;
+  });
+  for_each_voxel(out, [&](int i, int j, int k) {
+    int sum = 0;
+    for (int v = 0; v < coarse.prod(); ++v) {
+      sum += model.level({2 * i + v % 2, 2 * j + v / 2 % 2, 3 * k + v / 4});
+    }
+    ASSERT_EQ(out.at(i, j, k), std::floor(sum / 12.0 + 0.5)) << i << " " << j << " " << k;
+  });
+}
 
 TEST(WriteVolumeOnce, AHalfVoxelOffWouldBeSeen) {
   const ScratchFolder folder;
