@@ -12,6 +12,7 @@
 #include "app/playback/recorded_state.hpp"
 #include "engine/import/volumes/medical_volume.hpp"
 #include "engine/recording/recording_writer.hpp"
+#include "tests/pipeline/small_scenes.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
@@ -185,6 +186,35 @@ TEST_F(Fills, ARunVerifiesIsRepairedAndGoesOn) {
       EXPECT_EQ(summary["removed_voxels"], solid_in(start) - solid_in(end));
     }
   }
+}
+
+TEST_F(Fills, ALoosePieceIsAsLargeAsWhatOfItIsFilled) {
+  // Of voxels that are part filled all around: counted whole they are larger by two fifths.
+  const auto run = [&](const std::string& smallest_mm3) {
+    const std::string folder = scratch_.path("post_" + smallest_mm3);
+    const auto result = command("run " + scratch_.write("post.toml", test::kPostScene) +
+                                " --set workpiece.surface=fractions --set "
+                                "'workpiece.box.size_mm=[0.53, 0.53, 2.43]' --set "
+                                "loose_pieces.smallest_mm3=" +
+                                smallest_mm3 + " -o " + folder);
+    EXPECT_EQ(result.status, 0) << result.err;
+    return folder;
+  };
+  const std::string folder = run("0.1");
+  const RecordingReader reader(folder + "/recording.h5");
+  ASSERT_EQ(reader.pieces().size(), 1u);
+  Levels levels = levels_of(reader.workpiece());
+  for (const Edit& fill : reader.fills()) levels[fill.voxel] = fill.level;
+  Levels loose;
+  for (const Edit& edit : reader.edits()) {
+    if (edit.cause == EditCause::kLoose) loose.push_back(levels[edit.voxel]);
+  }
+  const double filled_mm3 = volume_mm3(loose);
+  ASSERT_GT(static_cast<double>(loose.size()) * 0.05 * 0.05 * 0.05, 1.2 * filled_mm3);
+  const auto summary = nlohmann::json::parse(test::read_file(folder + "/summary.json"));
+  EXPECT_NEAR(summary["outcome"]["removed_mm3"]["loose"]["enamel"].get<double>(), filled_mm3, 1e-9);
+  const std::string without = run(std::to_string(1.02 * filled_mm3));
+  EXPECT_EQ(RecordingReader(without + "/recording.h5").pieces().size(), 0u);
 }
 
 TEST_F(Fills, AStateAtAnyTimeHasTheLevelsOfItsEdits) {
