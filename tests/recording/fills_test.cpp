@@ -250,6 +250,30 @@ TEST_F(Fills, ALevelOfNoVoxelOrNoLevelIsDamage) {
   }
 }
 
+TEST_F(Fills, OfRowsThatAreLeftOutAreThere) {
+  for (const bool foreign : {false, true}) {
+    RecordingWriter writer(path(), header(), filled_workpiece(), nullptr);
+    append_filled(writer, 1, 20);
+    for (std::uint64_t t = 21; t <= 30; ++t) {
+      std::vector<Edit> of_tick = fills(t);
+      if (foreign && t == 22) of_tick.front().tick = 20;
+      writer.append_edits(of_tick);
+      writer.append_edits(edits(t));
+    }
+    TickRecord row = tick(30);
+    row.faults |= kFaultRowsDropped;
+    seal(row);
+    const FillEndRow end = sealed(FillEndRow{30, fills_end(30), 0});
+    writer.append_fill_ends({&end, 1});
+    writer.append_ticks({&row, 1});
+    append_filled(writer, 31, 50);
+    writer.close();
+    const RecordingReader reader(path());
+    EXPECT_EQ(reader.tick_count(), foreign ? 20u : 41u) << reader.damage();
+    EXPECT_EQ(reader.fill_count(), fills_end(foreign ? 20 : 50));
+  }
+}
+
 TEST_F(Fills, WhereTheyAreMissingTheFileIsRefused) {
   for (const char* gone : {"fills", "fill_ends", "workpiece/levels", "workpiece/levelled"}) {
     write_filled(10);
