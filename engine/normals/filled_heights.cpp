@@ -49,17 +49,19 @@ class LevelReader {
 /// What a column lacks below the top of its outermost solid voxel, in parts; kUnknown where no
 /// surface is found.
 std::int16_t lack_of(LevelReader& levels, Cell at, int axis, int inward, int most) noexcept {
-  int lack = 0, before = 0;
+  int lack = 0, fullest = 0, lack_above_fullest = 0;
   for (int n = 0; n < most; ++n) {
     const int parts = levels.at(at.x(), at.y(), at.z());
     if (parts == kHeightParts) return static_cast<std::int16_t>(lack);
-    if (parts < before) {
+    if (parts == 0) {
       // A wall that no voxel of is full: what its fullest lacks is halved between the sides.
-      return static_cast<std::int16_t>(lack - (kHeightParts - before) / 2);
+      return static_cast<std::int16_t>(lack_above_fullest + (kHeightParts - fullest) / 2);
     }
-    if (parts == 0) break;
+    if (parts > fullest) {
+      fullest = parts;
+      lack_above_fullest = lack;
+    }
     lack += kHeightParts - parts;
-    before = parts;
     at[axis] += inward;
   }
   return ColumnLacks::kUnknown;
