@@ -10,7 +10,6 @@
 #include "engine/normals/filled_heights.hpp"
 #include "engine/normals/ldm.hpp"
 #include "engine/normals/map_batch.hpp"
-#include "engine/volume/plane_share.hpp"
 
 namespace sulcus {
 
@@ -68,10 +67,7 @@ class FilledEstimator {
   void estimate(SurfaceEstimate* to) noexcept {
     VoxelBits rest = batch_.has_direction;
     while (rest != 0) {
-      for (const std::size_t k : batch_.trace_some(rest)) {
-        to[k] = estimate_one(k);
-        move_to_own_fill(batch_.query(k).voxel, to[k]);
-      }
+      for (const std::size_t k : batch_.trace_some(rest)) to[k] = estimate_one(k);
     }
     for (std::size_t k = 0; k < batch_.count(); ++k) {
       if (!has_bit(batch_.has_direction, k)) to[k] = {};
@@ -105,21 +101,6 @@ class FilledEstimator {
     return *rough;
   }
 
-  /// Moves a surface along its normal as far as the voxel is filled less, or more, than it says:
-  /// what is cut of a voxel must be felt there, or it is cut through while the surface about it
-  /// says that it still stands. Where it is filled as it says, which its rounding hides, nothing is
-  /// moved.
-  void move_to_own_fill(const Cell& voxel, SurfaceEstimate& estimate) const noexcept {
-    const FillLevel level = batch_.workpiece().level(voxel);
-    if (level == 0 || !estimate.defined) return;
-    const Eigen::Vector3d normal = estimate.normal.cast<double>();
-    const auto offset = static_cast<double>(estimate.offset);
-    const auto said = static_cast<int>(kFullLevel * share_behind_plane(normal, -offset) + 0.5);
-    if (std::abs(said - level) <= kSameFill) return;
-    const auto plane_of = [&](double of) { return plane_of_share(normal, of / kFullLevel); };
-    estimate.offset += static_cast<float>(plane_of(level) - plane_of(said));
-  }
-
   /// Where no voxel is part-filled it is a binary solid.
   SurfaceEstimate of_bits(std::size_t k) noexcept {
     SurfaceEstimate estimate;
@@ -131,7 +112,9 @@ class FilledEstimator {
   }
 
   static SurfaceEstimate estimate_of(const FilledPoint& point, const MapAxes& axes) noexcept {
-    return to_index_space(point.closest, axes);
+    SurfaceEstimate estimate = to_index_space(point.closest, axes);
+    estimate.offset = point.own_offset;
+    return estimate;
   }
 
   /// What explains the whole map, or the largest ball; `normal`: the coarse one, unit, map space.

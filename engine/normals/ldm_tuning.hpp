@@ -141,8 +141,6 @@ inline constexpr float kLeastFilledCosine = 0.15f, kLeastFilledCosineToCoarse = 
 /// after all that are [m: rim of the cut molar 17 degrees without, 13 with it].
 inline constexpr float kRoughRadius = 4.2f, kAnyResidual = 1e9f, kEdgeResidual = 0.6f,
                        kOnlyNearly = 10.0f;
-/// Levels that a voxel may be off what its surface says: those of rounding.
-inline constexpr int kSameFill = 1;
 /// Faces are equally near within the heights' noise.
 inline constexpr float kEqualFace = 1e-3f;
 

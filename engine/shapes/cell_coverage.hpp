@@ -1,14 +1,34 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <Eigen/Core>
 
 #include "engine/shapes/implicit_shape.hpp"
-#include "engine/volume/plane_share.hpp"
 
 namespace sulcus {
+
+/// Share of a unit cube about the origin in which n'x <= -distance, n unit: closed form, by
+/// inclusion and exclusion of the corners that lie behind the plane.
+inline double share_behind_plane(const Eigen::Vector3d& n, double distance) {
+  constexpr double kAlongAxis = 1e-5;  // a component below it counts as none
+  std::array<double, 3> a{std::abs(n.x()), std::abs(n.y()), std::abs(n.z())};
+  std::ranges::sort(a);
+  const double all = a[0] + a[1] + a[2], t = 0.5 * all - distance;
+  if (t <= 0.0) return 0.0;
+  if (t >= all) return 1.0;
+  if (a[1] < kAlongAxis) return std::clamp(0.5 - distance / a[2], 0.0, 1.0);
+  const auto power = [](double v, int p) { return v > 0.0 ? std::pow(v, p) : 0.0; };
+  if (a[0] < kAlongAxis) {
+    return (power(t, 2) - power(t - a[1], 2) - power(t - a[2], 2) + power(t - a[1] - a[2], 2)) /
+           (2.0 * a[1] * a[2]);
+  }
+  double sum = power(t, 3);
+  for (int i = 0; i < 3; ++i) sum += power(t - (all - a[i]), 3) - power(t - a[i], 3);
+  return (sum - power(t - all, 3)) / (6.0 * a[0] * a[1] * a[2]);
+}
 
 /// Share of a cube of edge `size_m` about `centre`, both in the shape's space, that is solid; its
 /// edges are along the columns of `axes`. Where the shape is a plane over the cube to within
