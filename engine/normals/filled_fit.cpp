@@ -69,11 +69,9 @@ std::optional<FilledPoint> fit_whole_filled(const FilledMap& map, float toleranc
       1.0f / std::sqrt(1.0f + (surface.c[1] * surface.c[1] + surface.c[2] * surface.c[2]));
   const float left = kernels.filled_residual(map, surface) * cosine;
   if (!(left <= tolerance)) return {};
-  const float own = static_cast<float>(map.at(0, 0)) * kPerPart - surface.c[0];
   // A column's mean height is above that at its middle by 1/24 of the second derivatives.
   surface.c[0] -= (surface.c[3] + surface.c[5]) * (1.0f / 12.0f);
-  const ClosestPoint closest = closest_point_of(surface);
-  return FilledPoint{closest, closest.offset + own * closest.normal_z, left};
+  return FilledPoint{closest_point_of(surface), left};
 }
 
 float height_noise(const FilledMap& map, float least) noexcept {
@@ -115,10 +113,6 @@ void FilledFitter::gather(const FilledMap& map, const Eigen::Vector3f& normal,
             {normal.x(), normal.y(), normal.z()},
             radius,
             {}};
-  own_.reset();
-  if (map.at(0, 0) != FilledMap::kNone) {
-    own_.emplace(0.0f, 0.0f, static_cast<float>(map.at(0, 0)) * kPerPart);
-  }
   map_kernels().gather_filled(map, frame_, all_);
 }
 
@@ -129,18 +123,7 @@ FilledPoint FilledFitter::nearest_on(const Quadric& c, float residual_of_fit) co
   const auto along = [&](std::size_t a) {
     return p.normal_x * f.u[a] + p.normal_y * f.w[a] + p.normal_z * f.n[a];
   };
-  float own_offset = p.offset;
-  if (own_) {
-    const auto in_frame = [&](const std::array<float, 3>& axis) {
-      return (own_->x() * axis[0] + own_->y() * axis[1] + own_->z() * axis[2]) / f.radius;
-    };
-    const float u = in_frame(f.u), w = in_frame(f.w);
-    const float fitted =
-        c[0] + (c[1] * u + c[2] * w) + ((c[3] * u * u + c[5] * w * w) + c[4] * (u * w));
-    own_offset += (in_frame(f.n) - fitted) * p.normal_z;
-  }
-  return {
-      {along(0), along(1), along(2), p.offset * f.radius}, own_offset * f.radius, residual_of_fit};
+  return {{along(0), along(1), along(2), p.offset * f.radius}, residual_of_fit};
 }
 
 float FilledFitter::residual(const Quadric& quadric, const TiltedPoints& points) const noexcept {

@@ -12,13 +12,9 @@
 
 namespace sulcus {
 
-/// The closest point to a voxel's centre on what was fitted, map space, and the same offset if the
-/// surface is moved along its normal to the height of the voxel's own column. That is where depth
-/// is measured: what is cut of a voxel must be felt there, or it is cut through while the surface
-/// about it says that it still stands.
+/// The closest point to a voxel's centre on what was fitted, map space.
 struct FilledPoint {
   ClosestPoint closest;
-  float own_offset = 0.0f;
   float residual = 0.0f;  // of the points that it was fitted to, the largest, voxels
 };
 
@@ -57,7 +53,6 @@ class FilledFitter {
   float residual(const Quadric& quadric, const TiltedPoints& points) const noexcept;
 
   TiltedFrame frame_;
-  std::optional<Eigen::Vector3f> own_;  // the point of the voxel's own column, map space
   TiltedPoints all_;
   std::array<TiltedPoints, TiltedGroup::kSize> of_sides_;
   TiltedGroup group_;

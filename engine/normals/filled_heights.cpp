@@ -84,6 +84,25 @@ ColumnLacks& FilledHeights::lacks_of(const Cell& voxel, const MapAxes& axes) noe
   return lacks;
 }
 
+std::optional<float> FilledHeights::own_height(const Cell& voxel,
+                                               const MapAxes& axes) const noexcept {
+  constexpr int kMostAbove = 3;
+  LevelReader levels(model_);
+  Cell at = voxel;
+  int above = 0;
+  for (; above <= kMostAbove; ++above) {
+    Cell next = at;
+    next[axes.axis] += axes.sign;
+    if (levels.at(next.x(), next.y(), next.z()) == 0) break;
+    at = next;
+  }
+  const int lack = above > kMostAbove
+                       ? ColumnLacks::kUnknown
+                       : lack_of(levels, at, axes.axis, -axes.sign, kMostPart + above);
+  if (lack == ColumnLacks::kUnknown) return {};
+  return static_cast<float>(above) + 0.5f - static_cast<float>(lack) * (1.0f / kHeightParts);
+}
+
 void FilledHeights::fill(const Cell& voxel, const MapAxes& axes, const HeightMap& traced,
                          FilledMap& map) noexcept {
   const int u = axes.first(), v = axes.second(), ns = traced.ns;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "engine/normals/filled_map.hpp"
 #include "engine/normals/map_space.hpp"
@@ -23,6 +24,10 @@ class FilledHeights {
   /// part-filled voxels has one, too: there the fullest counts for both sides.
   void fill(const Cell& voxel, const MapAxes& axes, const HeightMap& traced,
             FilledMap& map) noexcept;
+
+  /// The height of a voxel's own column along one axis, voxels above its centre, outward; none
+  /// where the column has no surface within three voxels of it.
+  std::optional<float> own_height(const Cell& voxel, const MapAxes& axes) const noexcept;
 
  private:
   ColumnLacks& lacks_of(const Cell& voxel, const MapAxes& axes) noexcept;

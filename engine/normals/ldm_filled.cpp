@@ -67,7 +67,10 @@ class FilledEstimator {
   void estimate(SurfaceEstimate* to) noexcept {
     VoxelBits rest = batch_.has_direction;
     while (rest != 0) {
-      for (const std::size_t k : batch_.trace_some(rest)) to[k] = estimate_one(k);
+      for (const std::size_t k : batch_.trace_some(rest)) {
+        to[k] = estimate_one(k);
+        move_to_own_columns(batch_.query(k).voxel, to[k]);
+      }
     }
     for (std::size_t k = 0; k < batch_.count(); ++k) {
       if (!has_bit(batch_.has_direction, k)) to[k] = {};
@@ -101,6 +104,28 @@ class FilledEstimator {
     return *rough;
   }
 
+  /// Moves a surface along its normal to the heights of the voxel's own columns: what is cut of a
+  /// voxel must be felt there, or it is cut through while the surface about it says that it still
+  /// stands. By the mean over the axes, so that where the normal lies between two of them neither
+  /// decides. What rounding and curvature leave moves nothing.
+  void move_to_own_columns(const Cell& voxel, SurfaceEstimate& estimate) const noexcept {
+    float sum = 0.0f, weights = 0.0f;
+    for (int axis = 0; axis < 3; ++axis) {
+      const float along = std::abs(estimate.normal[axis]);
+      const float weight = along * along - kLeastOwnAxis * kLeastOwnAxis;
+      if (!(weight > 0.0f)) continue;
+      estimate.windows |= static_cast<std::uint8_t>(1 << axis);
+      const auto height = heights_.own_height(voxel, {axis, estimate.normal[axis] > 0.0f ? 1 : -1});
+      if (!height) continue;
+      sum += weight * (*height * along);
+      weights += weight;
+    }
+    if (weights == 0.0f) return;
+    const float off = sum / weights - estimate.offset;
+    const float beyond = std::max(0.0f, std::abs(off) - kSameOffset);
+    estimate.offset += off < 0.0f ? -beyond : beyond;
+  }
+
   /// Where no voxel is part-filled it is a binary solid.
   SurfaceEstimate of_bits(std::size_t k) noexcept {
     SurfaceEstimate estimate;
@@ -112,9 +137,7 @@ class FilledEstimator {
   }
 
   static SurfaceEstimate estimate_of(const FilledPoint& point, const MapAxes& axes) noexcept {
-    SurfaceEstimate estimate = to_index_space(point.closest, axes);
-    estimate.offset = point.own_offset;
-    return estimate;
+    return to_index_space(point.closest, axes);
   }
 
   /// What explains the whole map, or the largest ball; `normal`: the coarse one, unit, map space.

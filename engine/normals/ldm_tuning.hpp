@@ -141,6 +141,9 @@ inline constexpr float kLeastFilledCosine = 0.15f, kLeastFilledCosineToCoarse = 
 /// after all that are [m: rim of the cut molar 17 degrees without, 13 with it].
 inline constexpr float kRoughRadius = 4.2f, kAnyResidual = 1e9f, kEdgeResidual = 0.6f,
                        kOnlyNearly = 10.0f;
+/// Least component of a normal along an axis whose own column counts; and how far, in voxels, its
+/// columns may be off a surface that is as they say.
+inline constexpr float kLeastOwnAxis = 0.35f, kSameOffset = 0.015f;
 /// Faces are equally near within the heights' noise.
 inline constexpr float kEqualFace = 1e-3f;
 
