@@ -77,7 +77,7 @@ std::optional<FilledPoint> fit_whole_filled(const FilledMap& map, float toleranc
 float height_noise(const FilledMap& map, float least) noexcept {
   // Third differences of noise of variance s^2 have 20 s^2; the median of a bell is 0.67 s.
   constexpr float kPerMedian = 1.0f / (4.4721360f * 0.6744898f);
-  std::array<int, 128> sizes;
+  std::array<int, 256> sizes;
   std::size_t count = 0;
   const auto add = [&](int i, int j, int di, int dj) {
     const std::array<int, 4> h{map.at(i, j), map.at(i + di, j + dj), map.at(i + 2 * di, j + 2 * dj),
@@ -87,7 +87,7 @@ float height_noise(const FilledMap& map, float least) noexcept {
   };
   const int ns = std::min(map.ns, 6);
   for (int across = -ns; across <= ns; across += 2) {
-    for (int along = -ns; along + 3 <= ns; along += 2) {
+    for (int along = -ns; along + 3 <= ns; ++along) {
       add(along, across, 1, 0);
       add(across, along, 0, 1);
     }

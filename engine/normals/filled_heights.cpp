@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 
 #include "engine/normals/map_kernels.hpp"
 
@@ -36,7 +37,8 @@ class LevelReader {
     page_ = inside ? fills_.page(static_cast<std::uint32_t>(leaf)) : nullptr;
     bits_ = inside ? &model_.leaves[static_cast<std::size_t>(leaf)] : &kNothing;
   }
-  static constexpr int kOutside = -1;  // entered anew each time
+  // Entered anew each time; no leaf's number, nor what is reckoned for one beyond the grid.
+  static constexpr int kOutside = std::numeric_limits<int>::min();
 
   const VoxelModel& model_;
   Eigen::Vector3i dims_;

@@ -15,7 +15,7 @@ namespace sulcus {
 /// it, and not change.
 class FilledHeights {
  public:
-  static constexpr int kMostPart = 6;  // voxels of a column that are not full, one after another
+  static constexpr int kMostPart = 5;  // voxels of a column that are not full, one after another
 
   explicit FilledHeights(const Workpiece& workpiece) : model_(workpiece.model()) {}
 

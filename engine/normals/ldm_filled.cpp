@@ -10,6 +10,7 @@
 #include "engine/normals/filled_heights.hpp"
 #include "engine/normals/ldm.hpp"
 #include "engine/normals/map_batch.hpp"
+#include "engine/normals/turned_filled_map.hpp"
 
 namespace sulcus {
 
@@ -69,7 +70,7 @@ class FilledEstimator {
     while (rest != 0) {
       for (const std::size_t k : batch_.trace_some(rest)) {
         to[k] = estimate_one(k);
-        move_to_own_columns(batch_.query(k).voxel, to[k]);
+        if (map_has_parts_) move_to_own_columns(batch_.query(k).voxel, to[k]);
       }
     }
     for (std::size_t k = 0; k < batch_.count(); ++k) {
@@ -82,16 +83,19 @@ class FilledEstimator {
     const Vector3f coarse = batch_.coarse(k), hint = tool_hint(batch_.tool(k), coarse);
     const MapAxes axes = batch_.axes(k);
     heights_.fill(batch_.query(k).voxel, axes, batch_.map(k), map_);
-    if (!map_.has_parts()) return of_bits(k);
-    const Vector3f normal = to_map_space(coarse, axes).normalized();
+    map_has_parts_ = map_.has_parts();
+    if (!map_has_parts_) return of_bits(k);
     const auto holds = [&](const std::optional<SurfaceEstimate>& estimate) {
       return estimate && is_consistent(estimate->normal, coarse, hint);
     };
-    std::optional<SurfaceEstimate> found = smooth(axes, normal);
+    std::optional<SurfaceEstimate> found = whole(axes);
+    if (holds(found)) return *found;
+    turn(axes, coarse);
+    found = ball(axes);
     if (holds(found)) return *found;
     // What neither a ball nor a side explains: the least squares of all of a ball.
     std::optional<SurfaceEstimate> rough;
-    fitter_.gather(map_, normal, kRoughRadius);
+    fitter_.gather(turned_.map(), coarse_, kRoughRadius);
     at_edge_ = true;
     if (const auto point = fitter_.fit_ball(kAnyResidual)) {
       rough = estimate_of(*point, axes);
@@ -136,12 +140,18 @@ class FilledEstimator {
     return estimate;
   }
 
-  static SurfaceEstimate estimate_of(const FilledPoint& point, const MapAxes& axes) noexcept {
-    return to_index_space(point.closest, axes);
+  SurfaceEstimate estimate_of(const FilledPoint& point, const MapAxes& axes) const noexcept {
+    return to_index_space(turned_.back(point.closest), axes);
+  }
+  /// The map as its symmetries leave it, and the coarse normal over it, unit.
+  void turn(const MapAxes& axes, const Vector3f& coarse) noexcept {
+    const Vector3f over_map = to_map_space(coarse, axes);
+    turned_.turn(map_, over_map);
+    coarse_ = turned_.of(over_map).normalized();
   }
 
-  /// What explains the whole map, or the largest ball; `normal`: the coarse one, unit, map space.
-  std::optional<SurfaceEstimate> smooth(const MapAxes& axes, const Vector3f& normal) noexcept {
+  /// What explains the whole map.
+  std::optional<SurfaceEstimate> whole(const MapAxes& axes) noexcept {
     tolerance_ = kFilledResidual;
     std::optional<FilledPoint> point = fit_whole_filled(map_, kWholeFilledResidual);
     if (!point) {
@@ -149,15 +159,19 @@ class FilledEstimator {
           std::max(tolerance_, kNoiseResidual * height_noise(map_, tolerance_ / kNoiseResidual));
       if (tolerance_ > kWholeFilledResidual) point = fit_whole_filled(map_, tolerance_);
     }
-    if (point) return estimate_of(*point, axes);
+    if (!point) return {};
+    return to_index_space(point->closest, axes);
+  }
+  /// What explains the largest ball.
+  std::optional<SurfaceEstimate> ball(const MapAxes& axes) noexcept {
     for (const float radius : kFilledBallRadii) {
-      fitter_.gather(map_, normal, radius);
-      point = fitter_.fit_ball(tolerance_);
+      fitter_.gather(turned_.map(), coarse_, radius);
+      std::optional<FilledPoint> point = fitter_.fit_ball(tolerance_);
       if (!point) continue;
       // Once more in the surface's own frame, where it is straightest.
       const Vector3f own = normal_of(*point);
-      if (own.dot(normal) < kSameFrame) {
-        fitter_.gather(map_, own, radius);
+      if (own.dot(coarse_) < kSameFrame) {
+        fitter_.gather(turned_.map(), own, radius);
         if (const auto again = fitter_.fit_ball(tolerance_)) point = again;
       }
       return estimate_of(*point, axes);
@@ -171,7 +185,7 @@ class FilledEstimator {
                                               const Vector3f& hint) noexcept {
     candidate_count_ = 0;
     windows_ = axes.window();
-    add_sides(axes, coarse);
+    add_sides(axes);
     for (int axis = 0; axis < 3; ++axis) {
       if (axis == axes.axis || std::abs(coarse[axis]) < kOtherAxis * std::abs(coarse[axes.axis])) {
         continue;
@@ -182,16 +196,17 @@ class FilledEstimator {
       traced.ns = batch_.neighbourhood();
       trace_along(batch_.workpiece(), batch_.query(k).voxel, other, coarse, batch_.trace(), traced);
       heights_.fill(batch_.query(k).voxel, other, traced, map_);
-      add_sides(other, coarse);
+      turn(other, coarse);
+      add_sides(other);
     }
     auto nearest = nearest_of(std::span(candidates_).first(candidate_count_), hint);
     if (nearest) nearest->windows = windows_;
     return nearest;
   }
 
-  void add_sides(const MapAxes& axes, const Vector3f& coarse) noexcept {
-    const Vector3f normal = to_map_space(coarse, axes).normalized();
-    fitter_.gather(map_, normal, kFilledSideRadii[0]);
+  void add_sides(const MapAxes& axes) noexcept {
+    const Vector3f& normal = coarse_;
+    fitter_.gather(turned_.map(), normal, kFilledSideRadii[0]);
     std::array<SideFit, kSides> fits;
     fitter_.fit_sides(kAllSides, tolerance_, fits);
     float nearest = std::numeric_limits<float>::infinity();
@@ -217,7 +232,7 @@ class FilledEstimator {
   void refit(const MapSide& side, SideFit& fit) noexcept {
     for (const float radius : kFilledSideRadii) {
       if (fit.explains != SideFit::Explains::kNearly) return;
-      fitter_.gather(map_, normal_of(fit.point), radius);
+      fitter_.gather(turned_.map(), normal_of(fit.point), radius);
       SideFit again;
       fitter_.fit_sides({&side, 1}, tolerance_, {&again, 1});
       if (again.explains != SideFit::Explains::kNothing) fit = again;
@@ -234,9 +249,12 @@ class FilledEstimator {
   MapBatch& batch_;
   FilledHeights heights_;
   FilledMap map_;
+  TurnedFilledMap turned_;
+  Vector3f coarse_ = Vector3f::Zero();  // as turned_ sees it, unit
   FilledFitter fitter_;
   float tolerance_ = 0.0f;
-  bool at_edge_ = false;  // what nothing explains is no rough surface
+  bool map_has_parts_ = false;  // of the first axis
+  bool at_edge_ = false;        // what nothing explains is no rough surface
   std::array<Candidate, 3 * kSides> candidates_;
   std::size_t candidate_count_ = 0;
   std::uint8_t windows_ = 0;  // of the maps that nearest_face looked at

@@ -146,15 +146,17 @@ Differences differences_of(const VoxelModel& model, const NormalSettings& settin
   estimate_surfaces(workpiece, queries, settings, estimates);
   Differences differences;
   for (const Symmetry& symmetry : all_symmetries()) {
-    const Workpiece other(test::make_model(model.grid.cells, 1e-4, [&](const Cell& c) {
+    const auto level = [&](const Cell& c) {
       // Where the symmetry brings it from.
       Cell from;
       for (std::size_t a = 0; a < 3; ++a) {
         const int at = c[static_cast<int>(a)];
         from[symmetry.from[a]] = symmetry.sign[a] > 0 ? at : kEdge - 1 - at;
       }
-      return model.solid(from);
-    }));
+      return model.level(from);
+    };
+    const Workpiece other(model.fills ? test::filled_model(model.grid.cells, 1e-4, level)
+                                      : test::make_model(model.grid.cells, 1e-4, level));
     std::vector<VoxelQuery> others;
     for (const VoxelQuery& query : queries) {
       others.push_back({symmetry.of(query.voxel, kEdge), symmetry.of(query.outward)});
@@ -183,6 +185,55 @@ INSTANTIATE_TEST_SUITE_P(Methods, NormalSymmetryTest,
                            return std::string(
                                kNormalMethodNames[static_cast<std::size_t>(method.param)]);
                          });
+
+/// A shape with the share of each voxel that lies in it, by 6 x 6 x 6 points; and so cut along a
+/// groove, that its floor is rough.
+std::vector<Shape> filled_shapes() {
+  std::vector<Shape> all;
+  const auto add = [&](const char* name, const auto& solid) {
+    all.push_back(
+        {name, test::filled_model(Eigen::Vector3i::Constant(kEdge), 1e-4, [&](const Cell& c) {
+           if ((c.array() < 2).any() || (c.array() > kEdge - 3).any()) return 0;
+           int inside = 0;
+           for (int n = 0; n < 216; ++n) {
+             const Vector3d in(n % 6, n / 6 % 6, n / 36);
+             const Vector3d p =
+                 c.cast<double>().array() - 0.5 * (kEdge - 1) + (in.array() - 2.5) / 6.0;
+             inside += solid(p) ? 1 : 0;
+           }
+           return (inside * kFullLevel + 108) / 216;
+         })});
+  };
+  add("filled ball", [](const Vector3d& p) { return p.norm() < 11.3; });
+  add("filled cube", [](const Vector3d& p) { return p.cwiseAbs().maxCoeff() < 9.3; });
+  add("filled plane",
+      [](const Vector3d& p) { return p.norm() < 14.0 && Vector3d(0.36, -0.48, 0.8).dot(p) < 1.7; });
+  add("filled diagonals",
+      [](const Vector3d& p) { return std::abs(p.x()) + std::abs(p.y()) + std::abs(p.z()) < 14.2; });
+  add("filled groove", [](const Vector3d& p) {
+    return p.norm() < 13.0 && (p - Vector3d(2.0, 0.3, 9.0)).tail<2>().norm() > 4.7;
+  });
+  std::mt19937 random(3);
+  all.push_back(all.back());
+  all.back().name = "rough groove";
+  VoxelModel& rough = all.back().model;
+  for (const Cell& c : test::solid_cells(rough)) {
+    const FillLevel level = rough.level(c);
+    if (level < kFullLevel) rough.set_level(c, static_cast<FillLevel>(1 + random() % level));
+  }
+  return all;
+}
+
+TEST_P(NormalSymmetryTest, NormalsOfFractionsTurnWithTheShape) {
+  for (const Shape& shape : filled_shapes()) {
+    const Differences d = differences_of(
+        shape.model, {.normals = GetParam(), .neighbourhood = 6, .trace = 12}, false);
+    std::printf("%-20s %6ld of %7ld apart, by up to %.2g, undefined %ld\n", shape.name.c_str(),
+                d.apart, d.compared, static_cast<double>(d.most), d.undefined);
+    EXPECT_EQ(d.undefined, 0) << shape.name;
+    EXPECT_EQ(d.apart, 0) << shape.name << ", by up to " << d.most;
+  }
+}
 
 TEST_P(NormalSymmetryTest, NormalsTurnWithTheShape) {
   for (const Shape& shape : shapes()) {

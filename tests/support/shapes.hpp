@@ -30,6 +30,19 @@ VoxelModel make_model(const Eigen::Vector3i& cells, double voxel_m, const Solid&
   return model;
 }
 
+/// With fractions: voxel `c` is filled up to `level(c)`, 0 to 255.
+template <class Level>
+VoxelModel filled_model(const Eigen::Vector3i& cells, double voxel_m, const Level& level) {
+  VoxelModel model = make_model(cells, voxel_m, [](const Cell&) { return false; });
+  model.fills.emplace(model.grid.leaf_count(), std::vector<LeafLevels>{});
+  model.fills->reserve(model.grid.leaf_count());
+  for (std::uint32_t v = 0; v < model.grid.cell_count(); ++v) {
+    const Cell c = model.grid.cell_of_linear(v);
+    model.set_level(c, static_cast<FillLevel>(level(c)));
+  }
+  return model;
+}
+
 /// Voxels whose centre is within `radius` voxels of `centre_index`.
 inline VoxelModel ball(const Eigen::Vector3i& cells, double voxel_m,
                        const Eigen::Vector3d& centre_index, double radius) {

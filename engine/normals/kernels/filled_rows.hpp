@@ -100,11 +100,12 @@ inline float filled_residual(const FilledMap& map, const ColumnQuadric& q) noexc
   for (int j = -map.ns; j <= map.ns; ++j) {
     const std::int16_t* row = map.height.begin() + (map.ns + j) * lanes;
     const auto y = static_cast<float>(j);
-    const float y0 = c[0] + c[2] * y, y2 = c[5] * y * y, xy = c[4] * y, ty = q.t_y * y;
+    const float y1 = c[2] * y, y2 = c[5] * y * y, xy = c[4] * y, ty = q.t_y * y;
     for (int lane = first; lane <= lanes / 2 + map.ns; lane += kRowStep) {
+      // What x and y have in common is added up first, as in column_quadric.hpp.
       const RowLanes x = kLaneIndex + static_cast<float>(lane - lanes / 2);
-      const RowLanes z2 = (c[3] * x + xy) * x + y2, t = q.t_x * x + ty;
-      const RowLanes z = y0 + c[1] * x + z2 * (1.0f + t + t * t) + q.quartic * (z2 * z2);
+      const RowLanes z2 = (c[3] * x * x + y2) + xy * x, t = q.t_x * x + ty;
+      const RowLanes z = c[0] + (c[1] * x + y1) + z2 * (1.0f + t + t * t) + q.quartic * (z2 * z2);
       const RowLanes off = heights(row + lane) * kPerPart - z;
       const auto within = static_cast<float>(map.ns);
       largest = larger(largest, where(at_most(abs(x), within), abs(off)));

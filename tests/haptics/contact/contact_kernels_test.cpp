@@ -149,7 +149,7 @@ TEST_P(ContactKernelsTest, ForcesAreTheSameBitForBit) {
         Both a = contacts(count);
         random_.seed(seed);
         Both b = contacts(count);
-        const ForceSettings settings{at_surface, 0.2f, cutting ? 2e-4f : 0.0f};
+        const ForceSettings settings{at_surface, at_surface, 0.2f, cutting ? 2e-4f : 0.0f};
         MeasureLanes lanes_a, lanes_b;
         plain_->measure(frame, settings, arrays_of(a.contacts), arrays_of(a.block, 0), lanes_a);
         fast_->measure(frame, settings, arrays_of(b.contacts), arrays_of(b.block, 0), lanes_b);
@@ -196,8 +196,8 @@ TEST_P(ContactKernelsTest, WhatFillsUpTheLastGroupIsNoContact) {
       one.block.set_end(1);
       one.block(ContactBlock::kDistance)[0] = 1e-3f;
       MeasureLanes lanes;
-      kernels->measure(frame, ForceSettings{at_surface, 0.2f, 0.0f}, arrays_of(one.contacts),
-                       arrays_of(one.block, 0), lanes);
+      kernels->measure(frame, ForceSettings{at_surface, at_surface, 0.2f, 0.0f},
+                       arrays_of(one.contacts), arrays_of(one.block, 0), lanes);
       const MeasureSums measured = sums_of(lanes);
       EXPECT_EQ(measured.counted, 0u) << kernels->name;
       EXPECT_EQ(measured.weights, 0.0) << kernels->name;

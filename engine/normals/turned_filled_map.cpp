@@ -1,0 +1,68 @@
+#include "engine/normals/turned_filled_map.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace sulcus {
+
+namespace {
+
+void turn_heights(const FilledMap& map, const MapTurn& turn, FilledMap& to) noexcept {
+  const int ns = map.ns;
+  to.height.fill(FilledMap::kNone);
+  for (int j = -ns; j <= ns; ++j) {
+    for (int i = -ns; i <= ns; ++i) {
+      int u = turn.flip_x ? -i : i, v = turn.flip_y ? -j : j;
+      if (turn.exchange) std::swap(u, v);
+      to.height[static_cast<std::size_t>((ns + v) * map.lanes + map.lanes / 2 + u)] = map.at(i, j);
+    }
+  }
+}
+
+}  // namespace
+
+void TurnedFilledMap::turn(const FilledMap& map, const Eigen::Vector3f& coarse) noexcept {
+  const float x = std::abs(coarse.x()), y = std::abs(coarse.y());
+  FilledMap other;
+  for (FilledMap* const to : {&map_, &other}) {
+    to->ns = map.ns;
+    to->lanes = map.lanes;
+  }
+  const std::ptrdiff_t size = (2 * map.ns + 1) * map.lanes;
+  count_ = 0;
+  for (int n = 0; n < 8; ++n) {
+    const MapTurn turn{(n & 1) != 0, (n & 2) != 0, (n & 4) != 0};
+    const bool is_allowed = (x == 0.0f || turn.flip_x == (coarse.x() < 0.0f)) &&
+                            (y == 0.0f || turn.flip_y == (coarse.y() < 0.0f)) &&
+                            (x == y || turn.exchange == (y > x));
+    if (!is_allowed) continue;
+    if (count_ == 0) {
+      turn_heights(map, turn, map_);
+    } else {
+      turn_heights(map, turn, other);
+      const auto end = other.height.begin() + size;
+      if (std::lexicographical_compare(map_.height.begin(), map_.height.begin() + size,
+                                       other.height.begin(), end)) {
+        continue;
+      }
+      if (!std::equal(other.height.begin(), end, map_.height.begin())) {
+        std::copy(other.height.begin(), end, map_.height.begin());
+        count_ = 0;
+      }
+    }
+    turns_[count_++] = turn;
+  }
+}
+
+ClosestPoint TurnedFilledMap::back(const ClosestPoint& closest) const noexcept {
+  if (count_ == 1) return turns_[0].back(closest);
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+  for (const MapTurn& turn : std::span(turns_).first(count_)) {
+    const ClosestPoint one = turn.back(closest);
+    normal += Eigen::Vector3f(one.normal_x, one.normal_y, one.normal_z);
+  }
+  normal.normalize();
+  return {normal.x(), normal.y(), normal.z(), closest.offset};
+}
+
+}  // namespace sulcus

@@ -1,0 +1,278 @@
+#include "engine/normals/ldm_filled.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "engine/normals/filled_heights.hpp"
+#include "engine/normals/ldm.hpp"
+#include "engine/normals/map_batch.hpp"
+#include "engine/normals/normal_method.hpp"
+#include "engine/shapes/basic_shapes.hpp"
+#include "engine/shapes/voxelise_implicit.hpp"
+#include "tests/support/map_kernels_fixture.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace sulcus {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+constexpr int kNs = 6, kTrace = 12;
+
+double angle_deg(const Vector3f& a, const Vector3d& b) {
+  const Vector3d n = a.cast<double>();
+  return std::atan2(n.cross(b).norm(), n.dot(b)) * 180.0 / 3.14159265358979;
+}
+
+/// Surface voxels at least so many from the faces of the grid.
+std::vector<Cell> inner_cells(const Workpiece& workpiece, int margin) {
+  std::vector<Cell> cells = test::surface_cells(workpiece);
+  std::erase_if(cells, [&](const Cell& c) {
+    return (c.array() < margin).any() ||
+           (c.array() >= workpiece.grid().cells.array() - margin).any();
+  });
+  return cells;
+}
+
+std::vector<SurfaceEstimate> estimates_of(const Workpiece& workpiece,
+                                          const std::vector<Cell>& cells) {
+  std::vector<VoxelQuery> queries;
+  for (const Cell& c : cells) queries.push_back({c});
+  std::vector<SurfaceEstimate> estimates(queries.size());
+  estimate_ldm_filled(workpiece, queries, kNs, kTrace, estimates);
+  return estimates;
+}
+
+template <ImplicitShape S>
+Workpiece with_fractions(const S& shape, int cells, const Pose& pose = {}) {
+  VoxelGrid grid;
+  grid.cells = Eigen::Vector3i::Constant(cells);
+  grid.voxel_m = 1.0;
+  return Workpiece(voxelise_implicit(shape, grid, nullptr, pose, SurfaceKind::kFractions));
+}
+
+Pose turned(double x, double y, double z) {
+  Pose pose;
+  pose.orientation = Eigen::AngleAxisd(x, Vector3d::UnitX()) *
+                     Eigen::AngleAxisd(y, Vector3d::UnitY()) *
+                     Eigen::AngleAxisd(z, Vector3d::UnitZ());
+  pose.position = Vector3d(0.13, -0.29, 0.37);
+  return pose;
+}
+
+TEST(LdmFilled, PlanesAreExactAtAnyTilt) {
+  std::mt19937 random(11);
+  std::normal_distribution<double> normal;
+  for (int n = 0; n < 30; ++n) {
+    Pose pose;
+    // Nearly level ones too, whose terraces no binary map sees the end of.
+    const Vector3d axis = Vector3d(normal(random), normal(random), normal(random)).normalized();
+    pose.orientation = Eigen::AngleAxisd(n < 10 ? 0.005 * n : normal(random), axis);
+    pose.position = Vector3d(normal(random), normal(random), normal(random));
+    const Workpiece workpiece = with_fractions(PlateShape(24.0, 0.0), 64, pose);
+    const Vector3d up = pose.direction(Vector3d::UnitZ());
+    const std::vector<Cell> cells = inner_cells(workpiece, 18);
+    const auto estimates = estimates_of(workpiece, cells);
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+      const double height =
+          up.dot(workpiece.grid().centre_world(cells[k]) - pose.position);  // over the middle
+      const Vector3d out = height > 0.0 ? up : Vector3d(-up);
+      ASSERT_LT(angle_deg(estimates[k].normal, out), 0.05) << n;
+      ASSERT_NEAR(estimates[k].offset, 12.0 - std::abs(height), 0.02) << n;
+    }
+  }
+}
+
+TEST(LdmFilled, CurvedSurfacesAreNearlyExact) {
+  const Workpiece ball = with_fractions(SphereShape(40.0), 96, turned(0, 0, 0));
+  const std::vector<Cell> cells = inner_cells(ball, 1);
+  const auto estimates = estimates_of(ball, cells);
+  double sum_deg = 0.0, squares = 0.0;
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    const Vector3d p = ball.grid().centre_world(cells[k]) - Vector3d(0.13, -0.29, 0.37);
+    sum_deg += angle_deg(estimates[k].normal, p.normalized());
+    squares += std::pow(estimates[k].offset - (40.0 - p.norm()), 2);
+  }
+  const auto count = static_cast<double>(cells.size());
+  EXPECT_LT(sum_deg / count, 0.03);  // ldm on bits: 0.5
+  EXPECT_LT(std::sqrt(squares / count), 0.01);
+}
+
+TEST(LdmFilled, FacesOfATiltedBoxAreTheNearest) {
+  const Pose pose = turned(0.3, 0.5, 0.2);
+  const Workpiece box = with_fractions(BoxShape({50, 50, 50}), 96, pose);
+  const std::vector<Cell> cells = inner_cells(box, 1);
+  const auto estimates = estimates_of(box, cells);
+  double face = 0.0, near = 0.0, edge = 0.0;
+  int faces = 0, nears = 0, edges = 0;
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    const Vector3d p = pose.inverse_point(box.grid().centre_world(cells[k]));
+    const Vector3d away = 25.0 - p.array().abs();  // from each pair of faces, inward
+    if ((away.array() < 0.0).any()) continue;      // the nearest point may be on an edge
+    int axis = 0;
+    away.minCoeff(&axis);
+    Vector3d out = Vector3d::Zero();
+    out[axis] = p[axis] > 0.0 ? 1.0 : -1.0;
+    double to_edge = 1e9;
+    for (int a = 0; a < 3; ++a) to_edge = a == axis ? to_edge : std::min(to_edge, away[a]);
+    const double error = angle_deg(estimates[k].normal, pose.direction(out));
+    (to_edge > 10.0 ? face : to_edge > 2.0 ? near : edge) += error;
+    ++(to_edge > 10.0 ? faces : to_edge > 2.0 ? nears : edges);
+  }
+  ASSERT_GT(edges, 100);
+  EXPECT_LT(face / faces, 0.01);
+  EXPECT_LT(near / nears, 0.1);
+  EXPECT_LT(edge / edges, 5.0);
+}
+
+TEST(LdmFilled, WhereNoVoxelIsPartFilledItIsLdm) {
+  VoxelModel model = test::random_blobs({40, 40, 40}, 7);
+  model.fills.emplace(model.grid.leaf_count(), std::vector<LeafLevels>{});
+  const Workpiece workpiece(std::move(model));
+  const std::vector<Cell> cells = test::surface_cells(workpiece);
+  std::vector<VoxelQuery> queries;
+  for (const Cell& c : cells) queries.push_back({c});
+  std::vector<SurfaceEstimate> of_bits(queries.size()), filled(queries.size());
+  estimate_ldm(workpiece, queries, kNs, kTrace, of_bits);
+  estimate_ldm_filled(workpiece, queries, kNs, kTrace, filled);
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    ASSERT_EQ(filled[k].defined, of_bits[k].defined);
+    ASSERT_TRUE(filled[k].normal.isApprox(of_bits[k].normal, 1e-6f));
+    ASSERT_NEAR(filled[k].offset, of_bits[k].offset, 1e-6);
+  }
+}
+
+/// Part-filled at random: nothing explains it.
+Workpiece rough_blobs() {
+  VoxelModel model = test::random_blobs({48, 40, 48}, 5);
+  model.fills.emplace(model.grid.leaf_count(), std::vector<LeafLevels>{});
+  model.fills->reserve(model.grid.leaf_count());
+  std::mt19937 random(2);
+  const Workpiece whole{VoxelModel(model)};
+  for (const Cell& c : test::surface_cells(whole)) {
+    model.set_level(c, static_cast<FillLevel>(1 + random() % 255));
+  }
+  return Workpiece(std::move(model));
+}
+
+TEST(LdmFilled, OneByOneAndTogetherAreTheSameBits) {
+  for (const Workpiece& workpiece : {rough_blobs(), with_fractions(SphereShape(14.0), 48),
+                                     with_fractions(PlateShape(2.2, 0.4), 48)}) {
+    std::vector<Cell> cells = test::surface_cells(workpiece);
+    const auto together = estimates_of(workpiece, cells);
+    std::ranges::reverse(cells);
+    const auto backward = estimates_of(workpiece, cells);
+    for (std::size_t k = 0; k < cells.size(); k += 5) {
+      const auto alone = estimates_of(workpiece, {cells[k]});
+      const std::size_t other = cells.size() - 1 - k;
+      ASSERT_EQ(together[other].normal, alone[0].normal);
+      ASSERT_EQ(together[other].offset, alone[0].offset);
+      ASSERT_EQ(backward[k].normal, alone[0].normal);
+      ASSERT_EQ(backward[k].offset, alone[0].offset);
+    }
+  }
+}
+
+TEST(LdmFilled, WhateverIsFilledHasFiniteUnitNormals) {
+  const Workpiece workpiece = rough_blobs();
+  const std::vector<Cell> cells = test::surface_cells(workpiece);
+  for (const SurfaceEstimate& estimate : estimates_of(workpiece, cells)) {
+    if (!estimate.defined) continue;
+    ASSERT_NEAR(estimate.normal.norm(), 1.0f, 1e-4f);
+    ASSERT_TRUE(std::isfinite(estimate.offset));
+    ASSERT_LT(std::abs(estimate.offset), 20.0f);
+  }
+}
+
+class FilledKernels : public test::MapKernelsFixture {
+ protected:
+  template <class Each>
+  void for_filled_maps(const Each& each) const {
+    const Workpiece workpiece = rough_blobs();
+    FilledHeights heights(workpiece);
+    const std::vector<Cell> cells = test::surface_cells(workpiece);
+    for (std::size_t k = 0; k < cells.size(); k += 9) {
+      for (const int ns : {2, 6, 7, 8, 12}) {
+        const MapAxes axes{static_cast<int>(k % 3), k % 2 == 0 ? 1 : -1};
+        HeightMap traced;
+        traced.ns = ns;
+        trace_along(workpiece, cells[k], axes, Vector3f(0.3f, 0.2f, 0.1f), kTrace, traced);
+        FilledMap map;
+        heights.fill(cells[k], axes, traced, map);
+        each(map, traced);
+      }
+    }
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Sets, FilledKernels, test::fast_sets(), test::set_of);
+
+TEST_P(FilledKernels, RowsAreTheSame) {
+  ColumnLacks lacks;
+  std::mt19937 random(4);
+  for (int v = 0; v < ColumnLacks::kRows; ++v) {
+    for (int u = 0; u < ColumnLacks::kLanes; ++u) {
+      lacks.top[v][u] = static_cast<std::int16_t>(random() % 30);
+      lacks.lack[v][u] =
+          random() % 5 == 0 ? ColumnLacks::kUnknown : static_cast<std::int16_t>(random() % 900);
+    }
+  }
+  for_filled_maps([&](const FilledMap&, const HeightMap& traced) {
+    const std::uint32_t rows = (2u << (2 * traced.ns)) - 1u;
+    FilledMap a, b;
+    a.ns = b.ns = traced.ns;
+    a.lanes = b.lanes = traced.lanes;
+    a.height.fill(0);
+    b.height.fill(0);
+    const auto fill = [&](const MapKernels& kernels, FilledMap& map) {
+      return kernels.fill_rows(traced, rows, &lacks.top[0][0], &lacks.lack[0][0], 14, 1, map);
+    };
+    ASSERT_EQ(fill(*plain_, a), fill(*fast_, b));
+    ASSERT_EQ(a.height, b.height);
+    ASSERT_EQ(a.holes, b.holes);
+    ASSERT_EQ(a.parts, b.parts);
+  });
+}
+
+TEST_P(FilledKernels, SumsResidualsAndPointsAreTheSame) {
+  for_filled_maps([&](const FilledMap& map, const HeightMap&) {
+    const QuadricFilter& filter = quadric_filter(map.ns, map.lanes);
+    std::array<std::int64_t, kQuadric> sums, same;
+    plain_->filled_sums(map, filter, sums.data());
+    fast_->filled_sums(map, filter, same.data());
+    ASSERT_EQ(sums, same);
+    ColumnQuadric surface;
+    surface.c = {0.1f, 0.2f, -0.3f, 0.01f, 0.02f, -0.01f};
+    complete(surface);
+    ASSERT_EQ(plain_->filled_residual(map, surface), fast_->filled_residual(map, surface));
+    const Vector3f n = Vector3f(0.2f, -0.3f, 0.9f).normalized();
+    const Vector3f u = Vector3f(n.z(), 0.0f, -n.x()).normalized(), w = n.cross(u);
+    const TiltedFrame frame{
+        {u.x(), u.y(), u.z()}, {w.x(), w.y(), w.z()}, {n.x(), n.y(), n.z()}, 5.5f, {}};
+    TiltedPoints points, other;
+    plain_->gather_filled(map, frame, points);
+    fast_->gather_filled(map, frame, other);
+    ASSERT_EQ(points.count, other.count);
+    for (int k = 0; k < points.count; ++k) {
+      ASSERT_EQ(points.weight[k], other.weight[k]);
+      ASSERT_EQ(points.u[k], other.u[k]);
+      ASSERT_EQ(points.w[k], other.w[k]);
+      ASSERT_EQ(points.n[k], other.n[k]);
+    }
+    std::vector<float> weights(TiltedPoints::kCapacity), others(TiltedPoints::kCapacity);
+    const std::array<float, 3> across{0.5f, -0.7f, 0.2f};
+    const SidePoints a = plain_->take_side(points, across, -0.1f, weights.data());
+    const SidePoints b = fast_->take_side(points, across, -0.1f, others.data());
+    ASSERT_EQ(a.count, b.count);
+    ASSERT_EQ(a.width, b.width);
+    for (int k = 0; k < points.count; ++k)
+      ASSERT_EQ(weights[static_cast<std::size_t>(k)], others[static_cast<std::size_t>(k)]);
+  });
+}
+
+}  // namespace
+}  // namespace sulcus
