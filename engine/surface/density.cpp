@@ -35,6 +35,33 @@ std::array<std::uint8_t, 64> half_counts(const LeafBits& leaf) {
   return counts;
 }
 
+/// How full the cells of 1 or 2 voxels' edge in a leaf are, x fastest, from its levels.
+std::array<float, 512> fullness(const LeafBits& solid, const FillLevel* page, int level) {
+  const int edge = kLeafEdge >> level;  // cells along the leaf
+  std::array<int, 512> sums{};
+  for_each_voxel(solid, [&](int place) {
+    const Cell c = cell_in_leaf(place) / (1 << level);
+    sums[static_cast<std::size_t>(c.x() + edge * (c.y() + edge * c.z()))] += page[place];
+  });
+  const float full = 1.0f / static_cast<float>(kFullLevel << (3 * level));
+  std::array<float, 512> full_by{};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(edge * edge * edge); ++i) {
+    full_by[i] = full * static_cast<float>(sums[i]);
+  }
+  return full_by;
+}
+
+/// Of the eight cells of 4 voxels' edge in a leaf, x fastest: what is filled, in voxels, rounded.
+std::array<int, 8> filled_quarters(const LeafBits& solid, const FillLevel* page) {
+  std::array<int, 8> sums{};
+  for_each_voxel(solid, [&](int place) {
+    const Cell c = cell_in_leaf(place) / 4;
+    sums[static_cast<std::size_t>(c.x() + 2 * (c.y() + 2 * c.z()))] += page[place];
+  });
+  for (int& sum : sums) sum = (sum + kFullLevel / 2) / kFullLevel;
+  return sums;
+}
+
 std::size_t at(const DensityBlock& block, int x, int y, int z) {
   return static_cast<std::size_t>(x) +
          static_cast<std::size_t>(block.dims.x()) *
@@ -61,12 +88,14 @@ Density::Density(const VoxelModel& model)
 void Density::update(const VoxelModel& model, std::uint32_t leaf) {
   constexpr std::uint64_t kCorner = 0x000000000F0F0F0Fu;  // x 0 to 3, y 0 to 3 of a slice
   const LeafBits& bits = model.leaves[leaf];
+  const FillLevel* const page = model.fills ? model.fills->page(leaf) : nullptr;
+  const std::array<int, 8> filled = page ? filled_quarters(bits, page) : std::array<int, 8>{};
   const Cell first = model.grid.leaf_origin(leaf) / 4;
   for (int k = 0; k < 2; ++k) {
     for (int j = 0; j < 2; ++j) {
       for (int i = 0; i < 2; ++i) {
-        int count = 0;
-        for (int s = 0; s < 4; ++s) {
+        int count = filled[static_cast<std::size_t>(i + 2 * (j + 2 * k))];
+        for (int s = 0; s < 4 && !page; ++s) {
           count += std::popcount(bits.words[4 * k + s] & kCorner << (32 * j + 4 * i));
         }
         const std::size_t index =
@@ -104,11 +133,22 @@ void Density::sample(const VoxelModel& model, int level, DensityBlock& block) co
   const Eigen::Vector3i leaf_low = low / edge;
   const Eigen::Vector3i leaf_high = (high - Eigen::Vector3i::Ones()) / edge;
   for_each_cell(leaf_low, leaf_high + Cell::Ones(), [&](const Cell& leaf) {
-    const LeafBits& bits = model.leaves[model.grid.leaf_of(leaf * kLeafEdge)];
+    const std::uint32_t number = model.grid.leaf_of(leaf * kLeafEdge);
+    const LeafBits& bits = model.leaves[number];
     if (!any(bits)) return;
+    const FillLevel* const page = model.fills ? model.fills->page(number) : nullptr;
     const Eigen::Vector3i origin = leaf * edge;
     const Eigen::Vector3i from = low.cwiseMax(origin);
     const Eigen::Vector3i to = high.cwiseMin(origin + Eigen::Vector3i::Constant(edge));
+    if (page) {
+      const std::array<float, 512> filled = fullness(bits, page, level);
+      for_each_cell(from, to, [&](const Cell& c) {
+        const Cell p = c - block.first, in_leaf = c - origin;
+        block.values[at(block, p.x(), p.y(), p.z())] = filled[static_cast<std::size_t>(
+            in_leaf.x() + edge * (in_leaf.y() + edge * in_leaf.z()))];
+      });
+      return;
+    }
     const std::array<std::uint8_t, 64> counts =
         level == 1 ? half_counts(bits) : std::array<std::uint8_t, 64>{};
     for (int z = from.z(); z < to.z(); ++z) {

@@ -21,13 +21,14 @@ struct DensityBlock {
 
 /// How much of each cubic cell of 1, 2, 4 or 8 voxels (level 0 to 3) is solid, 0 to 1. Cell
 /// (i, j, k) of level n holds the voxels from (i, j, k) 2^n on; cells outside the grid are empty.
-/// Levels 0 and 1 are read off the model's bits; level 2 is kept and updated per leaf, and level 3
-/// added up from it.
+/// Levels 0 and 1 are read off the model; level 2 is kept and updated per leaf, and level 3 added
+/// up from it. With fractions a voxel counts by what of it is filled, in level 2 to whole voxels in
+/// all.
 class Density {
  public:
   explicit Density(const VoxelModel& model);
 
-  /// After the voxels of a leaf have changed.
+  /// After the voxels of a leaf, or their levels, have changed.
   void update(const VoxelModel& model, std::uint32_t leaf);
   /// Fills a block whose extent is set. Any thread, while no update runs.
   void sample(const VoxelModel& model, int level, DensityBlock& block) const;

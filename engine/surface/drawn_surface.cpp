@@ -7,6 +7,8 @@
 #include <cstring>
 #include <utility>
 
+#include "engine/surface/column_surface.hpp"
+
 namespace sulcus {
 namespace {
 
@@ -15,8 +17,12 @@ namespace {
 // terraces that binary voxels make of gentle slopes. (Cells of 8 voxels would be cheaper, but their
 // lattice shows.)
 constexpr int kNearLevel = 1, kNearBlur = 4;
+// Voxels from a voxel to the farthest point whose narrow normal it can change: the blur, 1.5 cells
+// of spline, and half a cell.
+constexpr int kNearReach = (kNearBlur + 2) << kNearLevel;
 // Voxels from a voxel to the farthest vertex whose colour or cut it can change.
 constexpr int kShapeReach = 6;
+static_assert(kColumnReach <= kShapeReach);
 // The wider of two normals holds up to the first angle between them, the narrower one from the
 // second on. Terraces tilt the narrow normal by up to 4 degrees; the change is drawn out, or they
 // would show as one normal taking turns with the other.
@@ -113,7 +119,8 @@ DrawnSurface::DrawnSurface(VoxelModel model, std::vector<TissueLook> looks, int 
     : model_(std::move(model)),
       colour_(std::move(looks)),
       density_(model_),
-      wide_(model_, density_),
+      wide_(model_.fills ? std::nullopt
+                         : std::optional<WideDensity>(std::in_place, model_, density_)),
       lattices_(lattices(model_, cell_voxels)),
       removed_(std::move(removed)) {}
 
@@ -139,23 +146,74 @@ void DrawnSurface::restore(std::span<const std::uint32_t> voxels) {
 }
 
 void DrawnSurface::change(std::span<const std::uint32_t> voxels, Occupancy now, float time_s) {
-  const bool solid = now == Occupancy::kSolid;
   std::vector<std::uint32_t> leaves;
   for (const std::uint32_t voxel : voxels) {
     const Cell c = model_.grid.cell_of_linear(voxel);
-    if (solid ? !contains(removed_, model_.grid, c) : !model_.solid(c)) continue;
-    model_.set(c, solid);
+    if (!change(c, now, time_s)) continue;
     const std::uint32_t leaf = model_.grid.leaf_of(c);
-    solid ? removed_[leaf].reset(leaf_place(c)) : removed_[leaf].set(leaf_place(c));
-    colour_.note_removed(model_.grid, c, time_s);
     if (leaves.empty() || leaf != leaves.back()) leaves.push_back(leaf);
-    for (Lattice& l : lattices_) {
-      // Vertices lie up to two cells beyond their brick.
-      const int edge = 1 << l.level;
-      l.mark(c, WideDensity::kReach + 2 * edge, kNormals);
-      l.mark(c, kShapeReach + 4 * edge, kShape);
-    }
+    mark_changed(c);
   }
+  take_in(std::move(leaves));
+}
+
+void DrawnSurface::set_levels(std::span<const VoxelLevel> levels, double time_s) {
+  std::vector<std::uint32_t> leaves;
+  for (const auto& [voxel, level] : levels) {
+    const Cell c = model_.grid.cell_of_linear(voxel);
+    const Occupancy now = level == 0 ? Occupancy::kEmpty : Occupancy::kSolid;
+    const bool turned = change(c, now, static_cast<float>(time_s));
+    const bool filled = level != 0 && fill(c, level);
+    if (!turned && !filled) continue;
+    const std::uint32_t leaf = model_.grid.leaf_of(c);
+    if (leaves.empty() || leaf != leaves.back()) leaves.push_back(leaf);
+    mark_changed(c);
+  }
+  take_in(std::move(leaves));
+}
+
+/// Removes a voxel or takes that back; false where there is nothing to do. Its level stays, for
+/// when it comes back and for the piece that it is of.
+bool DrawnSurface::change(const Cell& c, Occupancy now, float time_s) {
+  const bool solid = now == Occupancy::kSolid;
+  if (solid ? !contains(removed_, model_.grid, c) : !model_.solid(c)) return false;
+  model_.set(c, solid);
+  const std::uint32_t leaf = model_.grid.leaf_of(c);
+  solid ? removed_[leaf].reset(leaf_place(c)) : removed_[leaf].set(leaf_place(c));
+  colour_.note_removed(model_.grid, c, time_s);
+  return true;
+}
+
+/// Gives a solid voxel a level, above 0; false where it has that already, or is not solid.
+bool DrawnSurface::fill(const Cell& c, FillLevel level) {
+  if (!model_.fills || !model_.solid(c) || model_.level(c) == level) return false;
+  const std::uint32_t leaf = model_.grid.leaf_of(c);
+  if (!model_.fills->has_room()) {
+    model_.fills->reserve(64 + static_cast<std::uint32_t>(model_.fills->pages().size()) / 2);
+  }
+  // Those that are gone from a leaf without levels were full.
+  model_.fills->set(leaf, leaf_place(c), level, solid_at_start(leaf));
+  return true;
+}
+
+FillLevel DrawnSurface::last_level(const Cell& c) const {
+  return model_.fills ? model_.fills->level(model_.grid.leaf_of(c), leaf_place(c)) : kFullLevel;
+}
+
+void DrawnSurface::mark_changed(const Cell& c) {
+  for (Lattice& l : lattices_) {
+    // Vertices lie up to two cells beyond their brick.
+    const int edge = 1 << l.level;
+    // To where columns have the surface a vertex goes by less than a cell.
+    const int moved = model_.fills ? edge : 0;
+    const int lit = wide_ ? WideDensity::kReach : kNearReach + moved;
+    l.mark(c, lit + 2 * edge, kNormals);
+    l.mark(c, kShapeReach + moved + 4 * edge, kShape);
+  }
+}
+
+/// After the voxels of these leaves have changed.
+void DrawnSurface::take_in(std::vector<std::uint32_t> leaves) {
   sort_out(leaves);
   for (const std::uint32_t leaf : leaves) density_.update(model_, leaf);
   changed_leaves_.insert(changed_leaves_.end(), leaves.begin(), leaves.end());
@@ -198,7 +256,7 @@ void DrawnSurface::Lattice::mark(const Cell& c, int reach, Redraw redraw) {
 
 std::vector<int> DrawnSurface::take_changed(std::size_t later, Detail detail) {
   sort_out(stale_leaves_);
-  wide_.update(model_, density_, stale_leaves_);
+  if (wide_) wide_->update(model_, density_, stale_leaves_);
   stale_leaves_.clear();
   Lattice& l = lattices_[static_cast<std::size_t>(detail)];
   std::vector<int> bricks;
@@ -240,7 +298,9 @@ bool DrawnSurface::may_have_surface(const Eigen::Vector3i& low_voxel,
   bool empty = at_border;
   bool full = false;
   return any_cell(low, high + Cell::Ones(), [&](const Cell& at) {
-    for (const std::uint64_t w : model_.leaves[model_.grid.leaf_of(at * kLeafEdge)].words) {
+    const std::uint32_t leaf = model_.grid.leaf_of(at * kLeafEdge);
+    if (model_.fills && model_.fills->page(leaf)) return true;
+    for (const std::uint64_t w : model_.leaves[leaf].words) {
       empty = empty || w != ~std::uint64_t{0};
       full = full || w != 0;
     }
@@ -310,16 +370,22 @@ void DrawnSurface::mesh_shape(const BrickPlace& place, Scratch& scratch) const {
   field.dims = block.dims;
   field.values.swap(block.values);
   surface_nets(field, 0.5f, scratch.nets, scratch.mesh);
+  if (model_.fills) move_to_columns(model_, place.level, field, scratch.mesh);
 }
 
 DrawnVertex DrawnSurface::drawn_vertex(const Eigen::Vector3f& p_index, const DensityBlock& near,
                                        bool was_cut) const {
   // Outward: down the density.
-  const WideDensity::Gradients far = wide_.gradients(p_index);
-  const Eigen::Vector3f wide =
-      blend(-far.middle.stableNormalized(), -far.wide.stableNormalized(), kMiddleToWide);
   const DensityAt at = spline(near, lattice_from_index(p_index, kNearLevel));
-  const Eigen::Vector3f normal = blend(-at.gradient.stableNormalized(), wide, kNearToMiddle);
+  Eigen::Vector3f normal = -at.gradient.stableNormalized();
+  if (wide_) {
+    const WideDensity::Gradients far = wide_->gradients(p_index);
+    const Eigen::Vector3f wide =
+        blend(-far.middle.stableNormalized(), -far.wide.stableNormalized(), kMiddleToWide);
+    normal = blend(normal, wide, kNearToMiddle);
+  } else if (normal.isZero()) {
+    normal = Eigen::Vector3f::UnitZ();  // in the very middle of a thin symmetrical part
+  }
   const Eigen::Vector3d p_world = model_.grid.world_from_index(p_index.cast<double>());
   DrawnVertex drawn{};
   for (int a = 0; a < 3; ++a) {
@@ -331,9 +397,10 @@ DrawnVertex DrawnSurface::drawn_vertex(const Eigen::Vector3f& p_index, const Den
 }
 
 std::size_t DrawnSurface::memory_bytes() const {
-  return model_.leaves.capacity() * sizeof(LeafBits) + density_.memory_bytes() +
-         wide_.memory_bytes() + lattices_[0].changed.capacity() + lattices_[1].changed.capacity() +
-         removed_.size() * (sizeof(LeafBits) + 3 * sizeof(void*));
+  return model_.leaves.capacity() * sizeof(LeafBits) +
+         (model_.fills ? model_.fills->memory_bytes() : 0) + density_.memory_bytes() +
+         (wide_ ? wide_->memory_bytes() : 0) + lattices_[0].changed.capacity() +
+         lattices_[1].changed.capacity() + removed_.size() * (sizeof(LeafBits) + 3 * sizeof(void*));
 }
 
 std::vector<Eigen::AlignedBox3d> solid_slabs(const VoxelModel& model) {

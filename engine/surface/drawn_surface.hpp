@@ -35,6 +35,12 @@ struct DrawnMesh {
   std::vector<std::uint32_t> indices;  // triangles, counter-clockwise seen from outside
 };
 
+/// What is left of a voxel (VoxelGrid::linear) of a model with fractions; level 0: it is gone.
+struct VoxelLevel {
+  std::uint32_t voxel = 0;
+  FillLevel level = 0;
+};
+
 /// How finely a surface is meshed.
 enum class Detail : std::uint8_t {
   kFull,
@@ -44,8 +50,10 @@ enum class Detail : std::uint8_t {
 /// The surface of a voxel model as it is drawn: in bricks that fit together without cracks, and
 /// from which a removed voxel touches only those near it. The shape is the half-level of the
 /// lightly blurred density of cells of 1, 2 or 4 voxels; normals come from wider blurs, so that no
-/// staircase shows. Bricks of one detail do not fit those of the other: a picture takes one. What
-/// is not asked for is not meshed. No graphics library in it.
+/// staircase shows. With fractions the vertices lie where columns have the surface
+/// (move_to_columns), and normals come from the narrowest blur: there is no staircase. Bricks of
+/// one detail do not fit those of the other: a picture takes one. What is not asked for is not
+/// meshed. No graphics library in it.
 class DrawnSurface {
  public:
   /// Takes its own copy of the model. `looks`: one per tissue label, at least one; labels beyond
@@ -67,12 +75,18 @@ class DrawnSurface {
   void remove(std::span<const std::uint32_t> voxels, double time_s = 0.0);
   /// Takes removals back; voxels that were not removed are ignored. All is then as before them.
   void restore(std::span<const std::uint32_t> voxels);
+  /// Sets levels of a model with fractions, one after another; those of voxels that were never
+  /// solid are ignored. What had been removed is there again with any level above 0. `time_s`: as
+  /// for `remove`.
+  void set_levels(std::span<const VoxelLevel> levels, double time_s = 0.0);
 
   const VoxelModel& model() const { return model_; }
   const Density& density() const { return density_; }
   const std::vector<TissueLook>& looks() const { return colour_.looks(); }
   /// The voxels of a leaf that were solid at the start, removed since or not.
   LeafBits solid_at_start(std::uint32_t leaf) const;
+  /// The level of a voxel that was solid at the start: as it is, or was when it was removed.
+  FillLevel last_level(const Cell& c) const;
   int brick_count(Detail detail = Detail::kFull) const { return lattice(detail).bricks.prod(); }
   /// Edge of the cells that are meshed in full detail, in voxels.
   int cell_voxels() const { return 1 << lattice(Detail::kFull).level; }
@@ -122,6 +136,10 @@ class DrawnSurface {
   }
   enum class Occupancy : std::uint8_t { kEmpty, kSolid };
   void change(std::span<const std::uint32_t> voxels, Occupancy now, float time_s);
+  bool change(const Cell& c, Occupancy now, float time_s);
+  bool fill(const Cell& c, FillLevel level);
+  void mark_changed(const Cell& c);
+  void take_in(std::vector<std::uint32_t> leaves);
   bool may_have_surface(const Eigen::Vector3i& low_voxel, const Eigen::Vector3i& high_voxel) const;
   bool has_removals(const Eigen::Vector3i& low_voxel, const Eigen::Vector3i& high_voxel) const;
   BrickPlace place_of(int brick, Detail detail) const;
@@ -133,7 +151,7 @@ class DrawnSurface {
   VoxelModel model_;
   SurfaceColour colour_;
   Density density_;
-  WideDensity wide_;
+  std::optional<WideDensity> wide_;  // none with fractions
   std::array<Lattice, 2> lattices_;  // by Detail
   LeafMap removed_;
   std::vector<std::uint32_t> changed_leaves_;  // since take_changed_leaves

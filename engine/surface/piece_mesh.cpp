@@ -22,6 +22,23 @@ struct Piece {
   LeafMap removed;  // what was solid around it
 };
 
+/// Of the leaves of a piece that have a voxel which is not full.
+std::vector<LeafLevels> levels_of(const DrawnSurface& solid, const Piece& piece) {
+  std::vector<LeafLevels> pages;
+  for (std::uint32_t leaf = 0; leaf < piece.model.grid.leaf_count(); ++leaf) {
+    LeafLevels page{.leaf = leaf};
+    bool all_full = true;
+    for_each_voxel(piece.model.leaves[leaf], [&](int place) {
+      const Cell c = piece.model.grid.leaf_origin(leaf) + cell_in_leaf(place) + piece.first;
+      const FillLevel level = solid.last_level(c);
+      page.levels[static_cast<std::size_t>(place)] = level;
+      all_full = all_full && level == kFullLevel;
+    });
+    if (!all_full) pages.push_back(page);
+  }
+  return pages;
+}
+
 Piece take_out(const DrawnSurface& solid, std::span<const std::uint32_t> voxels) {
   const VoxelGrid& grid = solid.model().grid;
   Cell low = grid.cells;
@@ -43,6 +60,7 @@ Piece take_out(const DrawnSurface& solid, std::span<const std::uint32_t> voxels)
   for (const std::uint32_t voxel : voxels) {
     model.set(grid.cell_of_linear(voxel) - piece.first, true);
   }
+  if (solid.model().fills) model.fills.emplace(model.grid.leaf_count(), levels_of(solid, piece));
 
   const TissueMap* const labels = solid.model().tissues.get();
   const auto tissues = std::make_shared<TissueMap>(model.grid.leaf_count());

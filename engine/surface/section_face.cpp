@@ -83,8 +83,15 @@ SectionFace section_face(const DrawnSurface& body, const Pose& world_from_grid,
       if (!body.model().solid(cell)) continue;
       const std::size_t tissue =
           std::min<std::size_t>(body.model().tissue(cell), colours.size() - 1);
-      face.pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(face.width) +
-                  static_cast<std::size_t>(column)] = colours[tissue];
+      std::array<std::uint8_t, 4>& pixel =
+          face.pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(face.width) +
+                      static_cast<std::size_t>(column)];
+      pixel = colours[tissue];
+      const int level = body.model().level(cell);
+      if (level == kFullLevel) continue;
+      for (std::uint8_t& c : pixel) {
+        c = static_cast<std::uint8_t>((c * level + kFullLevel / 2) / kFullLevel);
+      }
     }
   });
   smooth(face, Edge::kAlong);

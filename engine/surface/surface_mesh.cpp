@@ -12,8 +12,10 @@ namespace sulcus {
 namespace {
 
 /// Moves each vertex by `step` of the way to the mean of its neighbours, within its cell
-/// [Gibson 1998]; once for each of the steps.
+/// [Gibson 1998]; once for each of the steps. Those that are where the surface is stay.
 void relax(VoxelNet& net, std::span<const float> steps) {
+  const bool placed = !net.at_surface.empty();
+  if (placed && std::ranges::find(net.at_surface, 0) == net.at_surface.end()) return;
   std::vector<Eigen::Vector3f> sum(net.offsets.size());
   std::vector<float> weight(net.offsets.size());
   for (const float step : steps) {
@@ -29,6 +31,7 @@ void relax(VoxelNet& net, std::span<const float> steps) {
       }
     }
     for (std::size_t v = 0; v < net.offsets.size(); ++v) {
+      if (placed && net.at_surface[v] != 0) continue;
       Eigen::Vector3f& offset = net.offsets[v];
       offset = ((1.0f - step) * offset + step * (sum[v] / weight[v])).cwiseMax(0.0f).cwiseMin(1.0f);
     }
@@ -76,12 +79,16 @@ SharedNet share(std::span<const VoxelNet> nets) {
   all.net.cells.resize(keys.size());
   all.net.offsets.assign(keys.size(), Eigen::Vector3f::Zero());
   std::vector<float> count(keys.size(), 0.0f);
+  const bool placed =
+      std::ranges::any_of(nets, [](const auto& n) { return !n.at_surface.empty(); });
+  if (placed) all.net.at_surface.resize(keys.size());
   for (const VoxelNet& net : nets) {
     std::vector<std::uint32_t>& shared = all.shared.emplace_back(net.cells.size());
     for (std::size_t v = 0; v < net.cells.size(); ++v) {
       const auto found = std::lower_bound(keys.begin(), keys.end(), key(net.cells[v]));
       shared[v] = static_cast<std::uint32_t>(found - keys.begin());
       all.net.cells[shared[v]] = net.cells[v];
+      if (placed) all.net.at_surface[shared[v]] = net.at_surface[v];  // the same of every net
       all.net.offsets[shared[v]] += net.offsets[v];
       count[shared[v]] += 1.0f;
     }

@@ -20,7 +20,9 @@ struct ClosedSurfaceSettings {
 /// The closed surface of a model's solid voxels at full resolution, in metres, world space. Where
 /// the solid reaches the grid's faces it is capped there. Every edge belongs to two triangles, in
 /// opposite directions. Voxels that touch at an edge or corner only are kept apart, unless that
-/// would make four triangles meet at an edge. A model without such voxels gives an empty mesh.
+/// would make four triangles meet at an edge. A model without such voxels gives an empty mesh. With
+/// fractions the surface lies where they have it, within some hundredths of a voxel on smooth
+/// faces, and is not smoothed; what is nowhere more than half full has none.
 /// Throws std::length_error beyond 2^32 - 1 vertices. Runs on oneTBB's threads; the result does
 /// not depend on their number.
 TriangleMesh closed_surface(const VoxelModel& model, const ClosedSurfaceSettings& settings = {});

@@ -32,8 +32,8 @@ struct NetsBlock {
   Eigen::Vector3i end = Eigen::Vector3i::Zero();
 };
 
-/// A vertex at lattice coordinates cell + offset, offset within [0, 1]. The two are kept apart so
-/// that neighbouring blocks compute the same bits for a vertex which they share.
+/// A vertex at lattice coordinates cell + offset, offset within [0, 1] as made. The two are kept
+/// apart so that neighbouring blocks compute the same bits for a vertex which they share.
 struct NetsVertex {
   Eigen::Vector3i cell;
   std::uint8_t part;  // which of the cell's vertices
@@ -69,13 +69,17 @@ std::array<std::array<std::uint32_t, 3>, 2> split_quad(const std::array<std::uin
 /// between the centres of a voxel inside and one outside.
 struct VoxelNet {
   std::vector<Eigen::Vector3i> cells;               // of each vertex
-  std::vector<Eigen::Vector3f> offsets;             // in its cell, 0 to 1
+  std::vector<Eigen::Vector3f> offsets;             // in its cell, 0 to 1; see move_to_columns
   std::vector<std::array<std::uint32_t, 4>> quads;  // counter-clockwise seen from outside
+  // Of each vertex, 1: it is at the surface, and lies where that is; 0: between two tissues. Empty
+  // without fractions, which say so.
+  std::vector<std::uint8_t> at_surface;
 };
 
 /// The net around the solid voxels, or those of one label: closed, every edge of two quads in
 /// opposite directions, capped at the grid's faces. Nothing is smoothed. Where the voxels touch
-/// along an edge or at a corner a cell has several vertices.
+/// along an edge or at a corner a cell has several vertices. With fractions around those that are
+/// more than half full, moved to where columns have the surface (move_to_columns).
 /// Throws std::length_error beyond 2^32 - 1 vertices. Runs on oneTBB's threads; the result does
 /// not depend on their number.
 VoxelNet voxel_net(const VoxelModel& model, std::optional<std::uint8_t> tissue);

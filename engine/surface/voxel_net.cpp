@@ -7,12 +7,14 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
+#include "engine/surface/column_surface.hpp"
 #include "engine/surface/surface_nets.hpp"
 
 namespace sulcus {
 namespace {
 
 constexpr int kBrick = 64;  // voxels along a brick's edge
+constexpr float kLevel = 0.5f;
 constexpr std::uint32_t kElsewhere = std::numeric_limits<std::uint32_t>::max();
 
 /// What one brick found: its own vertices, and quads that may also name vertices of the cells
@@ -21,6 +23,7 @@ struct BrickSurface {
   std::vector<std::uint64_t> keys;  // of own vertices, rising
   std::vector<Eigen::Vector3f> offsets;
   std::vector<Eigen::Vector3i> cells;
+  std::vector<std::uint8_t> at_surface;  // as VoxelNet
   struct Corner {
     std::uint32_t own;  // index among own vertices, or kElsewhere
     std::uint64_t key;
@@ -57,8 +60,10 @@ struct Layout {
 
 struct Scratch {
   NetsBlock block;
+  NetsBlock solid;  // the same of all tissues
   NetsScratch nets;
   NetsMesh mesh;
+  std::vector<std::uint8_t> at_surface;
 };
 
 /// The end of the leaves that hold the voxels before `high`.
@@ -66,7 +71,8 @@ Cell leaves_up_to(const Eigen::Vector3i& high) {
   return (high + Cell::Constant(kLeafEdge - 1)) / kLeafEdge;
 }
 
-/// Occupancy of the block, 0 or 1. Says whether both occur.
+/// Occupancy of the block, 0 or 1, or with fractions what of each voxel is filled. Says whether
+/// voxels inside and outside occur.
 bool fill_occupancy(const VoxelModel& model, std::optional<std::uint8_t> tissue, NetsBlock& block) {
   std::fill(block.values.begin(), block.values.end(), 0.0f);
   const Eigen::Vector3i low = block.first.cwiseMax(0);
@@ -74,14 +80,17 @@ bool fill_occupancy(const VoxelModel& model, std::optional<std::uint8_t> tissue,
   std::uint64_t count = 0;
   for_each_cell(low / kLeafEdge, leaves_up_to(high), [&](const Cell& at) {
     const Cell origin = at * kLeafEdge;
-    for_each_voxel(model.leaves[model.grid.leaf_of(origin)], [&](int place) {
+    const std::uint32_t leaf = model.grid.leaf_of(origin);
+    const FillLevel* const page = model.fills ? model.fills->page(leaf) : nullptr;
+    for_each_voxel(model.leaves[leaf], [&](int place) {
       const Cell c = origin + cell_in_leaf(place);
       if ((c.array() < low.array()).any() || (c.array() >= high.array()).any()) return;
       if (tissue && model.tissue(c) != *tissue) return;
       const Eigen::Vector3i p = c - block.first;
+      const float filled = page ? static_cast<float>(page[place]) / kFullLevel : 1.0f;
       block.values[p.x() + static_cast<std::size_t>(block.dims.x()) *
-                               (p.y() + static_cast<std::size_t>(block.dims.y()) * p.z())] = 1.0f;
-      ++count;
+                               (p.y() + static_cast<std::size_t>(block.dims.y()) * p.z())] = filled;
+      count += filled > kLevel ? 1 : 0;
     });
   });
   return count != 0 && count != block.values.size();
@@ -97,6 +106,16 @@ bool may_cross(const VoxelModel& model, const Eigen::Vector3i& begin, const Eige
   });
 }
 
+void move_to_surface(const VoxelModel& model, std::optional<std::uint8_t> tissue,
+                     Scratch& scratch) {
+  if (tissue) {
+    scratch.solid = scratch.block;
+    fill_occupancy(model, {}, scratch.solid);
+  }
+  move_to_columns(model, 0, tissue ? scratch.solid : scratch.block, scratch.mesh,
+                  &scratch.at_surface);
+}
+
 void mesh_brick(const VoxelModel& model, std::optional<std::uint8_t> tissue, const Layout& layout,
                 int index, Scratch& scratch, BrickSurface& out) {
   const Eigen::Vector3i brick = layout.brick_at(index);
@@ -110,7 +129,8 @@ void mesh_brick(const VoxelModel& model, std::optional<std::uint8_t> tissue, con
   block.dims = block.end - block.begin + Eigen::Vector3i::Constant(4);
   block.values.resize(static_cast<std::size_t>(block.dims.x()) * block.dims.y() * block.dims.z());
   if (!fill_occupancy(model, tissue, block)) return;
-  surface_nets(block, 0.5f, scratch.nets, scratch.mesh);
+  surface_nets(block, kLevel, scratch.nets, scratch.mesh);
+  if (model.fills) move_to_surface(model, tissue, scratch);
 
   std::vector<std::uint32_t> own(scratch.mesh.vertices.size(), kElsewhere);
   for (std::size_t v = 0; v < own.size(); ++v) {
@@ -120,6 +140,7 @@ void mesh_brick(const VoxelModel& model, std::optional<std::uint8_t> tissue, con
     out.keys.push_back(layout.key(vertex.cell, vertex.part));
     out.cells.push_back(vertex.cell);
     out.offsets.push_back(vertex.offset);
+    if (model.fills) out.at_surface.push_back(scratch.at_surface[v]);
   }
   out.quads.reserve(scratch.mesh.quads.size());
   for (const auto& quad : scratch.mesh.quads) {
@@ -160,6 +181,7 @@ VoxelNet voxel_net(const VoxelModel& model, std::optional<std::uint8_t> tissue) 
   for (const BrickSurface& brick : bricks) {
     net.cells.insert(net.cells.end(), brick.cells.begin(), brick.cells.end());
     net.offsets.insert(net.offsets.end(), brick.offsets.begin(), brick.offsets.end());
+    net.at_surface.insert(net.at_surface.end(), brick.at_surface.begin(), brick.at_surface.end());
     for (const auto& corners : brick.quads) {
       std::array<std::uint32_t, 4> quad{};
       for (int i = 0; i < 4; ++i) {
