@@ -16,8 +16,9 @@ namespace {
 constexpr int kFollowed = kColumnReach - 1;
 // Levels by which what cutting left may rise towards the outside within one face.
 constexpr int kUneven = 64;
-// Of a cell.
-constexpr float kFarthest = 0.75f;
+// Cells that a vertex goes wholly; and from which on not at all. What is farther off is an edge
+// that the net has rounded: vertices that went there beside others that cannot would be teeth.
+constexpr float kWholly = 0.25f, kNotAtAll = 0.5f;
 
 /// Reads levels voxel by voxel, mostly of one leaf.
 class LevelReader {
@@ -135,6 +136,12 @@ std::optional<float> way_along(LevelReader& levels, const Eigen::Vector3f& p_ind
   return start + static_cast<float>(outward) * *h - p_index[axis];
 }
 
+/// How far a vertex goes of a way, both in cells.
+float part_gone(float way) {
+  const float part = (kNotAtAll - std::abs(way)) / (kNotAtAll - kWholly);
+  return std::clamp(part, 0.0f, 1.0f) * way;
+}
+
 }  // namespace
 
 void move_to_columns(const VoxelModel& model, int cell_level, const NetsBlock& solid,
@@ -168,7 +175,7 @@ void move_to_columns(const VoxelModel& model, int cell_level, const NetsBlock& s
     const Eigen::Vector3f p_index =
         (vertex.cell.cast<float>() + vertex.offset + half) * edge - half;
     const std::optional<float> way = way_along(levels, p_index, axis, slope[axis] > 0.0f ? 1 : -1);
-    if (way && std::abs(*way) <= kFarthest * edge) vertex.offset[axis] += *way / edge;
+    if (way) vertex.offset[axis] += part_gone(*way / edge);
   }
 }
 

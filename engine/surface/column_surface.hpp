@@ -11,12 +11,12 @@ namespace sulcus {
 /// Moves the vertices of a net around a model with fractions onto its surface, each along the axis
 /// of the grid to which the surface is steepest. `solid`: the block of the net in a lattice of
 /// cells of 2^`cell_level` voxels, with how much of each cell is solid (of all tissues). The
-/// surface is where the heights of columns have it, sums of fills, interpolated such that planes
-/// are exact, and curved ones but for the heights' fourth derivatives: mean heights of the nine
-/// columns around a vertex, or of the four, where an edge is near. A vertex stays where it is if
-/// these are not columns of one face (at edges; in crumbs and cracks of a voxel or two) or it would
-/// go farther than 0.75 cells. A wall that no voxel of is full is as thick as its voxels are
-/// filled, about their centre.
+/// surface is where the heights of columns have it, sums of fills: planes are exact, and parabolas,
+/// of which nine columns about a vertex have the mean heights; or four, where an edge is near. A
+/// vertex stays where it is if these are not columns of one face: at edges, and in crumbs and
+/// cracks of a voxel or two. A wall that no voxel of is full is as thick as its voxels are filled,
+/// about their centre. Beyond a quarter of a cell a vertex goes less far, and none goes half a
+/// cell.
 ///
 /// The place of a vertex depends on voxels up to kColumnReach from where it was, and on the eight
 /// samples round it, so blocks agree about those that they share.

@@ -353,7 +353,8 @@ DrawnSurface::BrickPlace DrawnSurface::place_of(int brick, Detail detail) const 
 }
 
 void DrawnSurface::mesh_shape(const BrickPlace& place, Scratch& scratch) const {
-  constexpr int kShapeBlur = 1;
+  // Fractions have no staircase to blur, and keep their edges.
+  const int shape_blur = model_.fills ? 0 : 1;
   NetsBlock& field = scratch.field;
   for (int a = 0; a < 3; ++a) {
     // The first brick along an axis also takes the lattice edges that enter the grid.
@@ -362,10 +363,10 @@ void DrawnSurface::mesh_shape(const BrickPlace& place, Scratch& scratch) const {
   }
   DensityBlock block;
   block.values.swap(field.values);
-  block.reshape(field.begin - Eigen::Vector3i::Constant(2 + kShapeBlur),
-                field.end - field.begin + Eigen::Vector3i::Constant(4 + 2 * kShapeBlur));
+  block.reshape(field.begin - Eigen::Vector3i::Constant(2 + shape_blur),
+                field.end - field.begin + Eigen::Vector3i::Constant(4 + 2 * shape_blur));
   density_.sample(model_, place.level, block);
-  blur(block, kShapeBlur, scratch.blur);
+  if (shape_blur > 0) blur(block, shape_blur, scratch.blur);
   field.first = block.first;
   field.dims = block.dims;
   field.values.swap(block.values);

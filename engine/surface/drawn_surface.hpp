@@ -50,8 +50,8 @@ enum class Detail : std::uint8_t {
 /// The surface of a voxel model as it is drawn: in bricks that fit together without cracks, and
 /// from which a removed voxel touches only those near it. The shape is the half-level of the
 /// lightly blurred density of cells of 1, 2 or 4 voxels; normals come from wider blurs, so that no
-/// staircase shows. With fractions the vertices lie where columns have the surface
-/// (move_to_columns), and normals come from the narrowest blur: there is no staircase. Bricks of
+/// staircase shows. With fractions, which have none, the density is not blurred, vertices lie where
+/// columns have the surface (move_to_columns), and normals come from the narrowest blur. Bricks of
 /// one detail do not fit those of the other: a picture takes one. What is not asked for is not
 /// meshed. No graphics library in it.
 class DrawnSurface {

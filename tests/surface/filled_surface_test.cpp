@@ -141,6 +141,7 @@ TEST(FilledSurface, PicturesShowItWhereItIs) {
     expect_drawn_where_it_is(ring(), cell_voxels, 0.03, 0.2);
   }
   expect_drawn_where_it_is(tooth(), 1, 0.03, 1.2);
+  expect_drawn_where_it_is(tooth(), 2, 0.03, 2.0);
 }
 
 TEST(FilledSurface, DrawnNormalsShowNoTerraces) {
