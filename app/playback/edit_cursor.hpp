@@ -39,16 +39,16 @@ class EditCursor {
   void seek(std::uint64_t end, const Apply& apply, const TakeBack& take_back) {
     end = std::min<std::uint64_t>(end, edits_.size());
     for (; at_ < end; ++at_) apply(edits_[at_]);
-    for (; at_ > end; --at_) take_back(edits_[at_ - 1], before(at_ - 1));
+    for (; at_ > end; --at_) take_back(edits_[at_ - 1], level_before(at_ - 1));
+  }
+  /// The level that the voxel of an edit, by its number, had before it.
+  FillLevel level_before(std::uint64_t edit) const {
+    return levels_before_.empty() ? kFullLevel : levels_before_[edit];
   }
   /// The shape has seen them otherwise: a tick made them again.
   void pass(std::uint64_t end) { at_ = end; }
 
  private:
-  FillLevel before(std::uint64_t edit) const {
-    return levels_before_.empty() ? kFullLevel : levels_before_[edit];
-  }
-
   std::vector<Edit> edits_;
   std::vector<FillLevel> levels_before_;  // of each edit's voxel; none where all bodies are binary
   std::vector<std::uint64_t> ends_;       // of each row

@@ -10,7 +10,7 @@ RecordedFilm::RecordedFilm(const RecordingReader& reader, const std::string& pat
       start_(recorded_workpiece(reader, scene_)),
       others_(recorded_bodies(reader, scene_)),
       earlier_(recorded_earlier(reader, scene_)),
-      shape_(reader, start_),
+      shape_(reader, start_, others_),
       cutting_(reader.cutting()),
       port_(reader.port()),
       dt_s_(1.0 / scene_.haptics.rate_hz),

@@ -12,6 +12,7 @@
 #include "engine/graphics/rendered_body.hpp"
 #include "engine/recording/recording_reader.hpp"
 #include "engine/scene/scene.hpp"
+#include "engine/surface/drawn_surface.hpp"
 #include "engine/tool/burr.hpp"
 
 namespace sulcus {
@@ -43,23 +44,7 @@ class RecordedFilm {
   FrameState seek_row(std::size_t row, Drawing& drawing) {
     const bool back = next_ > row + 1;
     const std::span<const Edit> edits = shape_.seek_row(row);
-    for (std::size_t i = 0; i < edits.size();) {  // runs of one body and tick
-      std::size_t end = i;
-      voxels_.clear();
-      while (end < edits.size() && edits[end].body == edits[i].body &&
-             edits[end].tick == edits[i].tick) {
-        if (edits[end].is_gone()) voxels_.push_back(edits[end].voxel);
-        ++end;
-      }
-      if (voxels_.empty()) {
-        // Only less filled than they were.
-      } else if (back) {
-        drawing.restore(edits[i].body, voxels_);
-      } else {
-        drawing.remove(edits[i].body, voxels_, static_cast<double>(edits[i].tick) * dt_s_);
-      }
-      i = end;
-    }
+    back ? take_back(edits, drawing) : apply(edits, drawing);
     if (back) begin_again();
     FrameState state = add_rows(row, back ? shape_.edits_before(row) : edits);
     std::size_t piece = 0;
@@ -74,6 +59,44 @@ class RecordedFilm {
   }
 
  private:
+  static bool is_with(const Edit& a, const Edit& b) { return a.body == b.body && a.tick == b.tick; }
+
+  /// Runs of one body and tick, one after another.
+  template <class Drawing>
+  void apply(std::span<const Edit> edits, Drawing& drawing) {
+    for (std::size_t i = 0, end = 0; i < edits.size(); i = end) {
+      clear_run();
+      for (; end < edits.size() && is_with(edits[end], edits[i]); ++end) {
+        const Edit& edit = edits[end];
+        edit.is_gone() ? voxels_.push_back(edit.voxel)
+                       : levels_.push_back({edit.voxel, edit.level});
+      }
+      const std::size_t body = edits[i].body;
+      if (!levels_.empty()) drawing.set_levels(body, levels_);
+      if (voxels_.empty()) continue;
+      drawing.remove(body, voxels_, static_cast<double>(edits[i].tick) * dt_s_);
+    }
+  }
+  /// The latest first. A voxel that comes back has the level with which it went.
+  template <class Drawing>
+  void take_back(std::span<const Edit> edits, Drawing& drawing) {
+    for (std::size_t end = edits.size(), i = end; end > 0; end = i) {
+      clear_run();
+      for (; i > 0 && is_with(edits[i - 1], edits[end - 1]); --i) {
+        const Edit& edit = edits[i - 1];
+        edit.is_gone() ? voxels_.push_back(edit.voxel)
+                       : levels_.push_back({edit.voxel, shape_.level_before(edit)});
+      }
+      const std::size_t body = edits[i].body;
+      if (!voxels_.empty()) drawing.restore(body, voxels_);
+      if (!levels_.empty()) drawing.set_levels(body, levels_);
+    }
+  }
+  void clear_run() {
+    voxels_.clear();
+    levels_.clear();
+  }
+
   void begin_again();
   FrameState add_rows(std::size_t row, std::span<const Edit> edits);
 
@@ -92,7 +115,9 @@ class RecordedFilm {
   std::optional<FrameHistory> history_;
   std::optional<RecordedPieces> pieces_;
   std::size_t next_ = 0, first_piece_ = 0, pieces_drawn_ = 0;
+  // Of a run of edits.
   std::vector<std::uint32_t> voxels_;
+  std::vector<VoxelLevel> levels_;
 };
 
 }  // namespace sulcus

@@ -119,6 +119,17 @@ RecordedRun open_recorded_run(const std::string& path) {
           std::move(earlier)};
 }
 
+namespace {
+
+std::vector<const VoxelModel*> all_bodies(const VoxelModel& first,
+                                          std::span<const VoxelModel> others) {
+  std::vector<const VoxelModel*> all{&first};
+  for (const VoxelModel& other : others) all.push_back(&other);
+  return all;
+}
+
+}  // namespace
+
 void say_what_is_missing(const RecordingReader& reader) {
   if (!reader.missing().empty()) say_error("sulcus: %s\n", reader.missing().c_str());
 }
@@ -141,10 +152,9 @@ std::size_t asked_row(std::span<const TickRecord> rows, double time_s, const std
                    formatted("%.6g to %.6g s", first.time_s, end_s));
 }
 
-RecordedShape::RecordedShape(const RecordingReader& reader, VoxelModel start)
-    : model_(std::move(start)),
-      rows_(reader.ticks()),
-      edits_(reader, std::array<const VoxelModel*, 1>{&model_}) {}
+RecordedShape::RecordedShape(const RecordingReader& reader, VoxelModel start,
+                             std::span<const VoxelModel> others)
+    : model_(std::move(start)), rows_(reader.ticks()), edits_(reader, all_bodies(model_, others)) {}
 
 std::span<const Edit> RecordedShape::seek_row(std::size_t row) {
   const std::uint64_t from = edits_.at();

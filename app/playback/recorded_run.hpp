@@ -59,12 +59,18 @@ std::size_t asked_row(std::span<const TickRecord> rows, double time_s, const std
 /// The recorded workpiece over time, with its fill levels where it carries any.
 class RecordedShape {
  public:
-  /// `start`: the workpiece at the start. InputError as EditCursor.
-  RecordedShape(const RecordingReader& reader, VoxelModel start);
+  /// `start`: the workpiece at the start. `others`: the other bodies, where `level_before` is asked
+  /// for their voxels; not kept. InputError as EditCursor.
+  RecordedShape(const RecordingReader& reader, VoxelModel start,
+                std::span<const VoxelModel> others = {});
 
   /// To right after a row, on or back. Returns the edits on the way, of all bodies and in their
   /// order: made on the way on, taken back on the way back.
   std::span<const Edit> seek_row(std::size_t row);
+  /// The level that the voxel of one of them had before it.
+  FillLevel level_before(const Edit& edit) const {
+    return edits_.level_before(static_cast<std::uint64_t>(&edit - edits_.edits().data()));
+  }
   /// All edits up to right after a row.
   std::span<const Edit> edits_before(std::size_t row) const {
     return edits_.between(0, edits_.end_of_row(row));

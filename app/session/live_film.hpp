@@ -11,6 +11,7 @@
 #include "app/session/frame_history.hpp"
 #include "engine/graphics/frame_state.hpp"
 #include "engine/scene/scene.hpp"
+#include "engine/surface/drawn_surface.hpp"
 #include "engine/volume/voxel_model.hpp"
 
 namespace sulcus {
@@ -26,14 +27,21 @@ class LiveFilm {
   /// `start`, `earlier`: as FrameHistory has them. The feed outlives it.
   LiveFilm(Feed& feed, const Scene& scene, const VoxelModel& start,
            const EarlierRun* earlier = nullptr)
-      : feed_(feed), history_(scene, start, earlier), removed_(1 + scene.bodies.size()) {}
+      : feed_(feed),
+        history_(scene, start, earlier),
+        removed_(1 + scene.bodies.size()),
+        lowered_(removed_.size()) {}
 
   /// The next tick, where one has come.
   std::optional<TickReport> take() {
     TickReport report;
     if (!feed_.reports.try_dequeue(report)) return {};
     for (Edit edit; edits_taken_ < report.all_edits_end() && feed_.edits.try_dequeue(edit);) {
-      if (edit.is_gone()) removed_[edit.body].push_back(edit.voxel);
+      if (edit.is_gone()) {
+        removed_[edit.body].push_back(edit.voxel);
+      } else {
+        lowered_[edit.body].push_back({edit.voxel, edit.level});
+      }
       history_.add(edit);
       ++edits_taken_;
     }
@@ -46,6 +54,10 @@ class LiveFilm {
   template <class Drawing>
   FrameState bring(Drawing& drawing, Pieces pieces) {
     FrameState state = history_.state();
+    for (std::size_t body = 0; body < lowered_.size(); ++body) {
+      if (!lowered_[body].empty()) drawing.set_levels(body, lowered_[body]);
+      lowered_[body].clear();
+    }
     if (feed_.pieces) bring_pieces(drawing, *feed_.pieces, state.tick, pieces);
     state.pieces = piece_poses_;
     for (std::size_t body = 0; body < removed_.size(); ++body) {
@@ -79,7 +91,9 @@ class LiveFilm {
 
   Feed& feed_;
   FrameHistory history_;
-  std::vector<std::vector<std::uint32_t>> removed_;  // by body, since the last picture
+  // By body, since the last picture.
+  std::vector<std::vector<std::uint32_t>> removed_;
+  std::vector<std::vector<VoxelLevel>> lowered_;
   std::uint64_t edits_taken_ = 0;
   std::vector<Pose> piece_poses_;
   std::optional<PieceNews> ahead_;  // of a later tick than is drawn

@@ -37,6 +37,7 @@ class GlBody {
     surface_.remove(voxels, time_s);
   }
   void restore(std::span<const std::uint32_t> voxels) { surface_.restore(voxels); }
+  void set_levels(std::span<const VoxelLevel> levels) { surface_.set_levels(levels); }
   /// As DrawnSurface.
   void colour_by_time(double span_s) { surface_.colour_by_time(span_s); }
   void colour_by_values(const ColourScale& scale, VoxelValues values) {

@@ -61,6 +61,10 @@ class GlScene {
   void restore(std::size_t body, std::span<const std::uint32_t> voxels) {
     bodies_.at(body)->restore(voxels);
   }
+  /// Of a body with fractions: what is left of voxels that still stand, as DrawnSurface.
+  void set_levels(std::size_t body, std::span<const VoxelLevel> levels) {
+    bodies_.at(body)->set_levels(levels);
+  }
   /// As DrawnSurface, for all bodies.
   void colour_by_time(double span_s) {
     for (const auto& body : bodies_) body->colour_by_time(span_s);

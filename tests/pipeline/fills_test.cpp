@@ -3,6 +3,7 @@
 #include <map>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -230,12 +231,23 @@ TEST_F(Fills, AStateAtAnyTimeHasTheLevelsOfItsEdits) {
 }
 
 TEST_F(Fills, AShapeAndAFilmAtAnyTimeAreWhatTheEditsMakeOfThem) {
-  struct Drawing {  // has nothing to draw of what is only less filled
-    std::uint64_t gone = 0;
-    void remove(std::size_t, std::span<const std::uint32_t> voxels, double) {
-      gone += voxels.size();
+  struct Drawing {
+    Levels levels, gone;  // of the workpiece; with what voxels went
+    void remove(std::size_t body, std::span<const std::uint32_t> voxels, double) {
+      if (body != 0) return;
+      for (const std::uint32_t v : voxels) gone[v] = std::exchange(levels[v], FillLevel{0});
     }
-    void restore(std::size_t, std::span<const std::uint32_t> voxels) { gone -= voxels.size(); }
+    void restore(std::size_t body, std::span<const std::uint32_t> voxels) {
+      if (body != 0) return;
+      for (const std::uint32_t v : voxels) levels[v] = gone[v];
+    }
+    void set_levels(std::size_t body, std::span<const VoxelLevel> left) {
+      ASSERT_EQ(body, 0u) << "the other is binary";
+      for (const auto& [voxel, level] : left) {
+        EXPECT_GT(levels[voxel], 0) << "stands";
+        levels[voxel] = level;
+      }
+    }
     void add_piece(std::span<const std::uint32_t>) {}
   };
   const std::string recording = lowered(record());
@@ -243,15 +255,15 @@ TEST_F(Fills, AShapeAndAFilmAtAnyTimeAreWhatTheEditsMakeOfThem) {
   ASSERT_EQ(reader.missing(), "");
   RecordedShape shape(reader, reader.workpiece());
   RecordedFilm film(reader, recording);
-  Drawing drawing;
   const Levels start = levels_of(reader.workpiece());
+  Drawing drawing{start, start};
   for (const std::size_t row : some_rows(reader.tick_count())) {
     const Levels there = levels_after(reader, shape.rows()[row].tick);
     shape.seek_row(row);
     ASSERT_EQ(levels_of(shape.model()), there) << row;
     EXPECT_NEAR(film.seek_row(row, drawing).removed_mm3, volume_mm3(start) - volume_mm3(there),
                 1e-9);
-    EXPECT_EQ(drawing.gone, solid_in(start) - solid_in(there));
+    EXPECT_EQ(drawing.levels, there) << row;
   }
 }
 

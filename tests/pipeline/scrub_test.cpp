@@ -121,7 +121,7 @@ TEST_F(Scrub, AShapeGoesOnAndBack) {
 }
 
 TEST_F(Scrub, AFilmIsTheSameOnTheWayBack) {
-  // A film drives what draws it: voxels that are gone of each body, and pieces.
+  // A film drives what draws it: voxels that are gone of each body, levels, and pieces.
   struct Drawing {
     std::set<std::pair<std::size_t, std::uint32_t>> gone;
     std::size_t pieces = 0;
@@ -131,6 +131,7 @@ TEST_F(Scrub, AFilmIsTheSameOnTheWayBack) {
     void restore(std::size_t body, std::span<const std::uint32_t> voxels) {
       for (const std::uint32_t voxel : voxels) EXPECT_EQ(gone.erase({body, voxel}), 1u);
     }
+    void set_levels(std::size_t, std::span<const VoxelLevel>) { ADD_FAILURE() << "is binary"; }
     void add_piece(std::span<const std::uint32_t>) { ++pieces; }
   };
   const std::string recording = record(test::kPostScene);
