@@ -88,14 +88,20 @@ Json times_json(const Distribution& us) {
           {"max", us.largest()}};
 }
 
-/// mm^3 of each tissue; the voxels' label 0 is the first of them.
-Json removed_json(const std::optional<RemovalState>& removal, const VoxelGrid& grid,
-                  std::span<const TissueSettings> tissues) {
+/// mm^3 of each tissue that were cut off a body; the voxels' label 0 is the first of them. With
+/// fractions what is gone is what was paid for, level by level.
+Json removed_json(const Body& body, std::span<const TissueSettings> tissues) {
   Json removed = Json::object();
-  const double voxel_mm3 = grid.voxel_volume_m3() / kCubicMillimetre;
+  const std::optional<RemovalState>& removal = body.removal;
   for (std::size_t t = 0; t < tissues.size(); ++t) {
-    removed[tissues[t].name] =
-        removal ? static_cast<double>(removal->removed_voxels[t]) * voxel_mm3 : 0.0;
+    double removed_m3 = 0.0;
+    if (removal && body.solid.has_fills()) {
+      removed_m3 = removal->by_tissue[t].removed_J / tissues[t].specific_energy_J_per_m3;
+    } else if (removal) {
+      const double voxel_m3 = body.solid.grid().voxel_volume_m3();
+      removed_m3 = static_cast<double>(removal->removed_voxels[t]) * voxel_m3;
+    }
+    removed[tissues[t].name] = removed_m3 / kCubicMillimetre;
   }
   return removed;
 }
@@ -126,7 +132,7 @@ Json bodies_json(const Simulation& simulation) {
            {"solid_voxels", body.solid.solid_voxels()},
            {"contact_s", static_cast<double>(body.touched_ticks) / scene.haptics.rate_hz},
            {"peak_force_N", body.peak_force_N},
-           {"removed_mm3", removed_json(body.removal, body.solid.grid(), tissues.first(count))}};
+           {"removed_mm3", removed_json(body, tissues.first(count))}};
     if (body.removal) j["tissue_energy_J"] = tissue_energy_json(body, tissues.first(count));
     j["volume_hash"] = hex(body.solid.hash());
     bodies.push_back(std::move(j));
@@ -340,8 +346,7 @@ nlohmann::ordered_json make_summary(const Simulation& simulation, const SessionR
   j["removed_voxels"] = s.removed;
   j["removed_mm3"] = simulation.workpiece().has_fills() && result.outcome
                          ? outcome_json(scene, *result.outcome)["removed_mm3"]["cut"]
-                         : removed_json(simulation.state().workpiece().removal,
-                                        simulation.workpiece().grid(), scene.tissues);
+                         : removed_json(simulation.state().workpiece(), scene.tissues);
   if (const Body& body = simulation.state().workpiece(); body.removal) {
     j["tissue_energy_J"] = tissue_energy_json(body, scene.tissues);
   }

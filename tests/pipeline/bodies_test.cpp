@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
 
 #include <gtest/gtest.h>
@@ -89,6 +90,30 @@ TEST_F(Bodies, WhatWasCutOfTheNeighbourIsCountedRecordedAndReplayed) {
     last = std::max(last, frame.path().string());
   }
   EXPECT_EQ(test::read_file(drawn.out.substr(0, drawn.out.find('\n'))), test::read_file(last));
+}
+
+TEST_F(Bodies, WhatWasCutOfOneWithFractionsIsCountedByItsFills) {
+  std::string scene = test::read_file(scratch_.path("s.toml"));
+  scene.insert(scene.find("[[body]]") + 8, "\nsurface = \"fractions\"");
+  std::ofstream(scratch_.path("s.toml")) << scene;
+  const nlohmann::json summary = run("--no-render --set haptics.normals=ldm_fast");
+  const RecordingReader reader(scratch_.path("out/recording.h5"));
+  const VoxelModel start = reader.bodies().at(0);
+  ASSERT_TRUE(start.fills);
+  std::map<std::uint32_t, int> left;  // levels of the voxels that were cut
+  for (const Edit& fill : reader.fills()) {
+    if (fill.body == 1) left[fill.voxel] = fill.level;
+  }
+  for (const Edit& edit : reader.edits()) {
+    if (edit.body == 1) left[edit.voxel] = 0;
+  }
+  EXPECT_GT(left.size(), 100u);
+  int removed = 0;
+  for (const auto& [voxel, level] : left) {
+    removed += start.level(start.grid.cell_of_linear(voxel)) - level;
+  }
+  EXPECT_NEAR(summary["bodies"][0]["removed_mm3"]["enamel"].get<double>(),
+              removed / 255.0 * 0.0625 * 0.0625 * 0.0625, 1e-12);
 }
 
 TEST_F(Bodies, OneThatIsNotCuttableHolds) {
