@@ -12,6 +12,7 @@
 #include "engine/import/meshes/mesh_file.hpp"
 #include "engine/import/meshes/mesh_shells.hpp"
 #include "engine/import/meshes/voxelise_mesh.hpp"
+#include "engine/volume/filled_volume.hpp"
 
 namespace sulcus {
 
@@ -26,10 +27,11 @@ void print_solid(const TriangleMesh& mesh, const MeshShells& shells) {
     return;
   }
   try {
-    const VoxelModel model = voxelise_mesh(mesh, grid, {});
+    WorkpieceSettings settings;
+    settings.surface = SurfaceKind::kFractions;
+    const VoxelModel model = voxelise_mesh(mesh, grid, settings);
     say("solid            %.3f mm3 by winding number, in voxels of %.3g mm\n",
-        static_cast<double>(model.solid_count()) * model.grid.voxel_volume_m3() * 1e9,
-        grid.voxel_m / kMillimetre);
+        filled_voxels(model) * model.grid.voxel_volume_m3() * 1e9, grid.voxel_m / kMillimetre);
   } catch (const InputError&) {
     say("solid            none by winding number: too open, or too thin\n");
   }

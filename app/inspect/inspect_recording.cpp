@@ -6,6 +6,7 @@
 #include "app/playback/recorded_run.hpp"
 #include "app/terminal/terminal.hpp"
 #include "engine/core/units.hpp"
+#include "engine/volume/filled_volume.hpp"
 
 namespace sulcus {
 
@@ -31,8 +32,10 @@ void inspect_recording(const std::string& file) {
   const VoxelGrid& grid = reader.grid();
   say("cells            %d x %d x %d of %g mm\n", grid.cells.x(), grid.cells.y(), grid.cells.z(),
       grid.voxel_m / kMillimetre);
-  say("solid voxels     %llu at the start\n",
-      static_cast<unsigned long long>(reader.workpiece().solid_count()));
+  const VoxelModel start = reader.workpiece();
+  say("solid voxels     %llu at the start, %.4f mm3\n",
+      static_cast<unsigned long long>(start.solid_count()),
+      filled_voxels(start) * grid.voxel_volume_m3() * 1e9);
   if (!header.parent.empty()) say("goes on from     %s\n", header.parent.c_str());
   for (const RecordingGap& gap : reader.gaps()) {
     say("not recorded     ticks %llu to %llu\n", static_cast<unsigned long long>(gap.first),
