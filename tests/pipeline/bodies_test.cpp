@@ -49,6 +49,18 @@ cuttable = true
     EXPECT_EQ(result.status, 0) << result.err;
     return nlohmann::json::parse(test::read_file(scratch_.path("out/summary.json")));
   }
+  /// The recording draws the same last picture as the run did.
+  void expect_last_picture_drawn_again() {
+    const auto drawn = sulcus_command(
+        "render " + scratch_.path("out/recording.h5") + " -o " + scratch_.path("drawn"),
+        scratch_.path("err"));
+    EXPECT_EQ(drawn.status, 0) << drawn.err;
+    std::string last;
+    for (const auto& frame : std::filesystem::directory_iterator(scratch_.path("out/frames"))) {
+      last = std::max(last, frame.path().string());
+    }
+    EXPECT_EQ(test::read_file(drawn.out.substr(0, drawn.out.find('\n'))), test::read_file(last));
+  }
   const ScratchFolder scratch_;
 };
 
@@ -80,23 +92,16 @@ TEST_F(Bodies, WhatWasCutOfTheNeighbourIsCountedRecordedAndReplayed) {
       sulcus_command("replay --verify " + scratch_.path("out/recording.h5"), scratch_.path("err"));
   EXPECT_EQ(verified.status, 0) << verified.err;
   EXPECT_NE(verified.out.find("agree bit for bit"), std::string::npos);
-  // The recording draws the same last picture as the run did.
-  const auto drawn = sulcus_command(
-      "render " + scratch_.path("out/recording.h5") + " -o " + scratch_.path("drawn"),
-      scratch_.path("err"));
-  EXPECT_EQ(drawn.status, 0) << drawn.err;
-  std::string last;
-  for (const auto& frame : std::filesystem::directory_iterator(scratch_.path("out/frames"))) {
-    last = std::max(last, frame.path().string());
-  }
-  EXPECT_EQ(test::read_file(drawn.out.substr(0, drawn.out.find('\n'))), test::read_file(last));
+  expect_last_picture_drawn_again();
 }
 
 TEST_F(Bodies, WhatWasCutOfOneWithFractionsIsCountedByItsFills) {
   std::string scene = test::read_file(scratch_.path("s.toml"));
   scene.insert(scene.find("[[body]]") + 8, "\nsurface = \"fractions\"");
   std::ofstream(scratch_.path("s.toml")) << scene;
-  const nlohmann::json summary = run("--no-render --set haptics.normals=ldm_fast");
+  const nlohmann::json summary = run(
+      "--set haptics.normals=ldm_fast --set workpiece.surface=fractions --set render.hud=false");
+  expect_last_picture_drawn_again();
   const RecordingReader reader(scratch_.path("out/recording.h5"));
   const VoxelModel start = reader.bodies().at(0);
   ASSERT_TRUE(start.fills);
