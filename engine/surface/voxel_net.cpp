@@ -14,7 +14,7 @@ namespace sulcus {
 namespace {
 
 constexpr int kBrick = 64;  // voxels along a brick's edge
-constexpr float kLevel = 0.5f;
+constexpr float kHalfFull = 0.5f;
 constexpr std::uint32_t kElsewhere = std::numeric_limits<std::uint32_t>::max();
 
 /// What one brick found: its own vertices, and quads that may also name vertices of the cells
@@ -90,7 +90,7 @@ bool fill_occupancy(const VoxelModel& model, std::optional<std::uint8_t> tissue,
       const float filled = page ? static_cast<float>(page[place]) / kFullLevel : 1.0f;
       block.values[p.x() + static_cast<std::size_t>(block.dims.x()) *
                                (p.y() + static_cast<std::size_t>(block.dims.y()) * p.z())] = filled;
-      count += filled > kLevel ? 1 : 0;
+      count += filled > kHalfFull ? 1 : 0;
     });
   });
   return count != 0 && count != block.values.size();
@@ -129,7 +129,7 @@ void mesh_brick(const VoxelModel& model, std::optional<std::uint8_t> tissue, con
   block.dims = block.end - block.begin + Eigen::Vector3i::Constant(4);
   block.values.resize(static_cast<std::size_t>(block.dims.x()) * block.dims.y() * block.dims.z());
   if (!fill_occupancy(model, tissue, block)) return;
-  surface_nets(block, kLevel, scratch.nets, scratch.mesh);
+  surface_nets(block, kHalfFull, scratch.nets, scratch.mesh);
   if (model.fills) move_to_surface(model, tissue, scratch);
 
   std::vector<std::uint32_t> own(scratch.mesh.vertices.size(), kElsewhere);
