@@ -1,21 +1,24 @@
 #include "engine/normals/turned_filled_map.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace sulcus {
 
 namespace {
 
 void turn_heights(const FilledMap& map, const MapTurn& turn, FilledMap& to) noexcept {
-  const int ns = map.ns;
-  to.height.fill(FilledMap::kNone);
+  const int ns = map.ns, lanes = map.lanes, middle = ns * lanes + lanes / 2;
+  std::fill_n(to.height.begin(), (2 * ns + 1) * lanes, FilledMap::kNone);
+  // Places that a step along a row, and to the next row, of the map before is here.
+  int along = turn.flip_x ? -1 : 1, next = turn.flip_y ? -lanes : lanes;
+  if (turn.exchange) {
+    along *= lanes;
+    next /= lanes;
+  }
   for (int j = -ns; j <= ns; ++j) {
-    for (int i = -ns; i <= ns; ++i) {
-      int u = turn.flip_x ? -i : i, v = turn.flip_y ? -j : j;
-      if (turn.exchange) std::swap(u, v);
-      to.height[static_cast<std::size_t>((ns + v) * map.lanes + map.lanes / 2 + u)] = map.at(i, j);
-    }
+    const std::int16_t* const from = map.height.data() + middle + j * lanes;
+    std::int16_t* const row = to.height.data() + middle + j * next;
+    for (int i = -ns; i <= ns; ++i) row[i * along] = from[i];
   }
 }
 
