@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <limits>
 
+#include "engine/normals/ldm_tuning.hpp"
 #include "engine/normals/map_kernels.hpp"
 
 namespace sulcus {
@@ -86,10 +88,11 @@ ColumnLacks& FilledHeights::lacks_of(const Cell& voxel, const MapAxes& axes) noe
   return lacks;
 }
 
-std::optional<float> FilledHeights::own_height(const Cell& voxel,
-                                               const MapAxes& axes) const noexcept {
+namespace {
+
+std::optional<float> own_height(LevelReader& levels, const Cell& voxel,
+                                const MapAxes& axes) noexcept {
   constexpr int kMostAbove = 3;
-  LevelReader levels(model_);
   Cell at = voxel;
   int above = 0;
   for (; above <= kMostAbove; ++above) {
@@ -98,11 +101,32 @@ std::optional<float> FilledHeights::own_height(const Cell& voxel,
     if (levels.at(next.x(), next.y(), next.z()) == 0) break;
     at = next;
   }
-  const int lack = above > kMostAbove
-                       ? ColumnLacks::kUnknown
-                       : lack_of(levels, at, axes.axis, -axes.sign, kMostPart + above);
+  if (above > kMostAbove) return {};
+  const int lack = lack_of(levels, at, axes.axis, -axes.sign, kMostPartFilled + above);
   if (lack == ColumnLacks::kUnknown) return {};
   return static_cast<float>(above) + 0.5f - static_cast<float>(lack) * (1.0f / kHeightParts);
+}
+
+}  // namespace
+
+std::optional<float> own_height(const VoxelModel& model, const Cell& voxel,
+                                const MapAxes& axes) noexcept {
+  LevelReader levels(model);
+  return own_height(levels, voxel, axes);
+}
+
+std::optional<float> farthest_surface(const VoxelModel& model, const Cell& voxel) noexcept {
+  if (model.level(voxel) == kFullLevel) return {};
+  LevelReader levels(model);
+  std::optional<float> farthest;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const int sign : {-1, 1}) {
+      const auto height = own_height(levels, voxel, {axis, sign});
+      if (height) farthest = std::max(farthest.value_or(0.0f), std::abs(*height));
+    }
+  }
+  if (farthest) *farthest += kSameOffset;
+  return farthest;
 }
 
 void FilledHeights::fill(const Cell& voxel, const MapAxes& axes, const HeightMap& traced,
@@ -134,7 +158,7 @@ void FilledHeights::fill(const Cell& voxel, const MapAxes& axes, const HeightMap
       std::int16_t& top = lacks.top[row + n][column];
       if (top == at[axes.axis]) continue;
       top = static_cast<std::int16_t>(at[axes.axis]);
-      lacks.lack[row + n][column] = lack_of(levels, at, axes.axis, -axes.sign, kMostPart);
+      lacks.lack[row + n][column] = lack_of(levels, at, axes.axis, -axes.sign, kMostPartFilled);
     }
   }
   fill_rows(unknown);

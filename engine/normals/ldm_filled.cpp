@@ -83,7 +83,7 @@ class FilledEstimator {
     const Vector3f coarse = batch_.coarse(k), hint = tool_hint(batch_.tool(k), coarse);
     const MapAxes axes = batch_.axes(k);
     heights_.fill(batch_.query(k).voxel, axes, batch_.map(k), map_);
-    map_has_parts_ = map_.has_parts();
+    map_has_parts_ = map_.has_parts() || is_part_filled(k);
     if (!map_has_parts_) return of_bits(k);
     const auto holds = [&](const std::optional<SurfaceEstimate>& estimate) {
       return estimate && is_consistent(estimate->normal, coarse, hint);
@@ -108,6 +108,10 @@ class FilledEstimator {
     return *rough;
   }
 
+  bool is_part_filled(std::size_t k) const noexcept {
+    return batch_.workpiece().level(batch_.query(k).voxel) != kFullLevel;
+  }
+
   /// Moves a surface along its normal to the heights of the voxel's own columns: what is cut of a
   /// voxel must be felt there, or it is cut through while the surface about it says that it still
   /// stands. By the mean over the axes, so that where the normal lies between two of them neither
@@ -119,12 +123,20 @@ class FilledEstimator {
       const float weight = along * along - kLeastOwnAxis * kLeastOwnAxis;
       if (!(weight > 0.0f)) continue;
       estimate.windows |= static_cast<std::uint8_t>(1 << axis);
-      const auto height = heights_.own_height(voxel, {axis, estimate.normal[axis] > 0.0f ? 1 : -1});
+      const auto height = own_height(batch_.workpiece().model(), voxel,
+                                     {axis, estimate.normal[axis] > 0.0f ? 1 : -1});
       if (!height) continue;
       sum += weight * (*height * along);
       weights += weight;
     }
-    if (weights == 0.0f) return;
+    if (weights == 0.0f) {
+      // None along the normal; what others say it is at most.
+      const float most = farthest_surface(batch_.workpiece().model(), voxel)
+                             .value_or(std::numeric_limits<float>::infinity());
+      estimate.offset = std::clamp(estimate.offset, -most, most);
+      estimate.windows |= 7;
+      return;
+    }
     const float off = sum / weights - estimate.offset;
     const float beyond = std::max(0.0f, std::abs(off) - kSameOffset);
     estimate.offset += off < 0.0f ? -beyond : beyond;

@@ -18,6 +18,8 @@ namespace sulcus {
 /// - else, and where no column has a part-filled voxel, what `ldm` makes of the bits.
 /// What scatters more, as greys do, is explained within its own noise (height_noise).
 ///
+/// The surface is then moved to the heights of the voxel's own columns (farthest_surface).
+///
 /// A function of the bits and levels within the windows alone, and of the tool's veto; equal under
 /// the 48 symmetries of the grid. Estimates as estimate_ldm's; pure, no allocation. Needs fractions
 /// (Workpiece::has_fills).

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "haptics/contact/far_fills.hpp"
+
 namespace sulcus {
 
 namespace {
@@ -55,19 +57,6 @@ Vector3f open_normal(const Vector3f& normal, const Sides& sides) {
   return length > 0.0f ? Vector3f(rest / length) : Vector3f::Zero();
 }
 
-/// Moves contact `from` to `to`, as far as its normal is known.
-void move(ContactScratch& scratch, std::size_t from, std::size_t to) {
-  if (from == to) return;
-  Contacts& contacts = scratch.contacts;
-  contacts.keys()[to] = contacts.keys()[from];
-  contacts.tissues()[to] = contacts.tissues()[from];
-  contacts.set_vector(Contacts::kNormal, to, contacts.vector(Contacts::kNormal, from));
-  const std::size_t block = scratch.block.first();
-  for (std::size_t q = 0; q < ContactBlock::kQuantities; ++q) {
-    scratch.block(q)[to - block] = scratch.block(q)[from - block];
-  }
-}
-
 }  // namespace
 
 void drop_covered(const Body& body, std::span<const NearBody> near, std::size_t first,
@@ -99,7 +88,7 @@ void drop_covered(const Body& body, std::span<const NearBody> near, std::size_t 
         }
       }
     }
-    move(scratch, i, kept++);
+    move_contact(scratch, i, kept++);
   }
   contacts.resize(kept);
   scratch.block.set_end(kept);

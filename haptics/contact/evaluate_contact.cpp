@@ -6,6 +6,7 @@
 #include "haptics/contact/broad_phase.hpp"
 #include "haptics/contact/contact_force.hpp"
 #include "haptics/contact/covered_faces.hpp"
+#include "haptics/contact/far_fills.hpp"
 #include "haptics/contact/narrow_phase.hpp"
 #include "haptics/contact/normals.hpp"
 
@@ -14,11 +15,12 @@ namespace sulcus {
 namespace {
 
 /// Which contacts a solid has, up to their depths; `drop_covered(first)` takes out of those from
-/// `first` on what is no surface.
+/// `first` on what is no surface; none is beside it where it is `alone`.
 template <class DropCovered>
 MeasureSums find_contacts(const Workpiece& solid, const ContactQuery& query,
                           ContactScratch& scratch, const NormalCache* cache,
-                          const DropCovered& drop_covered, ContactResult& result) noexcept {
+                          const DropCovered& drop_covered, bool alone,
+                          ContactResult& result) noexcept {
   StageClock& clock = scratch.clock;
   const double reach_m = contact_reach_m(solid, query.settings.scaling, query.outputs);
   {
@@ -33,6 +35,8 @@ MeasureSums find_contacts(const Workpiece& solid, const ContactQuery& query,
     return NarrowPhase(solid, query.burr.field, query.world_from_tool, reach_m, scratch);
   }();
   ContactForce force(solid, query);
+  // Behind a coupling normals beside the burr count, too; beside a body surfaces are cut off.
+  const bool drops_far = solid.has_fills() && alone && query.outputs != Outputs::kCoupling;
   for (bool more = true; more;) {
     const std::size_t first = scratch.contacts.size();
     {
@@ -49,6 +53,7 @@ MeasureSums find_contacts(const Workpiece& solid, const ContactQuery& query,
     }
     {
       const auto timed = clock.time(Stage::kNormals);
+      if (drops_far) drop_far_fills(solid, first, scratch);
       normals(solid, query.settings, cache, scratch, first);
       drop_covered(first);
     }
@@ -131,7 +136,7 @@ ContactResult evaluate_contact(const Workpiece& solid, const ContactQuery& query
                                ContactScratch& scratch, const NormalCache* cache) noexcept {
   ContactResult result;
   const MeasureSums all = find_contacts(
-      solid, query, scratch, cache, [](std::size_t) {}, result);
+      solid, query, scratch, cache, [](std::size_t) {}, true, result);
   const auto timed = scratch.clock.time(Stage::kContactForce);
   ContactForce(solid, query).sum(all, scratch, result);
   if (query.outputs != Outputs::kForce) {
@@ -149,7 +154,8 @@ ContactResult evaluate_contact(std::span<const NearBody> near, const ContactQuer
     *at.result = {};
     MeasureSums sums = find_contacts(
         body.solid, local.query, *at.scratch, body.normal_cache ? &*body.normal_cache : nullptr,
-        [&](std::size_t first) { drop_covered(body, near, first, *at.scratch); }, *at.result);
+        [&](std::size_t first) { drop_covered(body, near, first, *at.scratch); }, near.size() < 2,
+        *at.result);
     if (!body.is_in_world()) {
       sums.spread = turned(sums.spread, body.world_from_grid.orientation.toRotationMatrix());
     }
