@@ -220,7 +220,21 @@ class FilledEstimator {
     const Vector3f& normal = coarse_;
     fitter_.gather(turned_.map(), normal, kFilledSideRadii[0]);
     std::array<SideFit, kSides> fits;
-    fitter_.fit_sides(kAllSides, tolerance_, fits);
+    constexpr std::size_t kRays = kSides / std::size(kBehindRims);
+    fitter_.fit_sides(std::span(kAllSides).first(kRays), tolerance_, std::span(fits).first(kRays));
+    // Ahead of the voxel only where nothing explains it together with what is beside the voxel.
+    std::array<MapSide, kRays> ahead;
+    std::array<SideFit, kRays> ahead_fits;
+    std::array<std::size_t, kRays> of;
+    std::size_t count = 0;
+    for (std::size_t n = 0; n < kRays; ++n) {
+      if (fits[n].explains == SideFit::Explains::kAll) continue;
+      ahead[count] = kAllSides[kRays + n];
+      of[count++] = kRays + n;
+    }
+    fitter_.fit_sides(std::span(ahead).first(count), tolerance_,
+                      std::span(ahead_fits).first(count));
+    for (std::size_t n = 0; n < count; ++n) fits[of[n]] = ahead_fits[n];
     float nearest = std::numeric_limits<float>::infinity();
     for (const SideFit& fit : fits) {
       if (fit.explains == SideFit::Explains::kAll && may_be_face(fit.point, normal)) {
