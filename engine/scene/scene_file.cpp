@@ -156,6 +156,23 @@ HapticsSettings read_haptics(SceneTable& root) {
   return h;
 }
 
+/// Fractions are read by the ldm methods alone: to the others a voxel that is hardly filled is one.
+void check_normals(const SceneTable& root, const Scene& scene) {
+  const auto has_fractions = [](const WorkpieceSettings& solid) {
+    return solid.surface == SurfaceKind::kFractions;
+  };
+  const NormalMethod method = scene.haptics.normals;
+  if (method == NormalMethod::kLdm || method == NormalMethod::kLdmFast ||
+      !(has_fractions(scene.workpiece) ||
+        std::ranges::any_of(scene.bodies, has_fractions, &BodySettings::solid))) {
+    return;
+  }
+  root.fail("haptics",
+            "normals = \"" + std::string(kNormalMethodNames[static_cast<std::size_t>(method)]) +
+                "\" for surface = \"fractions\"",
+            "ldm or ldm_fast");
+}
+
 // --- [device], [coupling] -----------------------------------------------------------------------
 
 void read_device_tables(SceneTable& root, Scene& scene) {
@@ -288,6 +305,7 @@ Scene parse_scene(const std::string& text, const std::string& file,
   scene.trajectory = read_trajectory(root);
   scene.haptics = read_haptics(root);
   scene.bodies = read_bodies(root, scene.tissues);
+  check_normals(root, scene);
   read_device_tables(root, scene);
   read_optional_tables(root, scene);
   root.finish();

@@ -294,6 +294,21 @@ class SceneFileOnDisk : public ::testing::Test {
   fs::path folder_;
 };
 
+TEST(SceneFile, OnlyMethodsThatReadFractionsTakeThem) {
+  const auto with = [](const std::string& normals) {
+    return parse(
+        "[workpiece]\nshape = 'box'\nsurface = 'fractions'\n[trajectory]\npoints_mm = [[0, "
+        "0, 9]]\n[haptics]\nnormals = '" +
+        normals + "'\n");
+  };
+  EXPECT_EQ(with("ldm").workpiece.surface, SurfaceKind::kFractions);
+  EXPECT_EQ(with("ldm_fast").haptics.normals, NormalMethod::kLdmFast);
+  EXPECT_EQ(parse(kLeast).workpiece.surface, SurfaceKind::kBinary);
+  for (const char* normals : {"ldm_paper", "weighted_sum", "weighted_sum_d2", "exact"}) {
+    EXPECT_THROW(with(normals), InputError) << normals;
+  }
+}
+
 TEST_F(SceneFileOnDisk, IsReadWithPathsRelativeToIt) {
   const fs::path file = folder_ / "one.toml";
   std::ofstream(file) << "[workpiece]\nfile = 't.nrrd'\n[trajectory]\npoints_mm = [[0, 0, 0]]\n";
