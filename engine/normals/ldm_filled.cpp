@@ -37,22 +37,24 @@ constexpr std::array<MapSide, kSides> kAllSides = [] {
 }();
 
 /// A surface that may be the voxel's own.
-struct Candidate {
+struct FaceCandidate {
   SurfaceEstimate estimate;
   float away = 0.0f;  // from the voxel, voxels
 };
 
 /// The nearest of them that the tool does not veto: the mean of equals, so that no order decides.
-std::optional<SurfaceEstimate> nearest_of(std::span<const Candidate> candidates,
-                                          const Vector3f& hint) noexcept {
+std::optional<SurfaceEstimate> nearest_candidate(std::span<const FaceCandidate> candidates,
+                                                 const Vector3f& hint) noexcept {
   float nearest = std::numeric_limits<float>::infinity();
-  const auto is_left = [&](const Candidate& c) { return !(c.estimate.normal.dot(hint) < 0.0f); };
-  for (const Candidate& c : candidates) {
+  const auto is_left = [&](const FaceCandidate& c) {
+    return !(c.estimate.normal.dot(hint) < 0.0f);
+  };
+  for (const FaceCandidate& c : candidates) {
     if (is_left(c)) nearest = std::min(nearest, c.away);
   }
   std::array<SurfaceEstimate, 3 * kSides> equal;
   std::size_t count = 0;
-  for (const Candidate& c : candidates) {
+  for (const FaceCandidate& c : candidates) {
     if (is_left(c) && c.away <= nearest + kEqualFace) equal[count++] = c.estimate;
   }
   if (count == 0) return {};
@@ -211,7 +213,7 @@ class FilledEstimator {
       turn(other, coarse);
       add_sides(other);
     }
-    auto nearest = nearest_of(std::span(candidates_).first(candidate_count_), hint);
+    auto nearest = nearest_candidate(std::span(candidates_).first(candidate_count_), hint);
     if (nearest) nearest->windows = windows_;
     return nearest;
   }
@@ -281,7 +283,7 @@ class FilledEstimator {
   float tolerance_ = 0.0f;
   bool map_has_parts_ = false;  // of the first axis
   bool at_edge_ = false;        // what nothing explains is no rough surface
-  std::array<Candidate, 3 * kSides> candidates_;
+  std::array<FaceCandidate, 3 * kSides> candidates_;
   std::size_t candidate_count_ = 0;
   std::uint8_t windows_ = 0;  // of the maps that nearest_face looked at
 };
