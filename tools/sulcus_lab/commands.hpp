@@ -7,6 +7,8 @@ namespace sulcus::lab {
 // The commands of sulcus-lab, each as its --help tells. Their callbacks throw InputError (status 2)
 // or another std::exception (status 1).
 
+/// Surfaces that carry their filled fraction beside binary ones: errors, grain, volumes, times.
+void add_fractions_command(CLI::App& program);
 /// How fluently a run at real pace is drawn, and what drawing it costs its ticks.
 void add_frames_command(CLI::App& program);
 /// The laws of the force: no history, no favoured axis, no energy from nowhere.

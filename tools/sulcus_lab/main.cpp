@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
   program.name("sulcus-lab");
   program.set_version_flag("--version", sulcus::build_info());
   program.require_subcommand(1);
+  sulcus::lab::add_fractions_command(program);
   sulcus::lab::add_frames_command(program);
   sulcus::lab::add_laws_command(program);
   sulcus::lab::add_normals_command(program);

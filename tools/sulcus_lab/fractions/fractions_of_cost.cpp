@@ -1,0 +1,69 @@
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/shapes/build_shape.hpp"
+#include "tools/sulcus_lab/fractions/fractions.hpp"
+#include "tools/sulcus_lab/results.hpp"
+#include "tools/sulcus_lab/ticks/ticks_measurement.hpp"
+
+namespace sulcus::lab {
+
+namespace {
+
+/// The tooth of sulcus-lab ticks, of 512^3 voxels.
+Workpiece molar_with(SurfaceKind surface) {
+  Scene scene;
+  scene.workpiece.shape = ShapeKind::kMolar;
+  scene.workpiece.surface = surface;
+  scene.tissues = tick_tissues(1.0);
+  return Workpiece(build_shape(scene));
+}
+
+}  // namespace
+
+std::vector<FractionRow> fractions_of_memory(const FractionOptions& options) {
+  constexpr double kMebibyte = 1048576.0;
+  FractionRow row;
+  row.quantity = "memory_MiB";
+  row.shape = "molar";
+  row.setting = "512^3 voxels";
+  for (std::size_t s = 0; s < 2; ++s) {
+    options.progress("memory: " + std::string(kSurfaceNames[s]));
+    row.value[s] = static_cast<double>(molar_with(kBothSurfaces[s]).memory_bytes()) / kMebibyte;
+  }
+  row.wanted = row.binary() + 12.0;
+  return {row};
+}
+
+std::vector<FractionRow> fractions_of_ticks(const FractionOptions& options) {
+  // Along the central sulcus, as sulcus-lab ticks.
+  const TickGround ground{{0.8e-3, -0.28e-3}, {1.2e-3, -0.31e-3}, 8.5e-3};
+  const TicksPlan plan{.contacts = {350, 10000}, .methods = {NormalMethod::kLdmFast}, .ticks = 500};
+  constexpr double kWantedTimes[] = {2.0, 1.2, 2.0};  // binary's: fresh, kept, cutting
+  Workpiece teeth[] = {molar_with(SurfaceKind::kBinary), molar_with(SurfaceKind::kFractions)};
+  std::vector<std::unique_ptr<TicksGroup>> groups;  // one surface after the other
+  for (const int contacts : plan.contacts) {
+    for (Workpiece& tooth : teeth) {
+      groups.push_back(plan_group(tooth, nullptr, ground, contacts, plan, options.progress));
+    }
+  }
+  measure_groups(groups, options.progress);
+  std::vector<FractionRow> rows;
+  for (std::size_t g = 0; g < groups.size(); g += 2) {
+    for (std::size_t c = 0; c < kTickCacheNames.size(); ++c) {
+      FractionRow& row = rows.emplace_back();
+      row.quantity = "tick_us";
+      row.shape = with_number("%.0f contacts", groups[g]->wanted);
+      row.setting = kTickCacheNames[c];
+      for (std::size_t s = 0; s < 2; ++s) {
+        row.value[s] = groups[g + s]->runs[c].summary.us_mean;
+      }
+      row.wanted = kWantedTimes[c] * row.binary();
+    }
+  }
+  return rows;
+}
+
+}  // namespace sulcus::lab
