@@ -51,6 +51,16 @@ TEST_F(Charts, NormalsAndTheirCost) {
   for (const char* chart : {"normals", "speed_accuracy", "cost"}) EXPECT_TRUE(drawn(chart));
 }
 
+TEST_F(Charts, FractionsWithAPanelOrBoth) {
+  const std::string head = "quantity,shape,setting,binary_ns,binary,fractions_ns,fractions\n";
+  const std::string normal = "normal_error_deg,\"sphere\",\"all\",104.6,0.22,720,0.0019\n";
+  const std::string force = "force_grain_pct,\"side_cut\",\"939 ticks\",116700,0.2,1.02e+07,0.04\n";
+  for (const std::string& rows : {normal, force, normal + force}) {
+    table("fractions_times.csv", head + rows);
+    EXPECT_TRUE(drawn("fractions")) << rows;
+  }
+}
+
 TEST_F(Charts, ErrorTiles) {
   std::string pixels = "x,y,ldm_2,ldm_6,exact_6\n";
   for (int y = 0; y < 160; ++y) {

@@ -119,52 +119,77 @@ std::vector<FractionRow> fractions_of_planes(const FractionOptions& options) {
   return rows;
 }
 
-std::vector<FractionRow> fractions_of_net_force(const FractionOptions& options) {
-  // As sulcus-lab pareto has it.
-  constexpr double kRadius_m = 20.0 * kForceVoxel_m, kDepth_m = 4.0 * kForceVoxel_m, kNeck_m = 1e-3;
-  constexpr int kPoses = 200, kLinesPerVoxel = 4;
+namespace {
+
+// As sulcus-lab pareto has it: a burr of 20 voxels' radius, 4 deep, on the crown.
+constexpr double kPressedRadius_m = 20.0 * kForceVoxel_m, kPressedDepth_m = 4.0 * kForceVoxel_m;
+
+Burr pressed_burr(int samples) {
   BurrSettings settings;
-  settings.diameter_m = 2.0 * kRadius_m;
-  const Burr burr = make_burr(settings, kForceVoxel_m);
-  settings.field_samples = Eigen::Vector3i(192, 768, 192);
-  const Burr fine = make_burr(settings, kForceVoxel_m);
+  settings.diameter_m = 2.0 * kPressedRadius_m;
+  settings.field_samples = Eigen::Vector3i(samples, 4 * samples, samples);
+  return make_burr(settings, kForceVoxel_m);
+}
+
+double rms_off_pct(std::span<const Vector3d> forces_N, std::span<const Vector3d> truth_N) {
+  double squares = 0.0;
+  for (std::size_t p = 0; p < forces_N.size(); ++p) {
+    squares += (forces_N[p] - truth_N[p]).squaredNorm() / truth_N[p].squaredNorm();
+  }
+  return 100.0 * std::sqrt(squares / static_cast<double>(forces_N.size()));
+}
+
+std::vector<Vector3d> continuum_forces(const KnownSurface& surface, const Burr& burr,
+                                       std::span<const PressedPose> poses) {
+  std::vector<Vector3d> forces_N(poses.size());
+  tbb::parallel_for(std::size_t{0}, poses.size(), [&](std::size_t p) {
+    forces_N[p] = continuum_force(surface, burr, poses[p].world_from_tool, poses[p].truth.box_world,
+                                  TissueSettings().stiffness_N_per_m, 4);
+  });
+  return forces_N;
+}
+
+}  // namespace
+
+std::vector<FractionRow> fractions_of_net_force(const FractionOptions& options) {
+  const HapticsSettings settings;
+  const Burr burr = pressed_burr(128), fine = pressed_burr(192);
   const Molar molar;
   const ComposedShape shape({side_of(molar)}, molar.bounds());
   VoxelGrid grid;
   grid.cells = Eigen::Vector3i::Constant(512);
   grid.voxel_m = kForceVoxel_m;
 
-  FractionRow row;
-  row.quantity = "net_force_rms_pct";
-  row.shape = "molar";
-  row.setting = "200 poses";
-  row.wanted = 0.15;
+  FractionRow continuous, same_voxels;
+  continuous.quantity = same_voxels.quantity = "net_force_rms_pct";
+  continuous.shape = same_voxels.shape = "molar";
+  continuous.wanted = same_voxels.wanted = 0.15;
+  continuous.setting = "against the continuous surface";
+  same_voxels.setting = "against the same voxels with true normals";
   std::vector<Pose> poses;
-  std::vector<Vector3d> truth_N(kPoses);
+  std::vector<Vector3d> continuous_N;
   for (std::size_t s = 0; s < 2; ++s) {
     options.progress("net force: " + std::string(kSurfaceNames[s]));
     const Workpiece workpiece{voxelise_implicit(molar, grid, nullptr, {}, kBothSurfaces[s])};
+    KnownSurface surface(workpiece, shape);
     if (s == 0) {
-      KnownSurface surface(workpiece, shape);
       const std::vector<PressedPose> pressed =
-          pressed_poses(surface, fine, kRadius_m, kDepth_m, kNeck_m, kPoses, 1, HapticsSettings());
+          pressed_poses(surface, fine, kPressedRadius_m, kPressedDepth_m, 1e-3, 200, 1, settings);
       options.progress("net force: the continuous surface");
-      tbb::parallel_for(std::size_t{0}, pressed.size(), [&](std::size_t p) {
-        truth_N[p] =
-            continuum_force(surface, fine, pressed[p].world_from_tool, pressed[p].truth.box_world,
-                            TissueSettings().stiffness_N_per_m, kLinesPerVoxel);
-      });
+      continuous_N = continuum_forces(surface, fine, pressed);
       for (const PressedPose& pose : pressed) poses.push_back(pose.world_from_tool);
     }
-    const Evaluated all = evaluate_at(workpiece, burr, poses);
-    double squares = 0.0;
-    for (std::size_t p = 0; p < poses.size(); ++p) {
-      squares += (all.force_N[p] - truth_N[p]).squaredNorm() / truth_N[p].squaredNorm();
+    const Evaluated felt = evaluate_at(workpiece, burr, poses);
+    ContactScratch scratch(settings);
+    std::vector<Vector3d> known_N;
+    for (const Pose& pose : poses) {
+      known_N.push_back(true_force(surface, fine, pose, settings, scratch).force_N);
     }
-    row.value[s] = 100.0 * std::sqrt(squares / kPoses);
-    row.ns[s] = all.ns;
+    continuous.value[s] = rms_off_pct(felt.force_N, continuous_N);
+    same_voxels.value[s] = rms_off_pct(felt.force_N, known_N);
+    continuous.ns[s] = felt.ns;
   }
-  return {row};
+  return {continuous, same_voxels};
 }
 
 }  // namespace sulcus::lab
