@@ -10,11 +10,11 @@ is_force(v) = strcol('quantity') eq 'force_grain_pct' || strcol('quantity') eq '
 shown(v, panel) = (panel == 1 ? is_normal(0) : is_force(0)) && column('binary') > 0 && column('fractions') > 0 ? \
   v : NaN
 # Names of flat and gently bent surfaces, whose marks lie together, are moved apart.
-apart(v) = v*(column(0) == 0 ? 1.3 : column(0) == 4 ? 0.77 : 1)
+apart(v, panel) = panel == 2 ? v : v*(column(0) == 0 ? 1.3 : column(0) == 4 ? 0.77 : 1)
 larger(v, than) = v > than ? v : than  # than, where v is not a number
 smaller(v, than) = v < than ? v : than
-name_of(panel) = spaced(strcol('shape')).(strcol('setting') eq 'all' || strcol('quantity') eq 'force_grain_pct' ? \
-  '' : ', '.strcol('setting'))
+name_of(panel) = spaced(strcol('shape')).(strcol('setting') eq 'all' || strcol('quantity') eq 'force_grain_pct' || \
+  strcol('quantity') eq 'net_force_rms_pct' ? '' : ', '.strcol('setting'))
 
 set terminal pngcairo size 1400,680 @look
 set logscale xy
@@ -39,7 +39,7 @@ do for [panel=1:2] {
       with vectors arrowstyle 1 notitle, \
       table using (shown(column('binary_ns'), panel)):'binary' with points ls 22 ps 1.5 title 'binary', \
       table using (shown(column('fractions_ns'), panel)):'fractions' with points ls 21 ps 1.5 title 'fractions', \
-      table using (shown(column('fractions_ns'), panel)):(apart(column('fractions'))):(name_of(panel)) \
+      table using (shown(column('fractions_ns'), panel)):(apart(column('fractions'), panel)):(name_of(panel)) \
       with labels left offset 1,0 font 'sans,9' @dark notitle
   } else { set multiplot next }
 }

@@ -3,6 +3,7 @@
 #include <numbers>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <tbb/parallel_for.h>
@@ -160,36 +161,49 @@ std::vector<FractionRow> fractions_of_net_force(const FractionOptions& options) 
   grid.cells = Eigen::Vector3i::Constant(512);
   grid.voxel_m = kForceVoxel_m;
 
-  FractionRow continuous, same_voxels;
-  continuous.quantity = same_voxels.quantity = "net_force_rms_pct";
-  continuous.shape = same_voxels.shape = "molar";
-  continuous.wanted = same_voxels.wanted = 0.15;
-  continuous.setting = "against the continuous surface";
-  same_voxels.setting = "against the same voxels with true normals";
+  const auto row_of = [](std::string setting) {
+    FractionRow row;
+    row.quantity = "net_force_rms_pct";
+    row.shape = "molar";
+    row.setting = std::move(setting);
+    row.wanted = 0.15;
+    return row;
+  };
+  FractionRow whole = row_of("against the continuous surface");
+  FractionRow known = row_of("true normals, against the continuous surface");
+  FractionRow same_voxels = row_of("against true normals of the same voxels");
+  FractionRow directions = row_of("by the normals alone, same voxels");
   std::vector<Pose> poses;
   std::vector<Vector3d> continuous_N;
   for (std::size_t s = 0; s < 2; ++s) {
     options.progress("net force: " + std::string(kSurfaceNames[s]));
     const Workpiece workpiece{voxelise_implicit(molar, grid, nullptr, {}, kBothSurfaces[s])};
     KnownSurface surface(workpiece, shape);
+    std::vector<PressedPose> pressed;
     if (s == 0) {
-      const std::vector<PressedPose> pressed =
+      pressed =
           pressed_poses(surface, fine, kPressedRadius_m, kPressedDepth_m, 1e-3, 200, 1, settings);
+      for (const PressedPose& pose : pressed) poses.push_back(pose.world_from_tool);
       options.progress("net force: the continuous surface");
       continuous_N = continuum_forces(surface, fine, pressed);
-      for (const PressedPose& pose : pressed) poses.push_back(pose.world_from_tool);
+    } else {  // the same poses on other voxels
+      ContactScratch scratch(settings);
+      for (const Pose& pose : poses) {
+        pressed.push_back({pose, true_force(surface, fine, pose, settings, scratch)});
+      }
     }
-    const Evaluated felt = evaluate_at(workpiece, burr, poses);
-    ContactScratch scratch(settings);
+    const ParetoSetting kLdmAt6[] = {ParetoSetting{}};
+    const ParetoRow found =
+        measure_pareto(surface, {&burr, 1}, pressed, kLdmAt6, options.progress).front();
     std::vector<Vector3d> known_N;
-    for (const Pose& pose : poses) {
-      known_N.push_back(true_force(surface, fine, pose, settings, scratch).force_N);
-    }
-    continuous.value[s] = rms_off_pct(felt.force_N, continuous_N);
-    same_voxels.value[s] = rms_off_pct(felt.force_N, known_N);
-    continuous.ns[s] = felt.ns;
+    for (const PressedPose& pose : pressed) known_N.push_back(pose.truth.force_N);
+    whole.value[s] = rms_off_pct(evaluate_at(workpiece, burr, poses).force_N, continuous_N);
+    known.value[s] = rms_off_pct(known_N, continuous_N);
+    same_voxels.value[s] = found.whole_pct;
+    directions.value[s] = found.directions_pct;
+    whole.ns[s] = 1e3 * found.tick_us;
   }
-  return {continuous, same_voxels};
+  return {directions, same_voxels, whole, known};
 }
 
 }  // namespace sulcus::lab
