@@ -22,7 +22,7 @@ struct Shortened {
   std::string_view subcommand, by, writes;
 };
 constexpr std::array kShortened{
-    Shortened{"fractions", "--quick --measure normals", "fractions.png"},
+    Shortened{"fractions", "--quick --measure planes", "fractions.png"},
     Shortened{"laws", "--quick --law at_rest", "laws.html"},
     Shortened{"normals", "--ns 3", "normals.png"},
     Shortened{"ticks", "--quick", "ticks.csv"},

@@ -40,8 +40,8 @@ TEST(Fractions, NormalsAreBetter) {
     EXPECT_GT(row.fractions(), 0.0);
     EXPECT_LT(row.fractions(), row.binary());
     EXPECT_TRUE(row.is_timed());
-    // What is not met yet: when it is, this can go.
-    EXPECT_EQ(row.pass(), row.shape != "torus") << row.fractions() << ", wanted " << row.wanted;
+    const bool not_yet = row.shape == "torus";
+    EXPECT_TRUE(row.pass() || not_yet) << row.fractions() << ", wanted " << row.wanted;
   }
 }
 
