@@ -1,5 +1,4 @@
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,25 +39,29 @@ std::vector<FractionRow> fractions_of_memory(const FractionOptions& options) {
 std::vector<FractionRow> fractions_of_ticks(const FractionOptions& options) {
   // Along the central sulcus, as sulcus-lab ticks.
   const TickGround ground{{0.8e-3, -0.28e-3}, {1.2e-3, -0.31e-3}, 8.5e-3};
-  const TicksPlan plan{.contacts = {350, 10000}, .methods = {NormalMethod::kLdmFast}, .ticks = 500};
+  const TicksPlan plan{
+      .contacts = {350, 10000}, .methods = {NormalMethod::kLdmFast}, .ticks = 200, .lead = 100};
   constexpr double kWantedTimes[] = {2.0, 1.2, 2.0};  // binary's: fresh, kept, cutting
   Workpiece teeth[] = {molar_with(SurfaceKind::kBinary), molar_with(SurfaceKind::kFractions)};
-  std::vector<std::unique_ptr<TicksGroup>> groups;  // one surface after the other
+  std::vector<std::unique_ptr<TicksGroup>> groups;
+  std::vector<TickRun> runs;  // of a number of contacts: binary's, then fractions'
   for (const int contacts : plan.contacts) {
     for (Workpiece& tooth : teeth) {
       groups.push_back(plan_group(tooth, nullptr, ground, contacts, plan, options.progress));
+      for (const TickRun& run : groups.back()->runs) runs.push_back(run);
     }
   }
-  measure_groups(groups, options.progress);
+  repeat_runs(runs, options.progress);
   std::vector<FractionRow> rows;
-  for (std::size_t g = 0; g < groups.size(); g += 2) {
-    for (std::size_t c = 0; c < kTickCacheNames.size(); ++c) {
+  constexpr std::size_t kCaches = kTickCacheNames.size();
+  for (std::size_t r = 0; r < runs.size(); r += 2 * kCaches) {
+    for (std::size_t c = 0; c < kCaches; ++c) {
       FractionRow& row = rows.emplace_back();
       row.quantity = "tick_us";
-      row.shape = with_number("%.0f contacts", groups[g]->wanted);
+      row.shape = with_number("%.0f contacts", runs[r].task.wanted);
       row.setting = kTickCacheNames[c];
       for (std::size_t s = 0; s < 2; ++s) {
-        row.value[s] = groups[g + s]->runs[c].summary.us_mean;
+        row.value[s] = runs[r + s * kCaches + c].summary.us_mean;
       }
       row.wanted = kWantedTimes[c] * row.binary();
     }

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <span>
 #include <string>
 #include <utility>
@@ -57,7 +56,7 @@ Evaluated evaluate_at(const Workpiece& workpiece, const Burr& burr, std::span<co
   return all;
 }
 
-double angle_deg(const Vector3d& a, const Vector3d& b) {
+double direction_off_deg(const Vector3d& a, const Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree;
 }
 
@@ -110,7 +109,7 @@ std::vector<FractionRow> fractions_of_planes(const FractionOptions& options) {
       std::vector<double> sizes_N;
       for (const Vector3d& force_N : all.force_N) {
         sizes_N.push_back(force_N.norm());
-        direction.value[s] = std::max(direction.value[s], angle_deg(force_N, normal));
+        direction.value[s] = std::max(direction.value[s], direction_off_deg(force_N, normal));
       }
       swing.value[s] = 100.0 * peak_to_peak(sizes_N) / mean(std::span<const double>(sizes_N));
       swing.ns[s] = direction.ns[s] = all.ns;

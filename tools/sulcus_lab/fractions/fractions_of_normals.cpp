@@ -1,6 +1,7 @@
+#include <array>
 #include <map>
-#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tools/sulcus_lab/fractions/fractions.hpp"
@@ -11,7 +12,7 @@ namespace sulcus::lab {
 
 namespace {
 
-constexpr MethodRun kNormalsRun{Method::kLdm, 6};
+constexpr MethodRun kNormalsRuns[] = {{Method::kLdm, 6}};
 
 /// Where mean errors are wanted, degrees.
 struct WantedNormals {
@@ -32,7 +33,7 @@ std::array<std::vector<NormalsRow>, 2> normals_of_shape(const std::string& shape
   for (std::size_t s = 0; s < rows.size(); ++s) {
     options.progress("normals: " + shape + ", " + std::string(kSurfaceNames[s]));
     rows[s] =
-        measure_normals(truth_shapes(shape, kBothSurfaces[s]), {{kNormalsRun}}, options.progress);
+        measure_normals(truth_shapes(shape, kBothSurfaces[s]), kNormalsRuns, options.progress);
   }
   return rows;
 }
