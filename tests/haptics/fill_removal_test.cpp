@@ -125,7 +125,8 @@ TEST_F(FillRemoval, NoMoreGoesThanLiesInTheBurr) {
   touch({3, 3, 15}, 1e6 * level_J(0) / kDt, 0.31 * kVoxel);
   run();
   EXPECT_EQ(workpiece_.level({3, 3, 15}), 128 - std::lround(0.31 * 255));
-  EXPECT_NEAR(state_.heat_J, (1e6 - std::lround(0.31 * 255)) * level_J(0), level_J(0));
+  EXPECT_NEAR(state_.heat_J, (1e6 - static_cast<double>(std::lround(0.31 * 255))) * level_J(0),
+              level_J(0));
   // A column along z stands for more of a surface that is tilted: it is deeper.
   touch({8, 8, 15}, 1e6 * level_J(0) / kDt, 0.31 * kVoxel, Eigen::Vector3f(0.6f, 0.0f, 0.8f));
   run();
