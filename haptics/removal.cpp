@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "engine/core/fault.hpp"
 #include "engine/core/hash.hpp"
@@ -80,6 +81,8 @@ class FillCut {
   bool stands(const Cell& cell, std::uint8_t tissue) const noexcept {
     return workpiece_.solid(cell) && workpiece_.tissue(cell) == tissue;
   }
+  /// What waited in voxels that have gone since it was last asked for, J.
+  double take_waited_J() noexcept { return std::exchange(waited_J_, 0.0); }
   std::uint32_t faults() const { return faults_; }
 
  private:
@@ -97,6 +100,9 @@ class FillCut {
     if (left == 0) {
       workpiece_.remove(cell);
       ++state_.removed_voxels[tissue];
+      // What waited in it waits for nothing any more.
+      waited_J_ += state_.part_cut.energy(voxel_key(cell));
+      state_.part_cut.set_energy(voxel_key(cell), 0.0);
     }
     edits_.push_back({tick_, workpiece_.grid().linear(cell), 0, EditCause::kCut, left});
     return taken;
@@ -106,6 +112,7 @@ class FillCut {
   std::uint64_t tick_;
   RemovalState& state_;
   std::vector<Edit>& edits_;
+  double waited_J_ = 0.0;
   std::uint32_t faults_ = 0;
 };
 
@@ -130,7 +137,7 @@ std::uint32_t remove_fills(Workpiece& workpiece, std::span<const TissueSettings>
     const FillCut::Spent spent = cut.cut(contact, level_J, left_J);
     state.removed_J += spent.removed_J;
     energy.removed_J += spent.removed_J;
-    left_J -= spent.removed_J;
+    left_J += cut.take_waited_J() - spent.removed_J;
     // Less than a level waits in the voxel that it is to be taken from; all else is heat.
     double heat_J = left_J;
     if (left_J < level_J && cut.stands(spent.cell, contact.tissue)) {

@@ -160,6 +160,9 @@ TEST_F(FillRemoval, BalancesWhateverIsTouched) {
     run();
   }
   EXPECT_GT(state_.removed_voxels[0] + state_.removed_voxels[1], 500u);
+  state_.part_cut.for_each([&](std::uint32_t key, double) {
+    EXPECT_TRUE(workpiece_.solid(cell_of_key(key))) << "energy waits in a voxel that is gone";
+  });
   expect_balances();
 }
 

@@ -189,6 +189,23 @@ TEST(LdmFilled, WhateverIsFilledHasFiniteUnitNormals) {
   }
 }
 
+TEST(LdmFilled, NoSurfaceIsFartherThanItsColumnsSay) {
+  int bounded = 0;
+  for (const Workpiece& workpiece :
+       {rough_blobs(), with_fractions(SphereShape(14.0), 48),
+        with_fractions(PlateShape(2.2, 0.4), 48), with_fractions(BoxShape({20, 17, 9}), 48)}) {
+    const std::vector<Cell> cells = test::surface_cells(workpiece);
+    const auto estimates = estimates_of(workpiece, cells);
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+      const auto farthest = farthest_surface(workpiece.model(), cells[k]);
+      if (!farthest || !estimates[k].defined) continue;
+      ++bounded;
+      ASSERT_LE(std::abs(estimates[k].offset), *farthest + 1e-5f) << cells[k].transpose();
+    }
+  }
+  EXPECT_GT(bounded, 1000);
+}
+
 class FilledKernels : public test::MapKernelsFixture {
  protected:
   template <class Each>
