@@ -157,7 +157,7 @@ std::vector<FractionRow> fractions_of_pushes(const FractionOptions& options) {
   FractionRow row;
   row.quantity = "removed_finer_off_pct";
   row.shape = "side_cut";
-  row.setting = "voxels of 50 and 12.5 um, 3 s";
+  row.setting = "voxels of 50 and 12.5 um, 1 s";
   row.wanted = 1.0;
   for (std::size_t s = 0; s < 2; ++s) {
     const auto removed_mm3 = [&](const std::string& voxel_mm, const std::string& cells) {
@@ -169,7 +169,7 @@ std::vector<FractionRow> fractions_of_pushes(const FractionOptions& options) {
       const double before_mm3 = filled_mm3(rig.state().workpiece().solid);
       const Trajectory trajectory = make_trajectory(scene.trajectory);
       ScriptedDevice device(trajectory, scene.haptics.rate_hz);
-      for (int t = 0; t < 3000; ++t) rig.step(device);
+      for (int t = 0; t < 1000; ++t) rig.step(device);
       return before_mm3 - filled_mm3(rig.state().workpiece().solid);
     };
     const double coarse_mm3 = removed_mm3("0.05", "24, 72, 56");
