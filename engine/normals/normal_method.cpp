@@ -2,8 +2,8 @@
 
 #include "engine/normals/exact.hpp"
 #include "engine/normals/ldm.hpp"
-#include "engine/normals/ldm_filled.hpp"
 #include "engine/normals/ldm_fast.hpp"
+#include "engine/normals/ldm_filled.hpp"
 #include "engine/normals/ldm_paper.hpp"
 #include "engine/normals/map_kernels.hpp"
 #include "engine/normals/weighted_sum.hpp"

@@ -67,8 +67,8 @@ std::vector<FractionRow> fractions_of_grain(const FractionOptions& options) {
     double grain_pct, step_N;
   };
   constexpr int kMostTicks = 30000;
-  const WantedGrain scenes[] = {{"side_cut", 1000, 0.1, 0.01},
-                                {"cut_sulcus", 2000, 0.1, 0.01},
+  const WantedGrain scenes[] = {{"side_cut", 500, 0.1, 0.01},
+                                {"cut_sulcus", 1000, 0.1, 0.01},
                                 {"crown_shoulder", 0, 0.3, 0.03},
                                 {"class_one_cavity", 0, 0.5, 0.03}};
   std::vector<FractionRow> rows;
