@@ -41,6 +41,7 @@ std::vector<double> tissue_voxels(const VoxelModel& model, std::size_t tissues) 
     }
   }
   std::vector<double> voxels;
+  voxels.reserve(levels.size());
   for (const std::uint64_t sum : levels) voxels.push_back(static_cast<double>(sum) / kFullLevel);
   return voxels;
 }
