@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -25,8 +26,8 @@ struct SideFit {
   FilledPoint point;
 };
 
-/// That on the quadric over a whole map, if it explains all its heights to within `tolerance`
-/// across it, voxels.
+/// The closest point on the quadric over a whole map, if it explains all its heights to within
+/// `tolerance` across it, voxels.
 std::optional<FilledPoint> fit_whole_filled(const FilledMap& map, float tolerance) noexcept;
 
 /// How much heights scatter about smooth surfaces, voxels: from the median of third differences
