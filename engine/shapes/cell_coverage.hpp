@@ -61,9 +61,8 @@ double solid_share(const S& shape, const Eigen::Vector3d& centre, const Eigen::M
   const double part = size_m / kParts;
   double share = 0.0;
   for (int n = 0; n < kParts * kParts * kParts; ++n) {
-    const Eigen::Vector3d to =
-        Eigen::Vector3d(n % kParts, n / kParts % kParts, n / (kParts * kParts)).array() -
-        0.5 * (kParts - 1);
+    const Eigen::Vector3i place(n % kParts, n / kParts % kParts, n / (kParts * kParts));
+    const Eigen::Vector3d to = place.cast<double>().array() - 0.5 * (kParts - 1);
     const Eigen::Vector3d at = centre + axes * to * part;
     share += by_plane(at, part, shape.value(at));
   }

@@ -195,6 +195,7 @@ std::vector<FractionRow> fractions_of_net_force(const FractionOptions& options) 
     const ParetoRow found =
         measure_pareto(surface, {&burr, 1}, pressed, kLdmAt6, options.progress).front();
     std::vector<Vector3d> known_N;
+    known_N.reserve(pressed.size());
     for (const PressedPose& pose : pressed) known_N.push_back(pose.truth.force_N);
     whole.value[s] = rms_off_pct(evaluate_at(workpiece, burr, poses).force_N, continuous_N);
     known.value[s] = rms_off_pct(known_N, continuous_N);
