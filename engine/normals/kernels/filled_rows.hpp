@@ -93,7 +93,7 @@ inline void filled_sums(const FilledMap& map, const QuadricFilter& filter,
 }
 
 inline float filled_residual(const FilledMap& map, const ColumnQuadric& q) noexcept {
-  const int lanes = map.lanes, first = (lanes / 2 - map.ns) & -kRowStep;
+  const int lanes = map.lanes, middle = lanes / 2, first = (middle - map.ns) & -kRowStep;
   constexpr float kPerPart = 1.0f / kHeightParts;
   const float* const c = q.c.begin();
   RowLanes largest{};
@@ -101,9 +101,9 @@ inline float filled_residual(const FilledMap& map, const ColumnQuadric& q) noexc
     const std::int16_t* row = map.height.begin() + (map.ns + j) * lanes;
     const auto y = static_cast<float>(j);
     const float y1 = c[2] * y, y2 = c[5] * y * y, xy = c[4] * y, ty = q.t_y * y;
-    for (int lane = first; lane <= lanes / 2 + map.ns; lane += kRowStep) {
+    for (int lane = first; lane <= middle + map.ns; lane += kRowStep) {
       // What x and y have in common is added up first, as in column_quadric.hpp.
-      const RowLanes x = kLaneIndex + static_cast<float>(lane - lanes / 2);
+      const RowLanes x = kLaneIndex + static_cast<float>(lane - middle);
       const RowLanes z2 = (c[3] * x * x + y2) + xy * x, t = q.t_x * x + ty;
       const RowLanes z = c[0] + (c[1] * x + y1) + z2 * (1.0f + t + t * t) + q.quartic * (z2 * z2);
       const RowLanes off = heights(row + lane) * kPerPart - z;
