@@ -31,7 +31,7 @@ class FilledHeights {
   explicit FilledHeights(const Workpiece& workpiece) : model_(workpiece.model()) {}
 
   /// Those of the columns that were traced, of a voxel's map along `axes`. A column has a height
-  /// where no more than kMostPartFilled voxels, within 15 of the voxel, are not full; but a wall of
+  /// where no more than kMostPartFilled voxels are not full; but a wall of
   /// part-filled voxels has one, too: there the fullest counts for both sides.
   void fill(const Cell& voxel, const MapAxes& axes, const HeightMap& traced,
             FilledMap& map) noexcept;

@@ -25,7 +25,6 @@ void turn_heights(const FilledMap& map, const MapTurn& turn, FilledMap& to) noex
 }  // namespace
 
 void TurnedFilledMap::turn(const FilledMap& map, const Eigen::Vector3f& coarse) noexcept {
-  const float x = std::abs(coarse.x()), y = std::abs(coarse.y());
   FilledMap other;
   for (FilledMap* const to : {&map_, &other}) {
     to->ns = map.ns;
@@ -35,10 +34,7 @@ void TurnedFilledMap::turn(const FilledMap& map, const Eigen::Vector3f& coarse) 
   count_ = 0;
   for (int n = 0; n < 8; ++n) {
     const MapTurn turn{(n & 1) != 0, (n & 2) != 0, (n & 4) != 0};
-    const bool is_allowed = (x == 0.0f || turn.flip_x == (coarse.x() < 0.0f)) &&
-                            (y == 0.0f || turn.flip_y == (coarse.y() < 0.0f)) &&
-                            (x == y || turn.exchange == (y > x));
-    if (!is_allowed) continue;
+    if (!turn.is_allowed(coarse)) continue;
     if (count_ == 0) {
       turn_heights(map, turn, map_);
     } else {

@@ -92,7 +92,6 @@ void turn_heights(const HeightMap& map, const MapTurn& turn, HeightMap& to) noex
 }  // namespace
 
 void TurnedMap::turn(const HeightMap& map, const Eigen::Vector3f& coarse) noexcept {
-  const float x = std::abs(coarse.x()), y = std::abs(coarse.y());
   HeightMap other;
   for (HeightMap* const to : {&map_, &other}) {
     to->ns = map.ns;
@@ -106,10 +105,7 @@ void TurnedMap::turn(const HeightMap& map, const Eigen::Vector3f& coarse) noexce
   const auto size = static_cast<std::size_t>((2 * map.ns + 1) * map.lanes);
   for (int n = 0; n < 8; ++n) {
     const MapTurn turn{(n & 1) != 0, (n & 2) != 0, (n & 4) != 0};
-    const bool is_allowed = (x == 0.0f || turn.flip_x == (coarse.x() < 0.0f)) &&
-                            (y == 0.0f || turn.flip_y == (coarse.y() < 0.0f)) &&
-                            (x == y || turn.exchange == (y > x));
-    if (!is_allowed) continue;
+    if (!turn.is_allowed(coarse)) continue;
     turn_heights(map, turn, count_ == 0 ? map_ : other);
     const int order = count_ == 0 ? 0 : std::memcmp(other.height.data(), map_.height.data(), size);
     if (order > 0) continue;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <span>
 
@@ -15,6 +16,12 @@ namespace sulcus {
 struct MapTurn {
   bool flip_x = false, flip_y = false, exchange = false;
 
+  /// Whether it makes a coarse normal's components x >= y >= 0.
+  bool is_allowed(const Eigen::Vector3f& coarse) const {
+    const float x = std::abs(coarse.x()), y = std::abs(coarse.y());
+    return (x == 0.0f || flip_x == (coarse.x() < 0.0f)) &&
+           (y == 0.0f || flip_y == (coarse.y() < 0.0f)) && (x == y || exchange == (y > x));
+  }
   Eigen::Vector3f of(const Eigen::Vector3f& v) const {
     const float x = flip_x ? -v.x() : v.x(), y = flip_y ? -v.y() : v.y();
     return exchange ? Eigen::Vector3f(y, x, v.z()) : Eigen::Vector3f(x, y, v.z());

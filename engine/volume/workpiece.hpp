@@ -43,7 +43,7 @@ class Workpiece {
   std::uint64_t hash_with_tissues() const;
 
   /// Room for as many leaves more with voxels that are not full, as cutting makes them; without it
-  /// `lower` has none. Nothing where there are no fractions.
+  /// `set_level` has none. Nothing where there are no fractions.
   void reserve_fills(std::uint32_t leaves);
   /// Sets the fill level of a solid voxel, above 0. False, and nothing is done, where there is no
   /// room left for its leaf. Constant time.

@@ -8,9 +8,8 @@
 namespace sulcus {
 
 /// Takes out of the contacts from `first` on those of part-filled voxels whose surfaces cannot lie
-/// in the burr, by their own columns (farthest_surface): a third of what is near is left, and
-/// normals cost most of a tick. Changes no force, where only points in the burr count. Needs
-/// fractions.
+/// in the burr, by their own columns (farthest_surface): normals cost most of a tick. Changes no
+/// force where only points in the burr count. Needs fractions.
 void drop_far_fills(const Workpiece& workpiece, std::size_t first,
                     ContactScratch& scratch) noexcept;
 

@@ -167,7 +167,6 @@ TEST_F(FillRemoval, BalancesWhateverIsTouched) {
 }
 
 TEST_F(FillRemoval, WithoutRoomItIsHeatAndAFault) {
-  workpiece_ = Workpiece(test::filled_model({16, 16, 16}, kVoxel, [](const Cell&) { return 255; }));
   workpiece_ = Workpiece([&] {
     VoxelModel model = test::block({16, 16, 16}, kVoxel, {0, 0, 0}, {16, 16, 16});
     model.fills.emplace(model.grid.leaf_count(), std::vector<LeafLevels>{});
