@@ -3,16 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <optional>
 
 #include "engine/normals/equal_axes.hpp"
-#include "engine/normals/filled_fit.hpp"
-#include "engine/normals/filled_heights.hpp"
+#include "engine/normals/filled_columns.hpp"
+#include "engine/normals/filled_tile.hpp"
 #include "engine/normals/ldm.hpp"
 #include "engine/normals/map_batch.hpp"
-#include "engine/normals/turned_filled_map.hpp"
 
 namespace sulcus {
 
@@ -20,100 +18,263 @@ namespace {
 
 using Eigen::Vector3f;
 
-/// The sides of a ball that are looked at: twelve directions, so that the grid's symmetries turn
-/// one into another, each from a little behind the voxel on, and from a column ahead of it on. No
-/// column lies on a rim.
-constexpr float kBehindRims[] = {0.45f, -0.95f};
-constexpr std::size_t kSides = 12 * std::size(kBehindRims);
-constexpr std::array<MapSide, kSides> kAllSides = [] {
-  constexpr float kHalf = 0.5f, kRoot = 0.8660254f;
-  constexpr float kRays[12][2] = {
-      {1, 0},  {kRoot, kHalf},   {kHalf, kRoot},   {0, 1},  {-kHalf, kRoot}, {-kRoot, kHalf},
-      {-1, 0}, {-kRoot, -kHalf}, {-kHalf, -kRoot}, {0, -1}, {kHalf, -kRoot}, {kRoot, -kHalf}};
-  std::array<MapSide, kSides> sides{};
-  std::size_t n = 0;
-  for (const float behind : kBehindRims) {
-    for (const auto& ray : kRays) sides[n++] = {ray[0], ray[1], behind};
-  }
-  return sides;
-}();
+/// The directions in which windows are moved aside, so that the symmetries of the columns turn one
+/// into another.
+constexpr std::array<std::array<int, 2>, 8> kRays{
+    {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
 
-/// A surface that may be the voxel's own.
-struct FaceCandidate {
-  SurfaceEstimate estimate;
-  float away = 0.0f;  // from the voxel, voxels
+/// The surface that is most likely the voxel's own, of those that the tool does not veto: the mean
+/// of equals, so that no order decides.
+class NearestFace {
+ public:
+  explicit NearestFace(const Vector3f& hint) : hint_(hint) {}
+
+  /// Whether a surface whose score is at least this much may still be it.
+  bool may_be(float least_score) const { return least_score <= nearest_ + kEqualFace; }
+  void add(const SurfaceEstimate& estimate, float score) noexcept {
+    if (!may_be(score) || estimate.normal.dot(hint_) < 0.0f) return;
+    nearest_ = std::min(nearest_, score);
+    std::size_t left = 0;
+    for (std::size_t n = 0; n < count_; ++n) {
+      if (may_be(scores_[n])) scores_[left] = scores_[n], faces_[left++] = faces_[n];
+    }
+    count_ = left;
+    if (count_ < kMost) scores_[count_] = score, faces_[count_++] = estimate;
+  }
+  std::optional<SurfaceEstimate> get() const noexcept {
+    if (count_ == 0) return {};
+    const SurfaceEstimate mean = mean_of(std::span(faces_).first(count_));
+    return mean.defined ? mean : faces_[0];
+  }
+
+ private:
+  static constexpr std::size_t kMost = 24;
+
+  const Vector3f& hint_;
+  float nearest_ = std::numeric_limits<float>::infinity();
+  std::size_t count_ = 0;
+  std::array<float, kMost> scores_;  // of the faces
+  std::array<SurfaceEstimate, kMost> faces_;
 };
 
-/// The nearest of them that the tool does not veto: the mean of equals, so that no order decides.
-std::optional<SurfaceEstimate> nearest_candidate(std::span<const FaceCandidate> candidates,
-                                                 const Vector3f& hint) noexcept {
-  float nearest = std::numeric_limits<float>::infinity();
-  const auto is_left = [&](const FaceCandidate& c) {
-    return !(c.estimate.normal.dot(hint) < 0.0f);
+/// The tiles of the leaf whose voxels are estimated.
+class FilledTiles {
+ public:
+  FilledTiles(const Workpiece& workpiece, int ns, int reach)
+      : workpiece_(workpiece), ns_(ns), reach_(reach) {}
+
+  /// A voxel in a tile: of its leaf, or of its layer of that, where it sees other surfaces than
+  /// those of other layers. Valid until the next.
+  struct Place {
+    FilledTile* tile = nullptr;
+    int u = 0, v = 0, level = 0;  // parts
   };
-  for (const FaceCandidate& c : candidates) {
-    if (is_left(c)) nearest = std::min(nearest, c.away);
+  Place find(const Cell& voxel, const MapAxes& axes) noexcept {
+    const Cell origin = voxel.unaryExpr([](int c) { return c & -kLeafEdge; });
+    if (origin != origin_) {
+      origin_ = origin;
+      begun_ = {};
+      layer_ = -1;
+    }
+    const auto number = static_cast<std::size_t>(2 * axes.axis + (axes.sign > 0 ? 1 : 0));
+    FilledTile& tile = tiles_[number];
+    if (!begun_[number]) {
+      begun_[number] = true;
+      tile.begin(workpiece_, origin, kLeafEdge, axes, ns_, reach_);
+    }
+    const int u = voxel[axes.first()] - origin[axes.first()],
+              v = voxel[axes.second()] - origin[axes.second()],
+              w = voxel[axes.axis] - origin[axes.axis];
+    tile.read_about(v);
+    if (tile.is_single(u, v)) {
+      return {&tile, u, v, kHeightParts * (axes.sign > 0 ? w : kLeafEdge - 1 - w)};
+    }
+    const int layer = kLeafEdge * static_cast<int>(number) + w;
+    if (layer != layer_) {
+      layer_ = layer;
+      Cell first = origin;
+      first[axes.axis] += w;
+      of_layer_.begin(workpiece_, first, 1, axes, ns_, reach_);
+    }
+    of_layer_.read_about(v);
+    return {&of_layer_, u, v, 0};
   }
-  std::array<SurfaceEstimate, 3 * kSides> equal;
-  std::size_t count = 0;
-  for (const FaceCandidate& c : candidates) {
-    if (is_left(c) && c.away <= nearest + kEqualFace) equal[count++] = c.estimate;
-  }
-  if (count == 0) return {};
-  const SurfaceEstimate mean = mean_of(std::span(equal).first(count));
-  return mean.defined ? mean : equal[0];
+
+ private:
+  const Workpiece& workpiece_;
+  int ns_, reach_;
+  Cell origin_ = Cell::Constant(-1);
+  std::array<bool, 6> begun_{};  // by axis and sign
+  std::array<FilledTile, 6> tiles_;
+  int layer_ = -1;  // that of_layer_ is of, counted through all tiles
+  FilledTile of_layer_;
+};
+
+/// The quadric as it is seen from the column (x, y) of its own.
+ColumnQuadric seen_from(const ColumnQuadric& q, float x, float y) noexcept {
+  const Quadric& c = q.c;
+  const float more = 1.0f + (q.t_x * x + q.t_y * y);
+  const float z2 = (c[3] * x * x + c[5] * y * y) + c[4] * (x * y);
+  const float dx = 2.0f * c[3] * x + c[4] * y, dy = c[4] * x + 2.0f * c[5] * y;
+  ColumnQuadric to;
+  to.c = {c[0] + (c[1] * x + c[2] * y) + z2 * more,
+          c[1] + dx * more + z2 * q.t_x,
+          c[2] + dy * more + z2 * q.t_y,
+          c[3] * more + dx * q.t_x,
+          c[4] * more + (dx * q.t_y + dy * q.t_x),
+          c[5] * more + dy * q.t_y};
+  complete(to);
+  return to;
 }
 
 /// Estimates of the voxels of a batch, with what the fits need.
 class FilledEstimator {
  public:
-  explicit FilledEstimator(MapBatch& batch) : batch_(batch), heights_(batch.workpiece()) {}
+  FilledEstimator(MapBatch& batch, int ns, int reach)
+      : batch_(batch), tiles_(batch.workpiece(), ns, reach), reach_(kHeightParts * reach) {}
 
   void estimate(SurfaceEstimate* to) noexcept {
-    VoxelBits rest = batch_.has_direction;
-    while (rest != 0) {
-      for (const std::size_t k : batch_.trace_some(rest)) {
-        to[k] = estimate_one(k);
-        if (map_has_parts_) move_to_own_columns(batch_.query(k).voxel, to[k]);
-      }
-    }
     for (std::size_t k = 0; k < batch_.count(); ++k) {
-      if (!has_bit(batch_.has_direction, k)) to[k] = {};
+      to[k] = has_bit(batch_.has_direction, k) ? estimate_one(k) : SurfaceEstimate{};
     }
   }
 
  private:
+  using Place = FilledTiles::Place;
+
   SurfaceEstimate estimate_one(std::size_t k) noexcept {
     const Vector3f coarse = batch_.coarse(k), hint = tool_hint(batch_.tool(k), coarse);
     const MapAxes axes = batch_.axes(k);
-    heights_.fill(batch_.query(k).voxel, axes, batch_.map(k), map_);
-    map_has_parts_ = map_.has_parts() || is_part_filled(k);
-    if (!map_has_parts_) return of_bits(k);
+    const Cell& voxel = batch_.query(k).voxel;
+    const Place place = tiles_.find(voxel, axes);
+    if (!place.tile->has_parts(place.u, place.v) && batch_.workpiece().level(voxel) == kFullLevel) {
+      return of_bits(k);
+    }
     const auto holds = [&](const std::optional<SurfaceEstimate>& estimate) {
       return estimate && is_consistent(estimate->normal, coarse, hint);
     };
-    std::optional<SurfaceEstimate> found = whole(axes);
-    if (holds(found)) return *found;
-    turn(axes, coarse);
-    found = ball(axes);
-    if (holds(found)) return *found;
-    // What neither a ball nor a side explains: the least squares of all of a ball.
-    std::optional<SurfaceEstimate> rough;
-    fitter_.gather(turned_.map(), coarse_, kRoughRadius);
-    at_edge_ = true;
-    if (const auto point = fitter_.fit_ball(kAnyResidual)) {
-      rough = estimate_of(*point, axes);
-      at_edge_ = point->residual > kEdgeResidual;
+    windows_ = axes.window();
+    std::optional<SurfaceEstimate> found = middle(place, axes);
+    if (!holds(found)) {
+      found = face(voxel, place, axes, coarse, hint);
+      if (!holds(found)) found = last_resort(coarse, hint, 0);
     }
-    found = nearest_face(k, axes, coarse, hint);
-    if (holds(found)) return *found;
-    if (!holds(rough)) rough = last_resort(coarse, hint, 0);
-    rough->windows = windows_;
-    return *rough;
+    found->windows = windows_;
+    move_to_own_columns(voxel, *found);
+    return *found;
   }
 
-  bool is_part_filled(std::size_t k) const noexcept {
-    return batch_.workpiece().level(batch_.query(k).voxel) != kFullLevel;
+  /// The surface of a fit about the column (a, b) from the voxel's; none where it lies farther than
+  /// is looked.
+  std::optional<ClosestPoint> surface_of(const Place& place, const FilledTile::Fit& fit, int a,
+                                         int b) const noexcept {
+    const WindowFits& of = *fit.of;
+    const int lane = fit.lane;
+    if (of.lowest[lane] - place.level < -reach_ || of.highest[lane] - place.level > reach_) {
+      return {};
+    }
+    ColumnQuadric q;
+    for (std::size_t f = 0; f < kQuadric; ++f) q.c[f] = of.c[f][lane];
+    q.c[0] += static_cast<float>(of.centre[lane] - place.level) * (1.0f / kHeightParts) + 0.5f;
+    complete(q);
+    if (a != 0 || b != 0) q = seen_from(q, static_cast<float>(-a), static_cast<float>(-b));
+    return closest_point_of(q);
+  }
+
+  /// What explains the largest window about the voxel.
+  std::optional<SurfaceEstimate> middle(const Place& place, const MapAxes& axes) noexcept {
+    FilledTile& tile = *place.tile;
+    const auto surface = [&](const FilledTile::Fit& fit) -> std::optional<SurfaceEstimate> {
+      const auto closest = surface_of(place, fit, 0, 0);
+      if (!closest) return {};
+      return to_index_space(*closest, axes);
+    };
+    constexpr float kExplained = kWindowResidual * kWindowResidual;
+    const FilledTile::Fit whole = tile.fit(tile.ns(), place.u, place.v);
+    if (whole.mean_square() <= kWholeResidual * kWholeResidual) {
+      if (const auto found = surface(whole)) return found;
+    }
+    // What scatters alike everywhere, as greys do, is no edge.
+    const float noise = tile.fit(2, place.u, place.v).mean_square();
+    const float most =
+        std::max(kExplained, noise <= kMostNoise * kMostNoise ? kMoreThanNoise * noise : 0.0f);
+    if (whole.mean_square() <=
+        std::max(kWholeResidual * kWholeResidual, most == kExplained ? 0.0f : most)) {
+      if (const auto found = surface(whole)) return found;
+    }
+    for (const int rings : FilledTile::kSmallRings) {
+      if (rings >= tile.ns()) continue;
+      const FilledTile::Fit fit = tile.fit(rings, place.u, place.v);
+      if (fit.mean_square() > (rings == 2 ? kSettled * kSettled : most)) continue;
+      if (const auto found = surface(fit)) return found;
+    }
+    return {};
+  }
+
+  /// The nearest face of the windows about the voxel and aside, along every axis that the coarse
+  /// normal leaves.
+  std::optional<SurfaceEstimate> face(const Cell& voxel, const Place& place, const MapAxes& axes,
+                                      const Vector3f& coarse, const Vector3f& hint) noexcept {
+    NearestFace nearest(hint);
+    add_faces(place, axes, coarse, nearest);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (axis == axes.axis || std::abs(coarse[axis]) < kOtherAxis * std::abs(coarse[axes.axis])) {
+        continue;
+      }
+      const MapAxes other{axis, coarse[axis] > 0.0f ? 1 : -1};
+      windows_ |= other.window();
+      const Place there = tiles_.find(voxel, other);
+      const auto found = middle(there, other);
+      if (found && may_be_face(*found, other, coarse)) {
+        nearest.add(*found, std::abs(found->offset));
+      } else {
+        add_faces(there, other, coarse, nearest);
+      }
+    }
+    return nearest.get();
+  }
+
+  /// The windows about the voxel, and in each direction those aside up to the first that is
+  /// explained.
+  void add_faces(const Place& place, const MapAxes& axes, const Vector3f& coarse,
+                 NearestFace& nearest) noexcept {
+    FilledTile& tile = *place.tile;
+    const auto look = [&](int rings, int a, int b, float by_step) {
+      const FilledTile::Fit fit = tile.fit(rings, place.u + a, place.v + b);
+      const float left = fit.mean_square();
+      if (!(left < kNearlyExplained * kNearlyExplained)) return false;
+      const float least = by_step + kPerResidual * std::sqrt(left);
+      if (nearest.may_be(least)) {
+        if (const auto closest = surface_of(place, fit, a, b)) {
+          const SurfaceEstimate estimate = to_index_space(*closest, axes);
+          if (may_be_face(estimate, axes, coarse)) {
+            nearest.add(estimate, std::abs(estimate.offset) + least);
+          }
+        }
+      }
+      return left <= kSideResidual * kSideResidual;
+    };
+    for (const int rings : FilledTile::kSmallRings) {
+      if (rings <= tile.ns()) look(rings, 0, 0, 0.0f);
+    }
+    for (const auto& [x, y] : kRays) {
+      bool found = false;
+      for (int step = 1; !found && step <= FilledTile::kMostAside; ++step) {
+        const float by_step = kPerStep * static_cast<float>(step);
+        if (!nearest.may_be(by_step)) break;
+        for (const int rings : {3, 2}) {
+          if (!found && rings + step <= tile.ns()) {
+            found = look(rings, step * x, step * y, by_step);
+          }
+        }
+      }
+    }
+  }
+
+  static bool may_be_face(const SurfaceEstimate& estimate, const MapAxes& axes,
+                          const Vector3f& coarse) noexcept {
+    return std::abs(estimate.normal[axes.axis]) >= kLeastFilledCosine &&
+           estimate.normal.dot(coarse) >= kLeastFilledCosineToCoarse * coarse.norm();
   }
 
   /// Moves a surface along its normal to the heights of the voxel's own columns: what is cut of a
@@ -156,138 +317,10 @@ class FilledEstimator {
     return estimate;
   }
 
-  SurfaceEstimate estimate_of(const FilledPoint& point, const MapAxes& axes) const noexcept {
-    return to_index_space(turned_.back(point.closest), axes);
-  }
-  /// The map as its symmetries leave it, and the coarse normal over it, unit.
-  void turn(const MapAxes& axes, const Vector3f& coarse) noexcept {
-    const Vector3f over_map = to_map_space(coarse, axes);
-    turned_.turn(map_, over_map);
-    coarse_ = turned_.of(over_map).normalized();
-  }
-
-  /// What explains the whole map.
-  std::optional<SurfaceEstimate> whole(const MapAxes& axes) noexcept {
-    tolerance_ = kFilledResidual;
-    std::optional<FilledPoint> point = fit_whole_filled(map_, kWholeFilledResidual);
-    if (!point) {
-      tolerance_ =
-          std::max(tolerance_, kNoiseResidual * height_noise(map_, tolerance_ / kNoiseResidual));
-      if (tolerance_ > kWholeFilledResidual) point = fit_whole_filled(map_, tolerance_);
-    }
-    if (!point) return {};
-    return to_index_space(point->closest, axes);
-  }
-  /// What explains the largest ball.
-  std::optional<SurfaceEstimate> ball(const MapAxes& axes) noexcept {
-    for (const float radius : kFilledBallRadii) {
-      fitter_.gather(turned_.map(), coarse_, radius);
-      std::optional<FilledPoint> point = fitter_.fit_ball(tolerance_);
-      if (!point) continue;
-      // Once more in the surface's own frame, where it is straightest.
-      const Vector3f own = normal_of(*point);
-      if (own.dot(coarse_) < kSameFrame) {
-        fitter_.gather(turned_.map(), own, radius);
-        if (const auto again = fitter_.fit_ball(tolerance_)) point = again;
-      }
-      return estimate_of(*point, axes);
-    }
-    return {};
-  }
-
-  /// The nearest face of the sides of balls of this map, and of those along the other axes.
-  std::optional<SurfaceEstimate> nearest_face(std::size_t k, const MapAxes& axes,
-                                              const Vector3f& coarse,
-                                              const Vector3f& hint) noexcept {
-    candidate_count_ = 0;
-    windows_ = axes.window();
-    add_sides(axes);
-    for (int axis = 0; axis < 3; ++axis) {
-      if (axis == axes.axis || std::abs(coarse[axis]) < kOtherAxis * std::abs(coarse[axes.axis])) {
-        continue;
-      }
-      const MapAxes other{axis, coarse[axis] > 0.0f ? 1 : -1};
-      windows_ |= other.window();
-      HeightMap traced;
-      traced.ns = batch_.neighbourhood();
-      trace_along(batch_.workpiece(), batch_.query(k).voxel, other, coarse, batch_.trace(), traced);
-      heights_.fill(batch_.query(k).voxel, other, traced, map_);
-      turn(other, coarse);
-      add_sides(other);
-    }
-    auto nearest = nearest_candidate(std::span(candidates_).first(candidate_count_), hint);
-    if (nearest) nearest->windows = windows_;
-    return nearest;
-  }
-
-  void add_sides(const MapAxes& axes) noexcept {
-    const Vector3f& normal = coarse_;
-    fitter_.gather(turned_.map(), normal, kFilledSideRadii[0]);
-    std::array<SideFit, kSides> fits;
-    constexpr std::size_t kRays = kSides / std::size(kBehindRims);
-    fitter_.fit_sides(std::span(kAllSides).first(kRays), tolerance_, std::span(fits).first(kRays));
-    // Ahead of the voxel only where nothing explains it together with what is beside the voxel.
-    std::array<MapSide, kRays> ahead;
-    std::array<SideFit, kRays> ahead_fits;
-    std::array<std::size_t, kRays> of;
-    std::size_t count = 0;
-    for (std::size_t n = 0; n < kRays; ++n) {
-      if (fits[n].explains == SideFit::Explains::kAll) continue;
-      ahead[count] = kAllSides[kRays + n];
-      of[count++] = kRays + n;
-    }
-    fitter_.fit_sides(std::span(ahead).first(count), tolerance_,
-                      std::span(ahead_fits).first(count));
-    for (std::size_t n = 0; n < count; ++n) fits[of[n]] = ahead_fits[n];
-    float nearest = std::numeric_limits<float>::infinity();
-    for (const SideFit& fit : fits) {
-      if (fit.explains == SideFit::Explains::kAll && may_be_face(fit.point, normal)) {
-        nearest = std::min(nearest, std::abs(fit.point.closest.offset));
-      }
-    }
-    for (std::size_t n = 0; n < kSides; ++n) {
-      SideFit& fit = fits[n];
-      // What curves is a quadric in its own frame, which is far from the coarse normal's.
-      if (std::abs(fit.point.closest.offset) < nearest + kRefittedWithin) refit(kAllSides[n], fit);
-      if (!may_be_face(fit.point, normal)) continue;
-      const float away = std::abs(fit.point.closest.offset);
-      if (fit.explains == SideFit::Explains::kAll) {
-        candidates_[candidate_count_++] = {estimate_of(fit.point, axes), away};
-      } else if (fit.explains == SideFit::Explains::kNearly && at_edge_) {
-        candidates_[candidate_count_++] = {estimate_of(fit.point, axes), away + kOnlyNearly};
-      }
-    }
-  }
-  /// By the largest part of a ball that is explained in the frame of what nearly was.
-  void refit(const MapSide& side, SideFit& fit) noexcept {
-    for (const float radius : kFilledSideRadii) {
-      if (fit.explains != SideFit::Explains::kNearly) return;
-      fitter_.gather(turned_.map(), normal_of(fit.point), radius);
-      SideFit again;
-      fitter_.fit_sides({&side, 1}, tolerance_, {&again, 1});
-      if (again.explains != SideFit::Explains::kNothing) fit = again;
-    }
-  }
-  static bool may_be_face(const FilledPoint& point, const Vector3f& coarse) noexcept {
-    return point.closest.normal_z >= kLeastFilledCosine &&
-           normal_of(point).dot(coarse) >= kLeastFilledCosineToCoarse;
-  }
-  static Vector3f normal_of(const FilledPoint& point) {
-    return {point.closest.normal_x, point.closest.normal_y, point.closest.normal_z};
-  }
-
   MapBatch& batch_;
-  FilledHeights heights_;
-  FilledMap map_;
-  TurnedFilledMap turned_;
-  Vector3f coarse_ = Vector3f::Zero();  // as turned_ sees it, unit
-  FilledFitter fitter_;
-  float tolerance_ = 0.0f;
-  bool map_has_parts_ = false;  // of the first axis
-  bool at_edge_ = false;        // what nothing explains is no rough surface
-  std::array<FaceCandidate, 3 * kSides> candidates_;
-  std::size_t candidate_count_ = 0;
-  std::uint8_t windows_ = 0;  // of the maps that nearest_face looked at
+  FilledTiles tiles_;
+  int reach_;                 // parts
+  std::uint8_t windows_ = 0;  // that were looked at
 };
 
 }  // namespace
@@ -296,9 +329,10 @@ void estimate_ldm_filled(const Workpiece& workpiece, std::span<const VoxelQuery>
                          int neighbourhood, int trace,
                          std::span<SurfaceEstimate> estimates) noexcept {
   MapBatch batch(workpiece, queries, neighbourhood, trace, FitWindow::kNone);
-  FilledEstimator estimator(batch);
+  FilledEstimator estimator(batch, std::clamp(neighbourhood, 2, FilledTile::kMaxNs),
+                            std::min(trace, FilledTile::kMostReach));
   for (std::size_t first = 0, count; first < queries.size(); first += count) {
-    count = batch.take(first, MapBatch::kMaps);
+    count = batch.take(first, MapBatch::kSize);
     SurfaceEstimate* const to = estimates.data() + first;
     const auto estimate = [&](SurfaceEstimate* of) { estimator.estimate(of); };
     estimate(to);

@@ -119,28 +119,20 @@ inline constexpr float kSecondAxis = 0.55f;
 // --- Fractions ----------------------------------------------------------------------------------
 // Rounded to 1/255, heights of a plane scatter by 0.001 to 0.002.
 
-/// Largest residual, across the surface, of what explains a whole map, a ball, a side; or so many
-/// times the noise of the heights [m: torus 0.19 degrees with 0.08, 0.11 with 0.03].
-inline constexpr float kWholeFilledResidual = 0.06f, kFilledResidual = 0.03f, kNoiseResidual = 4.0f;
-/// Cosine of a ball's surface to its frame below which it is fitted in its own.
-inline constexpr float kSameFrame = 0.99f;
-inline constexpr float kFilledBallRadii[] = {6.0f, 5.0f, 4.2f, 3.4f, 2.6f};
-/// Sides of balls: radius, fewest points of a plane, and how far they must reach across the rim:
-/// the one or two columns that an edge goes through look like a plane of their own [m: edges of the
-/// cube 8 degrees without, 1 with].
-inline constexpr float kFilledSideRadii[] = {5.5f, 3.8f}, kNearlyExplained = 0.4f,
-                       kRefittedWithin = 0.2f;
-inline constexpr float kLeastPlaneWidth = 2.9f, kLeastQuadricWidth = 4.5f;
-inline constexpr int kFewestPointsOnSide = 7;
+/// Root mean square of the residuals, across the surface, of what is explained: the whole map, the
+/// smaller windows about the voxel, and those aside [m: torus 0.097 degrees with 0.012 about the
+/// voxel, 0.073 so]. A window that scatters by no more than kMoreThanNoise of the square of the
+/// smallest, and that by no more than kMostNoise, is no edge.
+inline constexpr float kWholeResidual = 0.005f, kWindowResidual = 0.004f, kSideResidual = 0.02f,
+                       kSettled = 0.05f, kMoreThanNoise = 1.5f, kMostNoise = 0.15f;
+/// Up to which residual a window may be a face; what a residual and a column aside are worth beside
+/// a voxel of distance: far windows reach around bends [m: molar 0.50 degrees with 0.03 a column,
+/// 0.39 so; edges of the cube 1.0 and 2.0].
+inline constexpr float kNearlyExplained = 0.4f, kPerResidual = 15.0f, kPerStep = 0.3f;
 /// Least cosines of a face to its columns and to the coarse normal, and least component of the
 /// coarse normal, by its largest, along an axis to look along.
 inline constexpr float kLeastFilledCosine = 0.15f, kLeastFilledCosineToCoarse = 0.3f,
                        kOtherAxis = 0.2f;
-/// Ball of what nothing explains: where a cut is rough, and where walls are thin.
-/// From this residual on it is an edge, and a side that is nearly explained is the better face,
-/// after all that are [m: rim of the cut molar 17 degrees without, 13 with it].
-inline constexpr float kRoughRadius = 4.2f, kAnyResidual = 1e9f, kEdgeResidual = 0.6f,
-                       kOnlyNearly = 10.0f;
 /// Least component of a normal along an axis whose own column counts; and how far, in voxels, its
 /// columns may be off a surface that is as they say.
 inline constexpr float kLeastOwnAxis = 0.35f, kSameOffset = 0.015f;

@@ -2,10 +2,10 @@
 
 #include "engine/core/instruction_set.hpp"
 #include "engine/normals/column_quadric.hpp"
-#include "engine/normals/filled_map.hpp"
 #include "engine/normals/height_map.hpp"
 #include "engine/normals/height_tile.hpp"
 #include "engine/normals/quadric_filter.hpp"
+#include "engine/normals/window_filter.hpp"
 
 namespace sulcus {
 
@@ -113,12 +113,6 @@ struct TiltedPoints {
 /// Sums over points: m[a][b] of weight u^a w^b, z[a][b] of weight u^a w^b n.
 struct TiltedMoments {
   float m[5][5], z[3][3];
-};
-
-/// What lies on one side of a line across points.
-struct SidePoints {
-  int count = 0;
-  float width = 0.0f;  // of the points, across the line
 };
 
 /// Up to eight fits to points in tilted frames, side by side.
@@ -321,30 +315,13 @@ struct MapKernels {
   /// sharpened points.
   void (*solve_quantised)(TiltedGroup& group) noexcept = nullptr;
   void (*solve_sharpened)(TiltedGroup& group) noexcept = nullptr;
-  /// Quadrics and planes of points that are exact.
-  void (*solve_points)(TiltedGroup& group) noexcept = nullptr;
   /// Of the voxels' centres on the quadrics of a group.
   void (*tilted_closest_points)(TiltedGroup& group) noexcept = nullptr;
 
-  /// Some rows (a bit for each) of a filled map from a traced one, about a voxel at `level` along
-  /// the axis. `top` and `lack` are those of the map's first row and lane in ColumnLacks. Returns
-  /// the rows where a column's top is another: of these what the map gets is of no meaning.
-  std::uint32_t (*fill_rows)(const HeightMap& traced, std::uint32_t rows, const std::int16_t* top,
-                             const std::int16_t* lack, int level, int sign,
-                             FilledMap& map) noexcept = nullptr;
-  /// The six sums of a filter of all rings over a whole filled map, less the height at its centre,
-  /// in parts.
-  void (*filled_sums)(const FilledMap& map, const QuadricFilter& filter,
-                      std::int64_t* sums) noexcept = nullptr;
-  /// Largest distance of a whole filled map's heights from a surface, along the columns, voxels.
-  float (*filled_residual)(const FilledMap& map, const ColumnQuadric& surface) noexcept = nullptr;
-  /// As `gather`, of all of a ball.
-  void (*gather_filled)(const FilledMap& map, const TiltedFrame& frame,
-                        TiltedPoints& points) noexcept = nullptr;
-  /// Weights of those points that are more than `least` along `across`, both in the points' units;
-  /// zero of the others.
-  SidePoints (*take_side)(const TiltedPoints& all, const std::array<float, 3>& across, float least,
-                          float* weights) noexcept = nullptr;
+  /// Fits of eight square windows of heights, whose centres are at `centre` and the next seven,
+  /// `pitch` heights from row to row. Of heights that are kNoHeight none is made.
+  void (*fit_windows)(const std::int16_t* centre, std::ptrdiff_t pitch, const WindowFilter& filter,
+                      WindowFits& fits) noexcept = nullptr;
 };
 
 /// Compiled for a set; null where the processor or the build has none.

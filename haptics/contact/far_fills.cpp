@@ -1,6 +1,6 @@
 #include "haptics/contact/far_fills.hpp"
 
-#include "engine/normals/filled_heights.hpp"
+#include "engine/normals/filled_columns.hpp"
 
 namespace sulcus {
 

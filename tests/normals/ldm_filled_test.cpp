@@ -7,13 +7,12 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/normals/filled_heights.hpp"
+#include "engine/normals/filled_columns.hpp"
 #include "engine/normals/ldm.hpp"
 #include "engine/normals/map_batch.hpp"
 #include "engine/normals/normal_method.hpp"
 #include "engine/shapes/basic_shapes.hpp"
 #include "engine/shapes/voxelise_implicit.hpp"
-#include "tests/support/map_kernels_fixture.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace sulcus {
@@ -204,96 +203,6 @@ TEST(LdmFilled, NoSurfaceIsFartherThanItsColumnsSay) {
     }
   }
   EXPECT_GT(bounded, 1000);
-}
-
-class FilledKernels : public test::MapKernelsFixture {
- protected:
-  template <class Each>
-  void for_filled_maps(const Each& each) const {
-    const Workpiece workpiece = rough_blobs();
-    FilledHeights heights(workpiece);
-    const std::vector<Cell> cells = test::surface_cells(workpiece);
-    for (std::size_t k = 0; k < cells.size(); k += 9) {
-      for (const int ns : {2, 6, 7, 8, 12}) {
-        const MapAxes axes{static_cast<int>(k % 3), k % 2 == 0 ? 1 : -1};
-        HeightMap traced;
-        traced.ns = ns;
-        trace_along(workpiece, cells[k], axes, Vector3f(0.3f, 0.2f, 0.1f), kTrace, traced);
-        FilledMap map;
-        heights.fill(cells[k], axes, traced, map);
-        each(map, traced);
-      }
-    }
-  }
-};
-INSTANTIATE_TEST_SUITE_P(Sets, FilledKernels, test::fast_sets(), test::set_of);
-
-TEST_P(FilledKernels, RowsAreTheSame) {
-  ColumnLacks lacks;
-  std::mt19937 random(4);
-  for (int v = 0; v < ColumnLacks::kRows; ++v) {
-    for (int u = 0; u < ColumnLacks::kLanes; ++u) {
-      lacks.top[v][u] = static_cast<std::int16_t>(random() % 30);
-      lacks.lack[v][u] =
-          random() % 5 == 0 ? ColumnLacks::kUnknown : static_cast<std::int16_t>(random() % 900);
-    }
-  }
-  for_filled_maps([&](const FilledMap&, const HeightMap& traced) {
-    const std::uint32_t rows = (2u << (2 * traced.ns)) - 1u;
-    FilledMap a, b;
-    a.ns = b.ns = traced.ns;
-    a.lanes = b.lanes = traced.lanes;
-    a.height.fill(0);
-    b.height.fill(0);
-    const auto fill = [&](const MapKernels& kernels, FilledMap& map) {
-      return kernels.fill_rows(traced, rows, &lacks.top[0][0], &lacks.lack[0][0], 14, 1, map);
-    };
-    ASSERT_EQ(fill(*plain_, a), fill(*fast_, b));
-    ASSERT_EQ(a.height, b.height);
-    ASSERT_EQ(a.holes, b.holes);
-    ASSERT_EQ(a.parts, b.parts);
-  });
-}
-
-TEST_P(FilledKernels, SumsResidualsAndPointsAreTheSame) {
-  for_filled_maps([&](const FilledMap& map, const HeightMap&) {
-    const QuadricFilter& filter = quadric_filter(map.ns, map.lanes);
-    FilledMap whole = map;  // sums are asked for of whole maps, whatever their heights
-    for (std::int16_t& height : whole.height) {
-      constexpr int kMost = kMaxTrace * kHeightParts + kHeightParts / 2;
-      height = static_cast<std::int16_t>(std::clamp<int>(height, -kMost, kMost));
-    }
-    std::array<std::int64_t, kQuadric> sums, same;
-    plain_->filled_sums(whole, filter, sums.data());
-    fast_->filled_sums(whole, filter, same.data());
-    ASSERT_EQ(sums, same);
-    ColumnQuadric surface;
-    surface.c = {0.1f, 0.2f, -0.3f, 0.01f, 0.02f, -0.01f};
-    complete(surface);
-    ASSERT_EQ(plain_->filled_residual(map, surface), fast_->filled_residual(map, surface));
-    const Vector3f n = Vector3f(0.2f, -0.3f, 0.9f).normalized();
-    const Vector3f u = Vector3f(n.z(), 0.0f, -n.x()).normalized(), w = n.cross(u);
-    const TiltedFrame frame{
-        {u.x(), u.y(), u.z()}, {w.x(), w.y(), w.z()}, {n.x(), n.y(), n.z()}, 5.5f, {}};
-    TiltedPoints points, other;
-    plain_->gather_filled(map, frame, points);
-    fast_->gather_filled(map, frame, other);
-    ASSERT_EQ(points.count, other.count);
-    for (int k = 0; k < points.count; ++k) {
-      ASSERT_EQ(points.weight[k], other.weight[k]);
-      ASSERT_EQ(points.u[k], other.u[k]);
-      ASSERT_EQ(points.w[k], other.w[k]);
-      ASSERT_EQ(points.n[k], other.n[k]);
-    }
-    std::vector<float> weights(TiltedPoints::kCapacity), others(TiltedPoints::kCapacity);
-    const std::array<float, 3> across{0.5f, -0.7f, 0.2f};
-    const SidePoints a = plain_->take_side(points, across, -0.1f, weights.data());
-    const SidePoints b = fast_->take_side(points, across, -0.1f, others.data());
-    ASSERT_EQ(a.count, b.count);
-    ASSERT_EQ(a.width, b.width);
-    for (int k = 0; k < points.count; ++k)
-      ASSERT_EQ(weights[static_cast<std::size_t>(k)], others[static_cast<std::size_t>(k)]);
-  });
 }
 
 }  // namespace

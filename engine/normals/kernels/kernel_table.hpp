@@ -4,7 +4,7 @@
 #pragma once
 
 #include "engine/normals/kernels/disc_sums.hpp"
-#include "engine/normals/kernels/filled_rows.hpp"
+#include "engine/normals/kernels/fit_windows.hpp"
 #include "engine/normals/kernels/plane_step.hpp"
 #include "engine/normals/kernels/surface_group.hpp"
 #include "engine/normals/kernels/tilted_group.hpp"
@@ -41,13 +41,8 @@ constexpr MapKernels kernel_table(const char* name, const MapKernels& own) {
           .sharpen_points = sharpen_points,
           .solve_quantised = solve_quantised,
           .solve_sharpened = solve_sharpened,
-          .solve_points = solve_points,
           .tilted_closest_points = tilted_closest_points,
-          .fill_rows = fill_rows,
-          .filled_sums = filled_sums,
-          .filled_residual = filled_residual,
-          .gather_filled = gather_filled,
-          .take_side = take_side};
+          .fit_windows = fit_windows};
 }
 
 }  // namespace

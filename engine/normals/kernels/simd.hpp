@@ -29,10 +29,6 @@ inline __m128i bytes_of(const signed char* row) {
 inline RowLanes widened(__m128i bytes) { return _mm512_cvtepi32_ps(_mm512_cvtepi8_epi32(bytes)); }
 /// Heights of a row as they lie.
 inline RowLanes heights(const signed char* row) { return widened(bytes_of(row)); }
-inline RowLanes heights(const std::int16_t* row) {
-  return _mm512_cvtepi32_ps(
-      _mm512_cvtepi16_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(row))));
-}
 /// Less that of the voxel. Of what is none, any number.
 inline RowLanes heights_above(const signed char* row, int level) {
   return widened(_mm_sub_epi8(bytes_of(row), _mm_set1_epi8(static_cast<char>(level))));
@@ -76,14 +72,6 @@ inline RowLanes heights(const signed char* row) {
 #ifdef __AVX2__
   const __m128i eight = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(row));
   return to_float(reinterpret_cast<IntLanes>(_mm256_cvtepi8_epi32(eight)));
-#else
-  return to_float(IntLanes{row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7]});
-#endif
-}
-inline RowLanes heights(const std::int16_t* row) {
-#ifdef __AVX2__
-  const __m128i eight = _mm_loadu_si128(reinterpret_cast<const __m128i*>(row));
-  return to_float(reinterpret_cast<IntLanes>(_mm256_cvtepi16_epi32(eight)));
 #else
   return to_float(IntLanes{row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7]});
 #endif

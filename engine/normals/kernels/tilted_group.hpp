@@ -141,11 +141,6 @@ inline void solve_quantised(TiltedGroup& g) noexcept {
   solve_quadrics(e, g);
   solve_planes(e, g);
 }
-inline void solve_points(TiltedGroup& g) noexcept {
-  const NormalEquations e = equations_of<false>(g);
-  solve_quadrics(e, g);
-  solve_planes(e, g);
-}
 inline void solve_sharpened(TiltedGroup& g) noexcept { solve_quadrics(equations_of<false>(g), g); }
 
 inline void tilted_closest_points(TiltedGroup& g) noexcept {

@@ -51,10 +51,8 @@ class PointWriter {
   int count_ = 0;
 };
 
-/// `heights_from(row)`: surfaces above the voxel's centre, outward, voxels.
-template <bool kHasSide, class Map, class Heights>
-inline void gather(const Map& map, const TiltedFrame& frame, const Heights& heights_from,
-                   TiltedPoints& points) {
+template <bool kHasSide>
+inline void gather(const HeightMap& map, const TiltedFrame& frame, TiltedPoints& points) {
   const float radius = frame.radius, unit = 1.0f / radius;
   const int reach = radius < static_cast<float>(map.ns) ? static_cast<int>(radius) : map.ns;
   const int middle = map.lanes / 2, first = (middle - reach) & -kRowStep;
@@ -64,6 +62,7 @@ inline void gather(const Map& map, const TiltedFrame& frame, const Heights& heig
   const auto [w0, w1, w2] = frame.w;
   const auto [n0, n1, n2] = frame.n;
   const int lanes = map.lanes;
+  const auto sign = static_cast<float>(map.sign);
   const MapSide side = frame.side;
   // What the columns of all rows have in common.
   struct Along {
@@ -84,7 +83,8 @@ inline void gather(const Map& map, const TiltedFrame& frame, const Heights& heig
                 y_n = y_unit * n1;
     for (int part = 0; part < parts; ++part) {
       const auto& [xx, x_u, x_w, x_n, behind] = along[part];
-      const RowLanes z = heights_from(row + part * kRowStep), z_unit = z * unit;
+      // The surface is half a voxel beyond the centre of the outermost solid voxel.
+      const RowLanes z = heights(row + part * kRowStep) * sign + 0.5f, z_unit = z * unit;
       const RowLanes r2 = xx + yy + z * z;
       // kNone is far out of every ball.
       RowMask in = at_most(r2, limit);
@@ -97,11 +97,8 @@ inline void gather(const Map& map, const TiltedFrame& frame, const Heights& heig
 }
 inline void gather_points(const HeightMap& map, const TiltedFrame& frame,
                           TiltedPoints& points) noexcept {
-  const auto sign = static_cast<float>(map.sign);
-  // The surface is half a voxel beyond the centre of the outermost solid voxel.
-  const auto outward = [sign](const signed char* row) { return heights(row) * sign + 0.5f; };
   const bool has_side = frame.side.x != 0.0f || frame.side.y != 0.0f;
-  has_side ? gather<true>(map, frame, outward, points) : gather<false>(map, frame, outward, points);
+  has_side ? gather<true>(map, frame, points) : gather<false>(map, frame, points);
 }
 
 /// Sixteen sums side by side, over points that are taken sixteen at a time: all at once, or those

@@ -1,0 +1,80 @@
+#include "engine/normals/filled_columns.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/normals/ldm_tuning.hpp"
+
+namespace sulcus {
+
+static_assert(kHeightParts == kFullLevel);
+
+void LevelReader::enter(int lx, int ly, int lz, int leaf) noexcept {
+  static constexpr LeafBits kNothing{};
+  const bool inside = static_cast<unsigned>(lx) < static_cast<unsigned>(dims_.x()) &&
+                      static_cast<unsigned>(ly) < static_cast<unsigned>(dims_.y()) &&
+                      static_cast<unsigned>(lz) < static_cast<unsigned>(dims_.z());
+  leaf_ = inside ? leaf : kOutside;
+  page_ = inside ? fills_.page(static_cast<std::uint32_t>(leaf)) : nullptr;
+  bits_ = inside ? &model_.leaves[static_cast<std::size_t>(leaf)] : &kNothing;
+}
+
+std::optional<int> column_lack(LevelReader& levels, Cell at, const MapAxes& axes,
+                               int most) noexcept {
+  int lack = 0, fullest = 0, lack_above_fullest = 0;
+  for (int n = 0; n < most; ++n) {
+    const int parts = levels.at(at.x(), at.y(), at.z());
+    if (parts == kHeightParts) return lack;
+    if (parts == 0) return lack_above_fullest + (kHeightParts - fullest) / 2;
+    if (parts > fullest) {
+      fullest = parts;
+      lack_above_fullest = lack;
+    }
+    lack += kHeightParts - parts;
+    at[axes.axis] -= axes.sign;
+  }
+  return {};
+}
+
+namespace {
+
+std::optional<float> own_height(LevelReader& levels, const Cell& voxel,
+                                const MapAxes& axes) noexcept {
+  constexpr int kMostAbove = 3;
+  Cell at = voxel;
+  int above = 0;
+  for (; above <= kMostAbove; ++above) {
+    Cell next = at;
+    next[axes.axis] += axes.sign;
+    if (levels.at(next.x(), next.y(), next.z()) == 0) break;
+    at = next;
+  }
+  if (above > kMostAbove) return {};
+  const std::optional<int> lack = column_lack(levels, at, axes, kMostPartFilled + above);
+  if (!lack) return {};
+  return static_cast<float>(above) + 0.5f - static_cast<float>(*lack) * (1.0f / kHeightParts);
+}
+
+}  // namespace
+
+std::optional<float> own_height(const VoxelModel& model, const Cell& voxel,
+                                const MapAxes& axes) noexcept {
+  LevelReader levels(model);
+  return own_height(levels, voxel, axes);
+}
+
+std::optional<float> farthest_surface(const VoxelModel& model, const Cell& voxel) noexcept {
+  if (model.level(voxel) == kFullLevel) return {};
+  LevelReader levels(model);
+  std::optional<float> farthest;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const int sign : {-1, 1}) {
+      const auto height = own_height(levels, voxel, {axis, sign});
+      if (height) farthest = std::max(farthest.value_or(0.0f), std::abs(*height));
+    }
+  }
+  if (farthest) *farthest += kSameOffset;
+  return farthest;
+}
+
+}  // namespace sulcus

@@ -1,0 +1,111 @@
+#include "engine/normals/filled_tile.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "engine/normals/map_kernels.hpp"
+
+namespace sulcus {
+
+namespace {
+
+// Bits of a column's window: outward from the voxel, or the leaf's layer, at kOwn.
+constexpr int kBelow = 16;
+
+/// Surfaces of a column, outward; of the ends of the window the next voxel is not known.
+std::uint64_t surfaces_of(std::uint64_t window, int sign) noexcept {
+  return window & ~(sign > 0 ? window >> 1 : window << 1);
+}
+/// So many bits from one on.
+constexpr std::uint64_t bits_from(int first, int count) {
+  return (count >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1) << first;
+}
+
+/// The surface nearest to `own`, the outer one of two.
+int nearest_surface(std::uint64_t surfaces, int own, int sign) noexcept {
+  const std::uint64_t upper = surfaces >> own, lower = surfaces & bits_from(0, own + 1);
+  const int up = upper != 0 ? std::countr_zero(upper) : 64;
+  const int down = lower != 0 ? own - (63 - std::countl_zero(lower)) : 64;
+  return up < down || (up == down && sign > 0) ? own + up : own - down;
+}
+
+}  // namespace
+
+void FilledTile::begin(const Workpiece& workpiece, const Cell& origin, int layers,
+                       const MapAxes& axes, int ns, int reach) noexcept {
+  workpiece_ = &workpiece;
+  origin_ = origin;
+  layers_ = layers;
+  axes_ = axes;
+  ns_ = ns;
+  reach_ = reach;
+  rows_read_ = 0;
+  made_ = {};
+}
+
+void FilledTile::read_row(int row) noexcept {
+  const int axis = axes_.axis, sign = axes_.sign;
+  const Cell& origin = origin_;
+  const int innermost = kBelow + (sign > 0 ? 0 : layers_ - 1);  // bit
+  // Outermost voxels of the surfaces that any voxel here may have, as column_lack counts.
+  const int outward = layers_ - 1 + reach_ + kMostPartFilled;
+  const std::uint64_t seen = sign > 0 ? bits_from(innermost - reach_, reach_ + outward + 1)
+                                      : bits_from(innermost - outward, reach_ + outward + 1);
+  const ColumnBits::Windows windows = workpiece_->columns().around(
+      axis, origin[axes_.first()], origin[axes_.second()], origin[axis] - kBelow);
+  LevelReader levels(workpiece_->model());
+  std::int16_t* const to = height_[row];
+  std::uint64_t several = 0, parts = 0;
+  std::fill_n(to, kLanes, kNoHeight);
+  Cell at = origin;
+  at[axes_.second()] += row - ns_;
+  for (int u = -ns_; u < kLeafEdge + ns_; ++u) {
+    const std::uint64_t surfaces = surfaces_of(windows.window(u, row - ns_), sign) & seen;
+    if (surfaces == 0) continue;
+    const std::uint64_t lane = std::uint64_t{1} << (kMargin + u);
+    // The nearest to all layers, where it is that to the first and to the last of them.
+    const int bit = nearest_surface(surfaces, innermost, sign);
+    if ((surfaces & (surfaces - 1)) != 0 &&
+        bit != nearest_surface(surfaces, innermost + sign * (layers_ - 1), sign)) {
+      several |= lane;
+      continue;
+    }
+    at[axes_.first()] = origin[axes_.first()] + u;
+    at[axis] = origin[axis] + bit - kBelow;
+    const std::optional<int> lack = column_lack(levels, at, axes_, kMostPartFilled);
+    if (!lack) continue;
+    if (*lack != 0) parts |= lane;
+    to[kMargin + u] = static_cast<std::int16_t>(kHeightParts * (sign * (bit - innermost)) - *lack);
+  }
+  several_[static_cast<std::size_t>(row)] = several;
+  parts_[static_cast<std::size_t>(row)] = parts;
+}
+
+void FilledTile::read_about(int v) noexcept {
+  const std::uint32_t wanted = ((2u << 2 * ns_) - 1u) << v;
+  for (std::uint32_t rest = wanted & ~rows_read_; rest != 0; rest &= rest - 1) {
+    read_row(std::countr_zero(rest));
+  }
+  rows_read_ |= wanted;
+}
+
+FilledTile::Fit FilledTile::fit(int rings, int u, int v) noexcept {
+  const auto fit = [&](WindowFits& fits, std::uint64_t& made, int place, int first_u) {
+    if ((made >> place & 1) == 0) {
+      made |= std::uint64_t{1} << place;
+      map_kernels().fit_windows(&height_[ns_ + v][kMargin + first_u], kLanes, window_filter(rings),
+                                fits);
+    }
+    return Fit{&fits, u - first_u};
+  };
+  if (rings > 3) {
+    const std::size_t which = rings == ns_ ? 0 : 1;
+    return fit(large_[which][v], made_[0][which], v, 0);
+  }
+  const std::size_t which = rings == 3 ? 0 : 1;
+  const int row = v + kMostAside, group = (u + kLeafEdge) / kLeafEdge;
+  return fit(small_[which][row][group], made_[1][which], row * kGroups + group,
+             (group - 1) * kLeafEdge);
+}
+
+}  // namespace sulcus
