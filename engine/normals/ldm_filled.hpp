@@ -20,10 +20,10 @@ namespace sulcus {
 ///
 /// The surface is then moved to the heights of the voxel's own columns (farthest_surface).
 ///
-/// The map has 2 to 7 rings (`neighbourhood`, else the nearest of those) and heights up to 10 voxels
-/// from the voxel (`trace`, where that is less). A function of the bits and levels within the
-/// windows alone, and of the tool's veto; equal under the 48 symmetries of the grid. Estimates as
-/// estimate_ldm's; pure, no allocation. Needs fractions (Workpiece::has_fills).
+/// The map has 2 to 7 rings (`neighbourhood`, else the nearest of those) and heights up to 10
+/// voxels from the voxel (`trace`, where that is less). A function of the bits and levels within
+/// the windows alone, and of the tool's veto; equal under the 48 symmetries of the grid. Estimates
+/// as estimate_ldm's; pure, no allocation. Needs fractions (Workpiece::has_fills).
 void estimate_ldm_filled(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
                          int neighbourhood, int trace,
                          std::span<SurfaceEstimate> estimates) noexcept;
