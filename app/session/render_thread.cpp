@@ -25,8 +25,7 @@ RenderThread::RenderThread(Feed& feed, const Simulation& simulation, const Sessi
                 [this] {
                   if (!is_ready_) ready_.set_value();  // `finish` says what went wrong
                 });
-  // At fast pace it is made beside the first ticks: nothing is late for it.
-  if (options.pace == Pace::kReal) ready.wait();
+  ready.wait();
 }
 
 void RenderThread::run() {

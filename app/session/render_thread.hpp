@@ -16,9 +16,9 @@ namespace sulcus {
 /// frames/%06d.png. A renderer that fails does not stop the run; `finish` then throws what it said.
 class RenderThread {
  public:
-  /// At real pace returns once the first frame can be drawn, so that nothing is set up beside the
-  /// first ticks, and only the latest of several frames due is drawn, so that the picture keeps up.
-  /// Of the simulation it keeps the scene and the burr, which outlive it, as do the options.
+  /// Returns once the first frame can be drawn, so that nothing is set up beside the first ticks.
+  /// At real pace only the latest of several frames due is drawn, so that the picture keeps up. Of
+  /// the simulation it keeps the scene and the burr, which outlive it, as do the options.
   RenderThread(Feed& feed, const Simulation& simulation, const SessionOptions& options);
 
   /// As FeedThread: waits for the last frame.
