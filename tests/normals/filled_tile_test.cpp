@@ -147,8 +147,9 @@ TEST(FilledTile, WindowsAreTheLeastSquaresOfTheFillsAsTheyAreTold) {
         ASSERT_EQ(is_seen(fit, 0), told.has_value()) << voxel.transpose() << ' ' << rings;
         if (!told) continue;
         ASSERT_NEAR(fit.mean_square(), told->mean_square, 1e-3 * told->mean_square + 2e-5);
-        // Less what the filter makes of the cubic part, of which a ball has little.
-        if (told->mean_square < 1e-4 && std::abs(told->slope_x) + std::abs(told->slope_y) < 0.3) {
+        // Less what the filter makes of the cubic part, of which a ball has little near its top.
+        const double steepness = std::abs(told->slope_x) + std::abs(told->slope_y);
+        if (rings <= 3 && told->mean_square < 1e-4 && steepness < 0.3) {
           ASSERT_NEAR(fit.of->c[1][fit.lane], told->slope_x, 5e-3);
           ASSERT_NEAR(fit.of->c[2][fit.lane], told->slope_y, 5e-3);
         }
