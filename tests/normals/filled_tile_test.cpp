@@ -13,24 +13,13 @@
 #include "engine/shapes/basic_shapes.hpp"
 #include "engine/shapes/voxelise_implicit.hpp"
 #include "tests/support/map_kernels_fixture.hpp"
+#include "tests/support/rough_blobs.hpp"
 
 namespace sulcus {
 namespace {
 
 constexpr int kNs = 6, kReach = FilledTile::kMostReach;
 
-/// Part-filled at random, with walls that see each other.
-Workpiece rough_blobs() {
-  VoxelModel model = test::random_blobs({40, 40, 48}, 5);
-  model.fills.emplace(model.grid.leaf_count(), std::vector<LeafLevels>{});
-  model.fills->reserve(model.grid.leaf_count());
-  std::mt19937 random(2);
-  const Workpiece whole{VoxelModel(model)};
-  for (const Cell& c : test::surface_cells(whole)) {
-    model.set_level(c, static_cast<FillLevel>(1 + random() % 255));
-  }
-  return Workpiece(std::move(model));
-}
 Workpiece ball() {
   VoxelGrid grid;
   grid.cells = Eigen::Vector3i::Constant(48);
@@ -132,7 +121,7 @@ bool is_seen(const FilledTile::Fit& fit, int level) {
 
 TEST(FilledTile, WindowsAreTheLeastSquaresOfTheFillsAsTheyAreTold) {
   int fits = 0, none = 0;
-  for (const Workpiece& workpiece : {rough_blobs(), ball()}) {
+  for (const Workpiece& workpiece : {test::rough_blobs(), ball()}) {
     for_tiles(workpiece, [&](const Cell& voxel, const MapAxes& axes, FilledTile&, FilledTile& layer,
                              int u, int v, int) {
       for (const auto& [rings, a, b] : kWindows) {
@@ -162,7 +151,7 @@ TEST(FilledTile, WindowsAreTheLeastSquaresOfTheFillsAsTheyAreTold) {
 
 TEST(FilledTile, ALeafSaysWhatItsLayersSay) {
   int single = 0, several = 0, seen = 0;
-  for (const Workpiece& workpiece : {rough_blobs(), ball()}) {
+  for (const Workpiece& workpiece : {test::rough_blobs(), ball()}) {
     for_tiles(workpiece, [&](const Cell&, const MapAxes&, FilledTile& leaf, FilledTile& layer,
                              int u, int v, int w) {
       ASSERT_TRUE(layer.is_single(u, v));

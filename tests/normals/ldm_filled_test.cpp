@@ -13,6 +13,7 @@
 #include "engine/normals/normal_method.hpp"
 #include "engine/shapes/basic_shapes.hpp"
 #include "engine/shapes/voxelise_implicit.hpp"
+#include "tests/support/rough_blobs.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace sulcus {
@@ -146,21 +147,8 @@ TEST(LdmFilled, WhereNoVoxelIsPartFilledItIsLdm) {
   }
 }
 
-/// Part-filled at random: nothing explains it.
-Workpiece rough_blobs() {
-  VoxelModel model = test::random_blobs({48, 40, 48}, 5);
-  model.fills.emplace(model.grid.leaf_count(), std::vector<LeafLevels>{});
-  model.fills->reserve(model.grid.leaf_count());
-  std::mt19937 random(2);
-  const Workpiece whole{VoxelModel(model)};
-  for (const Cell& c : test::surface_cells(whole)) {
-    model.set_level(c, static_cast<FillLevel>(1 + random() % 255));
-  }
-  return Workpiece(std::move(model));
-}
-
 TEST(LdmFilled, OneByOneAndTogetherAreTheSameBits) {
-  for (const Workpiece& workpiece : {rough_blobs(), with_fractions(SphereShape(14.0), 48),
+  for (const Workpiece& workpiece : {test::rough_blobs(), with_fractions(SphereShape(14.0), 48),
                                      with_fractions(PlateShape(2.2, 0.4), 48)}) {
     std::vector<Cell> cells = test::surface_cells(workpiece);
     const auto together = estimates_of(workpiece, cells);
@@ -178,7 +166,7 @@ TEST(LdmFilled, OneByOneAndTogetherAreTheSameBits) {
 }
 
 TEST(LdmFilled, WhateverIsFilledHasFiniteUnitNormals) {
-  const Workpiece workpiece = rough_blobs();
+  const Workpiece workpiece = test::rough_blobs();
   const std::vector<Cell> cells = test::surface_cells(workpiece);
   for (const SurfaceEstimate& estimate : estimates_of(workpiece, cells)) {
     if (!estimate.defined) continue;
@@ -191,7 +179,7 @@ TEST(LdmFilled, WhateverIsFilledHasFiniteUnitNormals) {
 TEST(LdmFilled, NoSurfaceIsFartherThanItsColumnsSay) {
   int bounded = 0;
   for (const Workpiece& workpiece :
-       {rough_blobs(), with_fractions(SphereShape(14.0), 48),
+       {test::rough_blobs(), with_fractions(SphereShape(14.0), 48),
         with_fractions(PlateShape(2.2, 0.4), 48), with_fractions(BoxShape({20, 17, 9}), 48)}) {
     const std::vector<Cell> cells = test::surface_cells(workpiece);
     const auto estimates = estimates_of(workpiece, cells);
