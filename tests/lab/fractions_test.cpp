@@ -40,8 +40,7 @@ TEST(Fractions, NormalsAreBetter) {
     EXPECT_GT(row.fractions(), 0.0);
     EXPECT_LT(row.fractions(), row.binary());
     EXPECT_TRUE(row.is_timed());
-    const bool not_yet = row.shape == "torus";
-    EXPECT_TRUE(row.pass() || not_yet) << row.fractions() << ", wanted " << row.wanted;
+    EXPECT_TRUE(row.pass()) << row.fractions() << ", wanted " << row.wanted;
   }
 }
 
