@@ -9,7 +9,7 @@ namespace sulcus {
 
 namespace {
 
-// Bits of a column's window: outward from the voxel, or the leaf's layer, at kOwn.
+/// Voxels of a column's window, of 64, below the tile's first layer along the axis.
 constexpr int kBelow = 16;
 
 /// Surfaces of a column, outward; of the ends of the window the next voxel is not known.
@@ -21,7 +21,7 @@ constexpr std::uint64_t bits_from(int first, int count) {
   return (count >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1) << first;
 }
 
-/// The surface nearest to `own`, the outer one of two.
+/// The surface nearest to bit `own`, the outer one of two.
 int nearest_surface(std::uint64_t surfaces, int own, int sign) noexcept {
   const std::uint64_t upper = surfaces >> own, lower = surfaces & bits_from(0, own + 1);
   const int up = upper != 0 ? std::countr_zero(upper) : 64;

@@ -71,7 +71,7 @@ class FilledTile {
 
   const Workpiece* workpiece_ = nullptr;
   MapAxes axes_;
-  Cell origin_ = Cell::Zero();  // that (0, 0) and height 0 are at
+  Cell origin_ = Cell::Zero();  // (0, 0) of the first layer along the axis
   int layers_ = 0, ns_ = 0, reach_ = 0;
   std::uint32_t rows_read_ = 0;                       // a bit for each
   std::array<std::uint64_t, kRows> several_, parts_;  // of a row's lanes, as they were read

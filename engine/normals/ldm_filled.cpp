@@ -189,19 +189,17 @@ class FilledEstimator {
       if (!closest) return {};
       return to_index_space(*closest, axes);
     };
-    constexpr float kExplained = kWindowResidual * kWindowResidual;
     const FilledTile::Fit whole = tile.fit(tile.ns(), place.u, place.v);
     if (whole.mean_square() <= kWholeResidual * kWholeResidual) {
       if (const auto found = surface(whole)) return found;
     }
     // What scatters alike everywhere, as greys do, is no edge.
     const float noise = tile.fit(2, place.u, place.v).mean_square();
-    const float most =
-        std::max(kExplained, noise <= kMostNoise * kMostNoise ? kMoreThanNoise * noise : 0.0f);
-    if (whole.mean_square() <=
-        std::max(kWholeResidual * kWholeResidual, most == kExplained ? 0.0f : most)) {
+    const float within_noise = noise <= kMostNoise * kMostNoise ? kMoreThanNoise * noise : 0.0f;
+    if (whole.mean_square() <= within_noise) {
       if (const auto found = surface(whole)) return found;
     }
+    const float most = std::max(kWindowResidual * kWindowResidual, within_noise);
     for (const int rings : FilledTile::kSmallRings) {
       if (rings >= tile.ns()) continue;
       const FilledTile::Fit fit = tile.fit(rings, place.u, place.v);

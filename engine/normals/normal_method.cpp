@@ -6,13 +6,16 @@
 #include "engine/normals/ldm_filled.hpp"
 #include "engine/normals/ldm_paper.hpp"
 #include "engine/normals/map_kernels.hpp"
+#include "engine/normals/quadric_filter.hpp"
 #include "engine/normals/weighted_sum.hpp"
+#include "engine/normals/window_filter.hpp"
 
 namespace sulcus {
 
 void prepare_normals() noexcept {
   map_kernels();
   quadric_filter(1, lanes_of(1));
+  window_filter(2);
 }
 
 void estimate_surfaces(const Workpiece& workpiece, std::span<const VoxelQuery> queries,
