@@ -25,6 +25,7 @@ constexpr std::array kShortened{
     Shortened{"fractions", "--quick --measure planes", "fractions.png"},
     Shortened{"laws", "--quick --law at_rest", "laws.html"},
     Shortened{"normals", "--ns 3", "normals.png"},
+    Shortened{"program", "--trial verify --repeats 1", "program.csv"},
     Shortened{"ticks", "--quick", "ticks.csv"},
     Shortened{"stability", "--brief --case thin_wall", "stability.html"},
 };

@@ -17,6 +17,8 @@ void add_laws_command(CLI::App& program);
 void add_normals_command(CLI::App& program);
 /// What a tick costs against how true its force is, on the molar.
 void add_pareto_command(CLI::App& program);
+/// What the whole program takes: its start, memory, pictures, large scenes, its build.
+void add_program_command(CLI::App& program);
 /// What a recording survives, and how fast it is gone through.
 void add_recordings_command(CLI::App& program);
 /// Where haptic methods fail, and where ours is held to a limit.

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <memory>
 #include <sstream>
@@ -28,7 +29,7 @@ struct FramesOptions {
   std::string folder = "out/lab/frames";
   std::string scene = SULCUS_SCENES "/cut_sulcus.toml";
   double seconds = 8.0;
-  int width = 1280, height = 720;
+  std::array<int, 2> size{1280, 720};  // of a picture, pixels
 };
 
 enum class Drawing { kNone, kResting, kTurning };
@@ -45,8 +46,8 @@ void draw(const Simulation& simulation, std::vector<RenderedBody> bodies,
   leave_realtime_core();
   const Scene& scene = simulation.scene();
   RenderSettings settings = scene.render.value_or(RenderSettings{});
-  settings.width = options.width;
-  settings.height = options.height;
+  settings.width = options.size[0];
+  settings.height = options.size[1];
   LiveFilm film(feed, scene, bodies.front().model);
   const EglContext context;
   GlScene drawing(settings, std::move(bodies), simulation.burr().mesh_tool,
@@ -150,6 +151,9 @@ void add_frames_command(CLI::App& program) {
   command->add_option("--scene", options->scene, "Scene (cut_sulcus)");
   command->add_option("--seconds", options->seconds, "Of each run (8)")
       ->check(CLI::Range(0.5, 1000.0));
+  command->add_option("--size", options->size, "WxH of a picture (1280x720)")
+      ->delimiter('x')
+      ->check(CLI::Range(64, 8192));
   command->add_option("-o", options->folder, "Folder for the results (out/lab/frames)");
   command->footer(
       "Writes into the folder:\n"
