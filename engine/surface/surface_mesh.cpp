@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <span>
 
+#include <tbb/parallel_for.h>
+
 #include "engine/surface/surface_nets.hpp"
 
 namespace sulcus {
@@ -41,18 +43,18 @@ void relax(VoxelNet& net, std::span<const float> steps) {
 TriangleMesh triangles_of(const VoxelNet& net, const VoxelGrid& grid) {
   TriangleMesh mesh;
   mesh.positions.resize(net.cells.size());
-  for (std::size_t v = 0; v < net.cells.size(); ++v) {
+  tbb::parallel_for(std::size_t{0}, net.cells.size(), [&](std::size_t v) {
     mesh.positions[v] =
         grid.world_from_index(net.cells[v].cast<double>() + net.offsets[v].cast<double>())
             .cast<float>();
-  }
-  mesh.triangles.reserve(2 * net.quads.size());
-  for (const auto& quad : net.quads) {
+  });
+  mesh.triangles.resize(2 * net.quads.size());
+  tbb::parallel_for(std::size_t{0}, net.quads.size(), [&](std::size_t q) {
+    const auto& quad = net.quads[q];
     const auto& p = mesh.positions;
-    for (const auto& triangle : split_quad(quad, p[quad[0]], p[quad[1]], p[quad[2]], p[quad[3]])) {
-      mesh.triangles.push_back(triangle);
-    }
-  }
+    const auto halves = split_quad(quad, p[quad[0]], p[quad[1]], p[quad[2]], p[quad[3]]);
+    std::ranges::copy(halves, mesh.triangles.begin() + static_cast<std::ptrdiff_t>(2 * q));
+  });
   return mesh;
 }
 

@@ -1,6 +1,8 @@
 #include "engine/surface/surface_nets.hpp"
 
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <utility>
 
 #include "engine/volume/grid.hpp"
@@ -102,31 +104,42 @@ class BlockMesher {
         mesh_(mesh),
         step_{1, block.dims.x(), std::ptrdiff_t{block.dims.x()} * block.dims.y()} {}
 
-  /// Finds the code of each cell, also one beyond those that get vertices: the rule for pinched
-  /// faces looks there. Says whether the surface passes through any.
+  /// Finds the code of each cell whose corners lie in the block, those of the border among them:
+  /// the rule for pinched faces looks there. What stands at the end of a row, where there is no
+  /// cell, is never read. Says whether the surface may pass through any.
   bool find_codes() {
-    scratch_.codes.assign(block_.values.size(), 0);
-    bool any = false;
-    for (int z = block_.begin.z() - 2; z <= block_.end.z(); ++z) {
-      for (int y = block_.begin.y() - 2; y <= block_.end.y(); ++y) {
-        any |= find_codes_of_row({block_.begin.x() - 2, y, z});
-      }
+    const std::size_t count = block_.values.size();
+    const auto row = static_cast<std::size_t>(step_[1]), slice = static_cast<std::size_t>(step_[2]);
+    scratch_.codes.resize(count);
+    const float* const values = block_.values.data();
+    std::uint8_t* const codes = scratch_.codes.data();
+    const float level = level_;
+    std::uint8_t any = 0, all = 1;
+    for (std::size_t i = 0; i < count; ++i) {
+      codes[i] = values[i] > level ? 1 : 0;
+      any |= codes[i];
+      all &= codes[i];
     }
-    return any;
+    if (any == all) return false;
+    // In place: what a code is made of stands at it and behind it.
+    for (std::size_t i = 0; i + slice + row + 1 < count; ++i) {
+      const std::uint8_t* const low = codes + i;
+      const std::uint8_t* const high = low + slice;
+      codes[i] = static_cast<std::uint8_t>(low[0] | low[1] << 1 | low[row] << 2 |
+                                           low[row + 1] << 3 | high[0] << 4 | high[1] << 5 |
+                                           high[row] << 6 | high[row + 1] << 7);
+    }
+    return true;
   }
 
   void add_vertices() {
     scratch_.first_vertex.resize(block_.values.size());
-    for_each_cell(block_.begin - Cell::Ones(), block_.end, [&](const Cell& c) {
-      const std::ptrdiff_t cell = offset_of(c);
-      if (is_crossed(cell)) add_vertices_of(c, cell);
-    });
+    for_each_crossed(block_.begin - Cell::Ones(),
+                     [&](const Cell& c, std::ptrdiff_t cell) { add_vertices_of(c, cell); });
   }
 
   void add_quads() {
-    for_each_cell(block_.begin, block_.end, [&](const Cell& c) {
-      const std::ptrdiff_t cell = offset_of(c);
-      if (!is_crossed(cell)) return;
+    for_each_crossed(block_.begin, [&](const Cell&, std::ptrdiff_t cell) {
       const int code = scratch_.codes[cell];
       for (int axis = 0; axis < 3; ++axis) {
         const bool low_inside = (code & 1) != 0;
@@ -141,32 +154,27 @@ class BlockMesher {
            (c.z() - block_.first.z()) * step_[2];
   }
 
-  bool is_crossed(std::ptrdiff_t cell) const {
-    return scratch_.codes[cell] != 0 && scratch_.codes[cell] != 255;
-  }
-
-  bool find_codes_of_row(const Cell& first) {
-    const std::ptrdiff_t row = offset_of(first);
-    const int length = block_.end.x() - block_.begin.x() + 3;
-    const float* const values = block_.values.data() + row;
-    const float* const r[4] = {values, values + step_[1], values + step_[2],
-                               values + step_[1] + step_[2]};
-    std::uint8_t* const codes = scratch_.codes.data() + row;
-    const float level = level_;
-    const auto column = [&](int i) {
-      return (r[0][i] > level ? 1 : 0) | (r[1][i] > level ? 4 : 0) | (r[2][i] > level ? 16 : 0) |
-             (r[3][i] > level ? 64 : 0);
-    };
-    int left = column(0);
-    int mixed = 0;
-    for (int i = 0; i < length; ++i) {
-      const int right = column(i + 1);
-      const int code = left | right << 1;
-      codes[i] = static_cast<std::uint8_t>(code);
-      mixed |= code != 0 && code != 255 ? 1 : 0;
-      left = right;
+  /// Calls `visit(c, its offset)` for the cells from `first` to before the block's end that the
+  /// surface passes through, x fastest.
+  template <class Visit>
+  void for_each_crossed(const Cell& first, const Visit& visit) const {
+    constexpr int kAtOnce = sizeof(std::uint64_t);
+    const int length = block_.end.x() - first.x();
+    for (int z = first.z(); z < block_.end.z(); ++z) {
+      for (int y = first.y(); y < block_.end.y(); ++y) {
+        const std::ptrdiff_t row = offset_of({first.x(), y, z});
+        const std::uint8_t* const codes = scratch_.codes.data() + row;
+        for (int x = 0; x < length; ++x) {
+          std::uint64_t next = 1;
+          if (x + kAtOnce <= length) std::memcpy(&next, codes + x, sizeof next);
+          if (next == 0 || next == ~std::uint64_t{0}) {
+            x += kAtOnce - 1;
+          } else if (codes[x] != 0 && codes[x] != 255) {
+            visit(Cell(first.x() + x, y, z), row + x);
+          }
+        }
+      }
     }
-    return mixed != 0;
   }
 
   /// Where one curve crosses a face twice on both its sides, four quads would share a mesh edge.

@@ -29,7 +29,8 @@ struct BrickSurface {
     std::uint64_t key;
   };
   std::vector<std::array<Corner, 4>> quads;
-  std::uint32_t base = 0;  // index of the first own vertex in the mesh
+  std::uint32_t base = 0;        // index of the first own vertex in the mesh
+  std::uint64_t first_quad = 0;  // the same of quads
 };
 
 struct Layout {
@@ -56,6 +57,13 @@ struct Layout {
                4 +
            static_cast<std::uint64_t>(part);
   }
+  Eigen::Vector3i cell_of(std::uint64_t key) const {
+    const std::uint64_t cell = key / 4;
+    const auto nx = static_cast<std::uint64_t>(grid.cells.x()) + 1;
+    const auto ny = static_cast<std::uint64_t>(grid.cells.y()) + 1;
+    return {static_cast<int>(cell % nx) - 1, static_cast<int>(cell / nx % ny) - 1,
+            static_cast<int>(cell / nx / ny) - 1};
+  }
 };
 
 struct Scratch {
@@ -81,28 +89,46 @@ bool fill_occupancy(const VoxelModel& model, std::optional<std::uint8_t> tissue,
   for_each_cell(low / kLeafEdge, leaves_up_to(high), [&](const Cell& at) {
     const Cell origin = at * kLeafEdge;
     const std::uint32_t leaf = model.grid.leaf_of(origin);
+    const LeafBits& bits = model.leaves[leaf];
+    if (!any(bits)) return;
     const FillLevel* const page = model.fills ? model.fills->page(leaf) : nullptr;
-    for_each_voxel(model.leaves[leaf], [&](int place) {
-      const Cell c = origin + cell_in_leaf(place);
-      if ((c.array() < low.array()).any() || (c.array() >= high.array()).any()) return;
-      if (tissue && model.tissue(c) != *tissue) return;
-      const Eigen::Vector3i p = c - block.first;
-      const float filled = page ? static_cast<float>(page[place]) / kFullLevel : 1.0f;
-      block.values[p.x() + static_cast<std::size_t>(block.dims.x()) *
-                               (p.y() + static_cast<std::size_t>(block.dims.y()) * p.z())] = filled;
-      count += filled > kHalfFull ? 1 : 0;
-    });
+    const Cell from = low.cwiseMax(origin) - origin;
+    const Cell end = high.cwiseMin(origin + Cell::Constant(kLeafEdge)) - origin;
+    for (int z = from.z(); z < end.z(); ++z) {
+      for (int y = from.y(); y < end.y(); ++y) {
+        const Cell p = origin + Cell(from.x(), y, z) - block.first;
+        float* value = block.values.data() + p.x() +
+                       block.dims.x() * (p.y() + std::ptrdiff_t{block.dims.y()} * p.z());
+        for (int x = from.x(); x < end.x(); ++x, ++value) {
+          const int place = leaf_place({x, y, z});
+          if (!bits.has(place) || (tissue && model.tissue(origin + Cell(x, y, z)) != *tissue)) {
+            continue;
+          }
+          *value = page ? static_cast<float>(page[place]) / kFullLevel : 1.0f;
+          count += *value > kHalfFull ? 1 : 0;
+        }
+      }
+    }
   });
   return count != 0 && count != block.values.size();
 }
 
 /// Whether a cell of the brick can be crossed at all: a quick look at whole leaves.
-bool may_cross(const VoxelModel& model, const Eigen::Vector3i& begin, const Eigen::Vector3i& end) {
-  const Eigen::Vector3i low = (begin - Eigen::Vector3i::Constant(1)).cwiseMax(0);
-  const Eigen::Vector3i high = (end + Eigen::Vector3i::Constant(1)).cwiseMin(model.grid.cells);
+bool may_cross(const VoxelModel& model, std::optional<std::uint8_t> tissue, const Cell& begin,
+               const Cell& end) {
+  const Cell low = (begin - Cell::Constant(2)).cwiseMax(0);
+  const Cell high = (end + Cell::Constant(2)).cwiseMin(model.grid.cells);
   // Tissue borders count as surface when one tissue is asked for, so full leaves may cross too.
+  bool empty = tissue || low != begin - Cell::Constant(2) || high != end + Cell::Constant(2);
+  bool solid = false;
   return any_cell(low / kLeafEdge, leaves_up_to(high), [&](const Cell& at) {
-    return any(model.leaves[model.grid.leaf_of(at * kLeafEdge)]);
+    const std::uint32_t leaf = model.grid.leaf_of(at * kLeafEdge);
+    if (model.fills && model.fills->page(leaf)) return true;
+    for (const std::uint64_t word : model.leaves[leaf].words) {
+      empty = empty || word != ~std::uint64_t{0};
+      solid = solid || word != 0;
+    }
+    return empty && solid;
   });
 }
 
@@ -124,7 +150,7 @@ void mesh_brick(const VoxelModel& model, std::optional<std::uint8_t> tissue, con
     block.begin[a] = brick[a] == 0 ? -1 : brick[a] * kBrick;
     block.end[a] = std::min((brick[a] + 1) * kBrick, model.grid.cells[a]);
   }
-  if (!may_cross(model, block.begin, block.end)) return;
+  if (!may_cross(model, tissue, block.begin, block.end)) return;
   block.first = block.begin - Eigen::Vector3i::Constant(2);
   block.dims = block.end - block.begin + Eigen::Vector3i::Constant(4);
   block.values.resize(static_cast<std::size_t>(block.dims.x()) * block.dims.y() * block.dims.z());
@@ -153,6 +179,14 @@ void mesh_brick(const VoxelModel& model, std::optional<std::uint8_t> tissue, con
   }
 }
 
+/// Index in the mesh of a vertex that another brick owns.
+std::uint32_t vertex_elsewhere(const Layout& layout, const std::vector<BrickSurface>& bricks,
+                               std::uint64_t key) {
+  const BrickSurface& owner = bricks[layout.brick_of(layout.cell_of(key))];
+  const auto found = std::lower_bound(owner.keys.begin(), owner.keys.end(), key);
+  return owner.base + static_cast<std::uint32_t>(found - owner.keys.begin());
+}
+
 }  // namespace
 
 VoxelNet voxel_net(const VoxelModel& model, std::optional<std::uint8_t> tissue) {
@@ -168,6 +202,7 @@ VoxelNet voxel_net(const VoxelModel& model, std::optional<std::uint8_t> tissue) 
   std::uint64_t quads = 0;
   for (BrickSurface& brick : bricks) {
     brick.base = static_cast<std::uint32_t>(vertices);
+    brick.first_quad = quads;
     vertices += brick.keys.size();
     quads += brick.quads.size();
     if (vertices >= kElsewhere) {
@@ -175,33 +210,26 @@ VoxelNet voxel_net(const VoxelModel& model, std::optional<std::uint8_t> tissue) 
     }
   }
   VoxelNet net;
-  net.cells.reserve(vertices);
-  net.offsets.reserve(vertices);
-  net.quads.reserve(quads);
-  for (const BrickSurface& brick : bricks) {
-    net.cells.insert(net.cells.end(), brick.cells.begin(), brick.cells.end());
-    net.offsets.insert(net.offsets.end(), brick.offsets.begin(), brick.offsets.end());
-    net.at_surface.insert(net.at_surface.end(), brick.at_surface.begin(), brick.at_surface.end());
+  net.cells.resize(vertices);
+  net.offsets.resize(vertices);
+  net.at_surface.resize(model.fills ? vertices : 0);
+  net.quads.resize(quads);
+  tbb::parallel_for(0, count, [&](int index) {
+    const BrickSurface& brick = bricks[index];
+    std::ranges::copy(brick.cells, net.cells.begin() + brick.base);
+    std::ranges::copy(brick.offsets, net.offsets.begin() + brick.base);
+    std::ranges::copy(brick.at_surface,
+                      net.at_surface.begin() + (model.fills ? brick.base : std::uint32_t{0}));
+    auto quad = net.quads.begin() + static_cast<std::ptrdiff_t>(brick.first_quad);
     for (const auto& corners : brick.quads) {
-      std::array<std::uint32_t, 4> quad{};
       for (int i = 0; i < 4; ++i) {
-        if (corners[i].own != kElsewhere) {
-          quad[i] = brick.base + corners[i].own;
-          continue;
-        }
-        const std::uint64_t cell = corners[i].key / 4;
-        const auto nx = static_cast<std::uint64_t>(model.grid.cells.x()) + 1;
-        const auto ny = static_cast<std::uint64_t>(model.grid.cells.y()) + 1;
-        const Eigen::Vector3i c(static_cast<int>(cell % nx) - 1,
-                                static_cast<int>(cell / nx % ny) - 1,
-                                static_cast<int>(cell / nx / ny) - 1);
-        const BrickSurface& owner = bricks[layout.brick_of(c)];
-        const auto found = std::lower_bound(owner.keys.begin(), owner.keys.end(), corners[i].key);
-        quad[i] = owner.base + static_cast<std::uint32_t>(found - owner.keys.begin());
+        (*quad)[i] = corners[i].own != kElsewhere
+                         ? brick.base + corners[i].own
+                         : vertex_elsewhere(layout, bricks, corners[i].key);
       }
-      net.quads.push_back(quad);
+      ++quad;
     }
-  }
+  });
   return net;
 }
 
