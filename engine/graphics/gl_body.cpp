@@ -122,7 +122,9 @@ Eigen::AlignedBox3f GlBody::update(std::span<const Pose> pieces, bool hurried, D
       touched.extend(brick.box());
     }
   }
-  for (const Occlusion::Box& box : occlusion_.place_pieces(pieces)) upload_occlusion(box);
+  for (const Occlusion::Box& box : occlusion_.place_pieces(surface_.density(), pieces)) {
+    upload_occlusion(box);
+  }
   return moved_box(touched, world_from_grid_);
 }
 

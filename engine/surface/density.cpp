@@ -194,6 +194,9 @@ void blur(DensityBlock& block, int radius, std::vector<float>& scratch) {
   static constexpr std::array<float, 5> kRadius2{0.375f, 0.25f, 0.0625f};
   static constexpr std::array<float, 5> kRadius4{70.0f / 256, 56.0f / 256, 28.0f / 256, 8.0f / 256,
                                                  1.0f / 256};
+  const float first = block.values.empty() ? 0.0f : block.values.front();
+  const bool same = std::ranges::all_of(block.values, [&](float v) { return v == first; });
+  if (same && (first == 0.0f || first == 1.0f)) return;  // the weights add up to 1: it stays so
   scratch.resize(block.values.size());
   for (const std::ptrdiff_t step : {std::ptrdiff_t{1}, std::ptrdiff_t{block.dims.x()},
                                     std::ptrdiff_t{block.dims.x()} * block.dims.y()}) {

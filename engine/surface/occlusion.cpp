@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "engine/core/units.hpp"
+#include "engine/surface/tiles.hpp"
 
 namespace sulcus {
 namespace {
@@ -42,49 +43,65 @@ Occlusion::Occlusion(const VoxelModel& model, const Density& density)
       cell_m_(model.grid.voxel_m * (1 << level_)),
       dims_((model.grid.cells + Eigen::Vector3i::Constant((1 << level_) - 1)) / (1 << level_)),
       half_m_(0.5 * model.grid.voxel_m * model.grid.cells.cast<double>()),
-      raw_(static_cast<std::size_t>(dims_.x()) * dims_.y() * dims_.z()),
-      values_(raw_.size()) {
-  gather(density, Eigen::Vector3i::Zero(), dims_);
-  smooth({Eigen::Vector3i::Zero(), dims_});
+      values_(static_cast<std::size_t>(dims_.x()) * dims_.y() * dims_.z()) {
+  smooth(density, {Eigen::Vector3i::Zero(), dims_});
 }
 
-void Occlusion::gather(const Density& density, const Eigen::Vector3i& low,
-                       const Eigen::Vector3i& high) {
+/// How full the cells of the texture are from one on along x.
+void Occlusion::fill_row(const Density& density, const Cell& first, int cells, float* to) const {
   const int edge = 1 << (level_ - kKeptLevel);
   const float full = 1.0f / (64.0f * static_cast<float>(edge * edge * edge));
-  for_each_cell(low, high, [&](const Cell& c) {
-    const Cell from = c * edge;
-    const Cell to = (from + Cell::Constant(edge)).cwiseMin(density.quarter_dims());
+  for (int x = 0; x < cells; ++x) {
+    const Cell from = (first + Cell(x, 0, 0)) * edge;
+    const Cell end = (from + Cell::Constant(edge)).cwiseMin(density.quarter_dims());
     int count = 0;
-    for_each_cell(from, to,
+    for_each_cell(from, end,
                   [&](const Cell& q) { count += density.quarter_count(q.x(), q.y(), q.z()); });
-    raw_[at(dims_, c.x(), c.y(), c.z())] = full * static_cast<float>(count);
+    to[x] = full * static_cast<float>(count);
+  }
+}
+
+void Occlusion::smooth(const Density& density, const Box& box) {
+  constexpr int kTile = 32;  // cells
+  for_each_tile(box.low, box.high, kTile, [&](const Cell& low, const Cell& high) {
+    smooth_tile(density, {low, high});
   });
 }
 
-void Occlusion::smooth(const Box& box) {
-  if (empty(box)) return;
+void Occlusion::smooth_tile(const Density& density, const Box& box) {
+  thread_local DensityBlock block;
+  thread_local std::vector<float> scratch;
   const Eigen::Vector3i margin = Eigen::Vector3i::Constant(kBlur);
-  block_.reshape(box.low - margin, box.high - box.low + 2 * margin);
-  std::fill(block_.values.begin(), block_.values.end(), 0.0f);
-  const Eigen::Vector3i from = block_.first.cwiseMax(0);
-  const Eigen::Vector3i to = (block_.first + block_.dims).cwiseMin(dims_);
-  const auto in_block = [&](const Cell& c) -> float& {
-    const Cell p = c - block_.first;
-    return block_.values[at(block_.dims, p.x(), p.y(), p.z())];
+  block.reshape(box.low - margin, box.high - box.low + 2 * margin);
+  std::fill(block.values.begin(), block.values.end(), 0.0f);
+  const Eigen::Vector3i from = block.first.cwiseMax(0);
+  const Eigen::Vector3i to = (block.first + block.dims).cwiseMin(dims_);
+  const auto row_of = [&](int x, int y, int z) {
+    const Cell p = Cell(x, y, z) - block.first;
+    return block.values.data() + at(block.dims, p.x(), p.y(), p.z());
   };
-  for_each_cell(from, to, [&](const Cell& c) {
-    const std::size_t cell = at(dims_, c.x(), c.y(), c.z());
-    const float pieces = raw_pieces_.empty() ? 0.0f : raw_pieces_[cell];
-    // Never denser than solid, also where a piece overlaps.
-    in_block(c) = std::min(raw_[cell] + pieces, 1.0f);
-  });
-  blur(block_, kHalfBlur, scratch_);
-  blur(block_, kHalfBlur, scratch_);
-  for_each_cell(box.low, box.high, [&](const Cell& c) {
-    values_[at(dims_, c.x(), c.y(), c.z())] =
-        static_cast<std::uint16_t>(std::lround(65535.0f * in_block(c)));
-  });
+  for (int z = from.z(); z < to.z(); ++z) {
+    for (int y = from.y(); y < to.y(); ++y) {
+      const int cells = to.x() - from.x();
+      float* const row = row_of(from.x(), y, z);
+      fill_row(density, {from.x(), y, z}, cells, row);
+      if (raw_pieces_.empty()) continue;
+      const float* const pieces = raw_pieces_.data() + at(dims_, from.x(), y, z);
+      // Never denser than solid, also where a piece overlaps.
+      for (int x = 0; x < cells; ++x) row[x] = std::min(row[x] + pieces[x], 1.0f);
+    }
+  }
+  blur(block, kHalfBlur, scratch);
+  blur(block, kHalfBlur, scratch);
+  for (int z = box.low.z(); z < box.high.z(); ++z) {
+    for (int y = box.low.y(); y < box.high.y(); ++y) {
+      const float* const row = row_of(box.low.x(), y, z);
+      std::uint16_t* const values = values_.data() + at(dims_, box.low.x(), y, z);
+      for (int x = 0; x < box.high.x() - box.low.x(); ++x) {
+        values[x] = static_cast<std::uint16_t>(std::lround(65535.0f * row[x]));
+      }
+    }
+  }
 }
 
 Occlusion::Box Occlusion::update(const VoxelModel& model, const Density& density,
@@ -96,12 +113,11 @@ Occlusion::Box Occlusion::update(const VoxelModel& model, const Density& density
     const Eigen::Vector3i low = first / (1 << level_);
     const Eigen::Vector3i high =
         (first + Cell::Constant(kLeafEdge - 1)) / (1 << level_) + Eigen::Vector3i::Ones();
-    gather(density, low, high);
     box.low = box.low.cwiseMin(low);
     box.high = box.high.cwiseMax(high);
   }
   box = blurred(box, dims_);
-  smooth(box);
+  smooth(density, box);
   return box;
 }
 
@@ -123,7 +139,7 @@ void Occlusion::add_piece(const VoxelGrid& grid, std::span<const std::uint32_t> 
                                            cell / dims_.x() / dims_.y()),
                            voxel_density * static_cast<float>(end - first)});
   }
-  raw_pieces_.resize(raw_.size());
+  raw_pieces_.resize(values_.size());
 }
 
 /// Adds what a piece has in each cell to the eight cells nearest to where that is now.
@@ -155,7 +171,8 @@ void Occlusion::put(Piece& piece) {
   }
 }
 
-std::vector<Occlusion::Box> Occlusion::place_pieces(std::span<const Pose> world_now_from_start) {
+std::vector<Occlusion::Box> Occlusion::place_pieces(const Density& density,
+                                                    std::span<const Pose> world_now_from_start) {
   auto same = [](const Pose& a, const Pose& b) {
     return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
   };
@@ -186,16 +203,14 @@ std::vector<Occlusion::Box> Occlusion::place_pieces(std::span<const Pose> world_
     const Box& now = pieces_[moved[n]].box;
     const Box both{changed[n].low.cwiseMin(now.low), changed[n].high.cwiseMax(now.high)};
     changed[n] = blurred(both, dims_);
-    smooth(changed[n]);
+    smooth(density, changed[n]);
   }
   return changed;
 }
 
 std::size_t Occlusion::memory_bytes() const {
   std::size_t bytes =
-      values_.capacity() * sizeof(std::uint16_t) +
-      (raw_.capacity() + raw_pieces_.capacity() + block_.values.capacity() + scratch_.capacity()) *
-          sizeof(float);
+      values_.capacity() * sizeof(std::uint16_t) + raw_pieces_.capacity() * sizeof(float);
   for (const Piece& piece : pieces_) {
     bytes += sizeof(Piece) + piece.cells.capacity() * sizeof(PieceCell);
   }

@@ -37,7 +37,7 @@ class Occlusion {
   /// Puts the pieces where they are now: world now from world at the start, in the order of
   /// `add_piece`; pieces beyond the poses, and what lies beyond the texture, are nowhere. Returns
   /// what changed, a box for each piece that has moved since the last call.
-  std::vector<Box> place_pieces(std::span<const Pose> world_now_from_start);
+  std::vector<Box> place_pieces(const Density& density, std::span<const Pose> world_now_from_start);
 
   const Eigen::Vector3i& dims() const { return dims_; }
   double cell_m() const { return cell_m_; }
@@ -46,8 +46,9 @@ class Occlusion {
   std::size_t memory_bytes() const;
 
  private:
-  void gather(const Density& density, const Eigen::Vector3i& low, const Eigen::Vector3i& high);
-  void smooth(const Box& box);
+  void fill_row(const Density& density, const Cell& first, int cells, float* to) const;
+  void smooth(const Density& density, const Box& box);
+  void smooth_tile(const Density& density, const Box& box);
 
   struct PieceCell {
     Eigen::Vector3i cell;
@@ -64,12 +65,9 @@ class Occlusion {
   double cell_m_;
   Eigen::Vector3i dims_;
   Eigen::Vector3d half_m_;  // of the grid
-  std::vector<float> raw_;  // of the model
   std::vector<Piece> pieces_;
   std::vector<float> raw_pieces_;  // empty where there are none
   std::vector<std::uint16_t> values_;
-  DensityBlock block_;
-  std::vector<float> scratch_;
 };
 
 }  // namespace sulcus

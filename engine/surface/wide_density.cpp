@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
+#include "engine/surface/tiles.hpp"
 
 namespace sulcus {
 namespace {
@@ -23,11 +23,8 @@ WideDensity::WideDensity(const VoxelModel& model, const Density& density)
     : first_(Eigen::Vector3i::Constant(-kBeyond)),
       dims_(density.quarter_dims() + Eigen::Vector3i::Constant(2 * kBeyond)),
       samples_(static_cast<std::size_t>(volume(dims_))) {
-  const Eigen::Vector3i tiles = (dims_ + Eigen::Vector3i::Constant(kTile - 1)) / kTile;
-  tbb::parallel_for(0, tiles.prod(), [&](int t) {
-    const Eigen::Vector3i at(t % tiles.x(), t / tiles.x() % tiles.y(), t / tiles.x() / tiles.y());
-    const Eigen::Vector3i low = first_ + at * kTile;
-    find(model, density, {low, (low + Eigen::Vector3i::Constant(kTile)).cwiseMin(first_ + dims_)});
+  for_each_tile(first_, first_ + dims_, kTile, [&](const Cell& low, const Cell& high) {
+    find(model, density, {low, high});
   });
 }
 

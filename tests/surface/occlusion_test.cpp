@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -42,35 +43,40 @@ int largest_difference(const std::vector<std::uint16_t>& a, const std::vector<st
 }
 
 /// A rest without the piece, and the piece added to it.
-Occlusion with_piece(double voxel_m = kVoxel) {
+struct Placed {
+  Density density;  // of the rest
+  Occlusion occlusion;
+};
+Placed with_piece(double voxel_m = kVoxel) {
   const VoxelModel rest = make_model(in_rest, voxel_m);
-  Occlusion occlusion(rest, Density(rest));
+  const Density density(rest);
+  Occlusion occlusion(rest, density);
   std::vector<std::uint32_t> voxels;
   for (std::uint32_t v = 0; v < rest.grid.cell_count(); ++v) {
     if (in_piece(rest.grid.cell_of_linear(v))) voxels.push_back(v);
   }
   occlusion.add_piece(rest.grid, voxels);
-  return occlusion;
+  return {density, std::move(occlusion)};
 }
 
 TEST(OcclusionOfPieces, APieceInItsPlaceIsAsBeforeItCameLoose) {
   for (const double voxel_m : {kVoxel, kVoxel / 2}) {  // also eight voxels to a cell
     const auto whole =
         values_of(make_model([](const Cell& c) { return in_rest(c) || in_piece(c); }, voxel_m));
-    Occlusion occlusion = with_piece(voxel_m);
+    auto [density, occlusion] = with_piece(voxel_m);
     EXPECT_GT(largest_difference(occlusion.values(), whole), 8000);
     const Pose stayed;
-    EXPECT_EQ(occlusion.place_pieces({&stayed, 1}).size(), 1u);
+    EXPECT_EQ(occlusion.place_pieces(density, {&stayed, 1}).size(), 1u);
     EXPECT_LE(largest_difference(occlusion.values(), whole), 1);
   }
 }
 
 TEST(OcclusionOfPieces, AMovedPieceIsWhereItIsNowAndItsOldPlaceIsEmpty) {
-  Occlusion occlusion = with_piece();
+  auto [density, occlusion] = with_piece();
   Pose pose;
-  occlusion.place_pieces({&pose, 1});
+  occlusion.place_pieces(density, {&pose, 1});
   pose.position = Eigen::Vector3d(20, -8, 4) * kVoxel;
-  const std::vector<Occlusion::Box> boxes = occlusion.place_pieces({&pose, 1});
+  const std::vector<Occlusion::Box> boxes = occlusion.place_pieces(density, {&pose, 1});
   const auto moved = values_of(make_model(
       [](const Cell& c) { return in_rest(c) || in_piece(c - Cell(20, -8, 4)); }, kVoxel));
   EXPECT_LE(largest_difference(occlusion.values(), moved), 1);
@@ -78,12 +84,12 @@ TEST(OcclusionOfPieces, AMovedPieceIsWhereItIsNowAndItsOldPlaceIsEmpty) {
   EXPECT_TRUE((boxes[0].low.array() >= 0).all());
   EXPECT_TRUE((boxes[0].high.array() <= 24).all());
   EXPECT_TRUE((boxes[0].low.array() < boxes[0].high.array()).all());
-  EXPECT_TRUE(occlusion.place_pieces({&pose, 1}).empty());  // it has not moved
+  EXPECT_TRUE(occlusion.place_pieces(density, {&pose, 1}).empty());  // it has not moved
 
   // Turned by a right angle about the vertical through the grid's centre, and half a cell up.
   pose.orientation = Eigen::AngleAxisd(std::acos(0.0), Eigen::Vector3d::UnitZ());
   pose.position = Eigen::Vector3d(0, 0, 2) * kVoxel;
-  occlusion.place_pieces({&pose, 1});
+  occlusion.place_pieces(density, {&pose, 1});
   const auto turned = values_of(make_model(
       [](const Cell& c) { return in_rest(c) || in_piece(Cell(c.y(), 95 - c.x(), c.z() - 2)); },
       kVoxel));
@@ -92,32 +98,33 @@ TEST(OcclusionOfPieces, AMovedPieceIsWhereItIsNowAndItsOldPlaceIsEmpty) {
 
 TEST(OcclusionOfPieces, NothingIsDenserThanSolid) {
   const VoxelModel full = make_model([](const Cell&) { return true; }, kVoxel);
-  Occlusion occlusion(full, Density(full));
+  const Density density(full);
+  Occlusion occlusion(full, density);
   const std::vector<std::uint16_t> before = occlusion.values();
   const std::vector<std::uint32_t> voxels{full.grid.linear({40, 40, 40})};
   occlusion.add_piece(full.grid, voxels);  // and not yet removed
   const Pose stayed;
-  EXPECT_EQ(occlusion.place_pieces({&stayed, 1}).size(), 1u);
+  EXPECT_EQ(occlusion.place_pieces(density, {&stayed, 1}).size(), 1u);
   EXPECT_EQ(occlusion.values(), before);
 }
 
 TEST(OcclusionOfPieces, WithoutAPoseOrOutOfReachAPieceIsNowhere) {
   const auto rest = values_of(make_model(in_rest, kVoxel));
-  Occlusion occlusion = with_piece();
-  EXPECT_TRUE(occlusion.place_pieces({}).empty());
+  auto [density, occlusion] = with_piece();
+  EXPECT_TRUE(occlusion.place_pieces(density, {}).empty());
   EXPECT_EQ(occlusion.values(), rest);
   std::vector<Pose> poses(2);  // one more than there are pieces
   for (const double x : {0.5, std::numeric_limits<double>::quiet_NaN(), 1e300}) {
     poses[0].position = Eigen::Vector3d::Zero();
-    occlusion.place_pieces(poses);
+    occlusion.place_pieces(density, poses);
     EXPECT_NE(occlusion.values(), rest);
     poses[0].position = {x, 0, 0};
-    occlusion.place_pieces(poses);
+    occlusion.place_pieces(density, poses);
     EXPECT_EQ(occlusion.values(), rest);
   }
   poses[0].position = Eigen::Vector3d::Zero();
-  occlusion.place_pieces(poses);
-  EXPECT_EQ(occlusion.place_pieces({}).size(), 1u);
+  occlusion.place_pieces(density, poses);
+  EXPECT_EQ(occlusion.place_pieces(density, {}).size(), 1u);
   EXPECT_EQ(occlusion.values(), rest);
 }
 
