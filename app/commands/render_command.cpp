@@ -184,7 +184,8 @@ class AskedPictures {
         settings_(render_settings(film_, options)),
         cameras_(viewpoints(options, settings_)),
         renderer_(settings_, film_.bodies(), film_.burr().mesh_tool, film_.burr().head_length_m),
-        colours_(reader, options.recording, film_, colour_by(options), options.contacts, renderer_),
+        colours_(reader, options.recording, film_, colour_by(options), options.contacts,
+                 settings_.section, renderer_),
         rows_(rows_to_draw(film_, options)) {
     renderer_.set_handpiece(!options.no_handpiece);
     set_hud(settings_.hud);
@@ -339,7 +340,8 @@ void add_render_command(CLI::App& program) {
              "tissue; time: when it was cut; goal: how far it is from the wall of the\n"
              "scene's [goal]; contacts: in how many ticks it was touched (the run is computed\n"
              "again); normal_error: how far the normals that are felt are off those of the\n"
-             "exact method (slow: found anew for each time)")
+             "exact method (slow: found anew for each time); temperature: of a scene with\n"
+             "[heat], also in a section")
       ->check(
           CLI::IsMember(std::vector<std::string>(kColourByNames.begin(), kColourByNames.end())));
   command->add_flag("--arrows", options->arrows, "Show force and torque at the burr");

@@ -75,8 +75,8 @@ ColourScale normal_error_scale() {
 
 FilmColours::FilmColours(const RecordingReader& reader, const std::string& path,
                          const RecordedFilm& film, ColourBy by, bool contact_marks,
-                         Renderer& renderer)
-    : by_(by), contact_marks_(contact_marks) {
+                         std::optional<Section> section, Renderer& renderer)
+    : by_(by), contact_marks_(contact_marks), section_(section) {
   switch (by) {
     case ColourBy::kTissue:
       break;
@@ -99,6 +99,10 @@ FilmColours::FilmColours(const RecordingReader& reader, const std::string& path,
     case ColourBy::kNormalError:
       scale_ = normal_error_scale();
       break;
+    case ColourBy::kTemperature:
+      heat_.emplace(reader, film.scene(), film.start(), "--colour-by");
+      scale_ = temperature_scale(*film.scene().heat);
+      break;
   }
   if (by == ColourBy::kContacts || contact_marks)
     contacts_.emplace(path, by == ColourBy::kContacts);
@@ -109,10 +113,16 @@ void FilmColours::show_goal(std::size_t row, const RecordedFilm& film, Renderer&
   renderer.colour_by_values(0, scale_, goal_distances(film.model(), removed, *target_));
 }
 
+void FilmColours::show_temperature(std::size_t row, const RecordedFilm& film, Renderer& renderer) {
+  heat_->advance(film.rows()[row].time_s);
+  renderer.colour_by_values(0, scale_, temperatures(heat_->tooth(), film.model(), section_));
+}
+
 void FilmColours::show(std::size_t row, const RecordedFilm& film, Renderer& renderer,
                        FrameState& state) {
   if (contacts_) contacts_->seek_row(row);
   if (by_ == ColourBy::kGoal) show_goal(row, film, renderer);
+  if (by_ == ColourBy::kTemperature) show_temperature(row, film, renderer);
   if (by_ == ColourBy::kContacts) {
     for (std::size_t body = 0; body < contacts_->body_count(); ++body) {
       renderer.colour_by_values(body, scale_, contacts_->counts(body));

@@ -8,37 +8,43 @@
 
 #include "app/playback/recorded_contacts.hpp"
 #include "app/playback/recorded_film.hpp"
+#include "app/playback/recorded_heat.hpp"
 #include "engine/graphics/frame_state.hpp"
 #include "engine/graphics/renderer.hpp"
 #include "engine/outcome/voxel_set.hpp"
+#include "engine/scene/section.hpp"
 #include "engine/surface/colour_scale.hpp"
 
 namespace sulcus {
 
 /// What the surface of a picture is coloured by.
-enum class ColourBy : std::uint8_t { kTissue, kTime, kGoal, kContacts, kNormalError };
-inline constexpr std::array<std::string_view, 5> kColourByNames{"tissue", "time", "goal",
-                                                                "contacts", "normal_error"};
+enum class ColourBy : std::uint8_t { kTissue, kTime, kGoal, kContacts, kNormalError, kTemperature };
+inline constexpr std::array<std::string_view, 6> kColourByNames{
+    "tissue", "time", "goal", "contacts", "normal_error", "temperature"};
 
 /// Colours the pictures of a recording by a quantity, and marks the voxels in contact.
 class FilmColours {
  public:
-  /// Before the first row is gone to. InputError where the recording's scene has no goal to be
-  /// coloured by, and as RecordedContacts.
+  /// Before the first row is gone to. `section`: that of the pictures, whose face shows
+  /// temperatures too. InputError where the recording's scene has no goal or heat to be coloured
+  /// by, and as RecordedContacts.
   FilmColours(const RecordingReader& reader, const std::string& path, const RecordedFilm& film,
-              ColourBy by, bool contact_marks, Renderer& renderer);
+              ColourBy by, bool contact_marks, std::optional<Section> section, Renderer& renderer);
 
   /// For the picture of the row that the film was last gone to, rows rising.
   void show(std::size_t row, const RecordedFilm& film, Renderer& renderer, FrameState& state);
 
  private:
   void show_goal(std::size_t row, const RecordedFilm& film, Renderer& renderer) const;
+  void show_temperature(std::size_t row, const RecordedFilm& film, Renderer& renderer);
 
   ColourBy by_;
   bool contact_marks_;
   ColourScale scale_;
   std::optional<VoxelSet> target_;
   std::optional<RecordedContacts> contacts_;
+  std::optional<RecordedHeat> heat_;
+  std::optional<Section> section_;
 };
 
 }  // namespace sulcus

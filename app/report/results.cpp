@@ -79,6 +79,16 @@ void say_removed(const Scene& scene, const SessionResult& result) {
   say_line("came loose in all", *result.outcome, EditCause::kLoose);
 }
 
+/// How warm the pulp's wall became.
+void say_heat(const PulpHeat& pulp) {
+  say("  pulp               %+.1f K at most, at %.1f s; %+.1f K at the end\n", pulp.greatest_rise_K,
+      pulp.greatest_rise_s, pulp.end_change_K());
+  if (pulp.over_limit_s > 0.0) {
+    spdlog::warn("the pulp's wall was more than {} K warmer than at the start for {:.2f} s",
+                 kPulpLimit_K, pulp.over_limit_s);
+  }
+}
+
 }  // namespace
 
 std::string folder_of_scene(const std::string& file, const std::string& suffix) {
@@ -125,6 +135,7 @@ void write_and_tell(ResultsFolder& folder, const Scene& scene, const SessionResu
   say("  tick               mean %.1f, p99 %.1f us\n", s.tick_us.mean(), s.tick_us.quantile(0.99));
   if (options.pace == Pace::kReal) say_lateness(result);
   if (result.outcome) say_removed(scene, result);
+  if (result.heat && result.heat->pulp) say_heat(*result.heat->pulp);
   if (result.frames > 0) {
     say("  pictures           %llu\n", static_cast<unsigned long long>(result.frames));
   }

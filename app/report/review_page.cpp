@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <span>
 #include <sstream>
@@ -12,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/playback/recorded_film.hpp"
+#include "app/playback/recorded_heat.hpp"
 #include "app/report/summary.hpp"
 #include "app/session/run_marks.hpp"
 #include "app/terminal/terminal.hpp"
@@ -37,15 +39,17 @@ std::string picture(const Image& image, const std::string& words) {
          "</figcaption></figure>\n";
 }
 
-/// A curve over the whole run: of the rows that fall on a pixel the largest is drawn.
+/// A curve over the whole run: of the rows that fall on a pixel the largest is drawn, from 0 or
+/// from the lowest below.
 template <class Value>
 std::string curve(const std::string& name, const std::string& unit, const char* colour,
                   std::span<const TickRecord> rows, const Value& value) {
   constexpr double kLeft = 52.0, kBottom = 20.0;
   const double end_s = std::max(rows.back().time_s, 1e-9);
   const auto columns = static_cast<std::size_t>(kChartWide - kLeft);
-  std::vector<double> largest(columns, -1.0);
-  double top = 0.0;
+  constexpr double kNone = -std::numeric_limits<double>::infinity();
+  std::vector<double> largest(columns, kNone);
+  double top = 0.0, bottom = 0.0;
   for (const TickRecord& row : rows) {
     const double v = value(row);
     if (!std::isfinite(v)) continue;
@@ -54,7 +58,10 @@ std::string curve(const std::string& name, const std::string& unit, const char* 
     there = std::max(there, v);
     top = std::max(top, v);
   }
-  if (top <= 0.0) top = 1.0;
+  for (const double v : largest) {
+    if (v != kNone) bottom = std::min(bottom, v);
+  }
+  if (top <= bottom) top = bottom + 1.0;
   std::ostringstream svg;
   svg.precision(6);
   svg << "<figure><svg viewBox=\"0 0 " << kChartWide << ' ' << kChartTall << "\" role=\"img\">"
@@ -63,7 +70,7 @@ std::string curve(const std::string& name, const std::string& unit, const char* 
     const double y = kChartTall - kBottom - part * (kChartTall - kBottom - 8.0);
     svg << "<path class=\"grid\" d=\"M" << kLeft << ' ' << y << "H" << kChartWide
         << "\"/><text x=\"" << kLeft - 6 << "\" y=\"" << y + 4 << "\" text-anchor=\"end\">"
-        << formatted("%.3g", part * top) << "</text>";
+        << formatted("%.3g", bottom + part * (top - bottom)) << "</text>";
   }
   for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0}) {
     svg << "<text x=\"" << kLeft + part * (kChartWide - kLeft) << "\" y=\"" << kChartTall - 4
@@ -75,9 +82,11 @@ std::string curve(const std::string& name, const std::string& unit, const char* 
   }
   svg << "<polyline fill=\"none\" stroke=\"" << colour << "\" points=\"";
   for (std::size_t c = 0; c < columns; ++c) {
-    if (largest[c] < 0.0) continue;
+    if (largest[c] == kNone) continue;
     svg << kLeft + static_cast<double>(c) << ','
-        << kChartTall - kBottom - largest[c] / top * (kChartTall - kBottom - 8.0) << ' ';
+        << kChartTall - kBottom -
+               (largest[c] - bottom) / (top - bottom) * (kChartTall - kBottom - 8.0)
+        << ' ';
   }
   svg << "\"/></svg><figcaption>" << for_html(name) << ", " << for_html(unit)
       << "</figcaption></figure>\n";
@@ -287,6 +296,65 @@ std::string draw_by_time(const RecordingReader& reader, const std::string& recor
   return picture(renderer.draw(state), "when it was cut: early yellow, late dark");
 }
 
+/// The pulp's wall over the run: of the warmest place, then of the coldest.
+std::string pulp_curves(const PulpHeat& pulp, std::span<const TickRecord> rows) {
+  const auto at = [&](const TickRecord& row) -> const PulpHeat::Point* {
+    const auto next =
+        std::ranges::lower_bound(pulp.curve, row.time_s, {}, &PulpHeat::Point::time_s);
+    return next == pulp.curve.end() ? nullptr : &*next;
+  };
+  const auto part = [&](double PulpHeat::Point::*rise) {
+    return [&at, rise](const TickRecord& row) {
+      const PulpHeat::Point* const point = at(row);
+      return point ? point->*rise : std::numeric_limits<double>::quiet_NaN();
+    };
+  };
+  return curve("Pulp's wall against the start, warmest", "K", "#b3261e", rows,
+               part(&PulpHeat::Point::warmest_K)) +
+         curve("Pulp's wall against the start, coldest", "K", "#2062b2", rows,
+               part(&PulpHeat::Point::coldest_K));
+}
+
+/// The tooth cut open while it was cut last, coloured by its temperature; and the pulp's.
+std::string heat_part(const RecordingReader& reader, const std::string& recording,
+                      RenderSettings settings) {
+  RecordedFilm film(reader, recording);
+  const std::vector<TickRecord>& rows = film.rows();
+  RecordedHeat heat(reader, film.scene(), film.start(), "--review");
+  const std::span<const Edit> edits = film.edits_before(rows.size() - 1);
+  settings.section = section_of_cut(film, edits);
+  std::string html;
+  if (settings.section) {
+    Renderer renderer(settings, film.bodies(), film.burr().mesh_tool, film.burr().head_length_m);
+    renderer.set_hud(kNoHud);
+    renderer.set_viewpoint(Viewpoint(-90.0, 15.0));
+    const std::size_t row = std::min(
+        rows.size() - 1, static_cast<std::size_t>(std::ranges::lower_bound(rows, edits.back().tick,
+                                                                           {}, &TickRecord::tick) -
+                                                  rows.begin()));
+    heat.advance(rows[row].time_s);
+    const FrameState state = film.seek_row(row, renderer);
+    renderer.colour_by_values(0, temperature_scale(*film.scene().heat),
+                              temperatures(heat.tooth(), film.model(), settings.section));
+    html += "<div class=\"two\">" +
+            picture(renderer.draw(state),
+                    formatted("temperature at %.2f s, cut open at y = %.2f mm", rows[row].time_s,
+                              settings.section->at_m / kMillimetre)) +
+            "</div>\n";
+  }
+  heat.advance_to_end();
+  if (const auto& pulp = heat.tooth().result().pulp) {
+    html += "<table>\n" +
+            row_of("Pulp's wall, greatest rise",
+                   formatted("%+.2f K at %.2f s", pulp->greatest_rise_K, pulp->greatest_rise_s)) +
+            row_of(formatted("More than %.1f K", kPulpLimit_K),
+                   formatted("%.2f s", pulp->over_limit_s)) +
+            row_of("At the end", formatted("%+.2f K", pulp->end_change_K())) + "</table>\n" +
+            pulp_curves(*pulp, rows);
+  }
+  return html;
+}
+
 std::string curves(const RecordedFilm& film) {
   const std::vector<TickRecord>& rows = film.rows();
   const double voxel_mm3 = std::pow(film.model().grid.voxel_m / kMillimetre, 3);
@@ -332,6 +400,9 @@ void write_review_page(const RecordingReader& reader, const std::string& recordi
   if (!pictures.cut_open.empty()) {
     page << "<h2>What was cut</h2>\n<div class=\"two\">\n"
          << pictures.cut_open << draw_by_time(reader, recording, settings) << "</div>\n";
+  }
+  if (film.scene().heat) {
+    page << "<h2>How warm it became</h2>\n" << heat_part(reader, recording, settings);
   }
   page << "<h2>The way there, cut open at the burr</h2>\n<div class=\"four\">\n"
        << pictures.way << "</div>\n<h2>Curves</h2>\n"

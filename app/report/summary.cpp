@@ -210,6 +210,23 @@ nlohmann::ordered_json goal_json(const Scene& scene, const GoalFigures& goal) {
 
 namespace {
 
+/// How warm the tooth became.
+Json heat_json(const HeatResult& heat) {
+  Json j{{"cell_mm", heat.cell_m / kMillimetre},
+         {"given_J", heat.given_J},
+         {"hottest_C", heat.hottest_C},
+         {"pulp", nullptr}};
+  if (!heat.pulp) return j;
+  const Eigen::Vector3d at_mm = heat.pulp->greatest_rise_world / kMillimetre;
+  j["pulp"] = {{"greatest_rise_K", heat.pulp->greatest_rise_K},
+               {"greatest_rise_s", heat.pulp->greatest_rise_s},
+               {"greatest_rise_mm", {at_mm.x(), at_mm.y(), at_mm.z()}},
+               {"limit_K", kPulpLimit_K},
+               {"over_limit_s", heat.pulp->over_limit_s},
+               {"end_change_K", heat.pulp->end_change_K()}};
+  return j;
+}
+
 /// From what a run goes on, and where.
 Json parent_json(const EarlierRun& earlier, std::uint64_t first_tick, double rate_hz) {
   return {{"recording", earlier.recording},
@@ -362,6 +379,7 @@ nlohmann::ordered_json make_summary(const Simulation& simulation, const SessionR
   if (result.part) {
     j["since_fork"] = {{"ticks", s.ticks}, {"outcome", outcome_json(scene, *result.part)}};
   }
+  if (result.heat) j["heat"] = heat_json(*result.heat);
   j["memory_MiB"] = memory_json(parts);
   j["volume_hash"] = hex(simulation.workpiece().hash());
   j["force_hash"] = hex(s.force_hash);

@@ -2,6 +2,7 @@
 
 #include <exception>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -53,12 +54,16 @@ class Consumers {
 
  private:
   std::vector<RunMarks> make_marks();
+  std::optional<HeatLog> make_heat();
   void add_outcome(SessionResult& result);
+  void add_heat(SessionResult& result);
 
   const Simulation& simulation_;
   const SessionOptions& options_;
   std::string recording_;
   PartUse outcome_part_{"outcome"}, record_part_{"record"}, pieces_part_{"loose_pieces"};
+  PartUse heat_part_{"heat"};
+  std::optional<ToothHeat> heat_;  // with [heat]; before the reports, which make it
   Feeds feeds_;
   ReportThread reports_;
   std::optional<RecorderThread> recorder_;
@@ -71,7 +76,7 @@ Consumers::Consumers(const Simulation& simulation, const SessionOptions& options
       options_(options),
       recording_(options.folder + "/recording.h5"),
       feeds_(simulation.scene().haptics.rate_hz),
-      reports_(feeds_.reports, make_marks()) {
+      reports_(feeds_.reports, make_marks(), make_heat()) {
   const Scene& scene = simulation.scene();
   const double rate_hz = scene.haptics.rate_hz;
   const auto open = [&](auto& feed, auto... seconds) -> auto& {
@@ -102,6 +107,15 @@ std::vector<RunMarks> Consumers::make_marks() {
                      options_.goal ? &*options_.goal : nullptr, options_.earlier.get());
 }
 
+/// None without [heat].
+std::optional<HeatLog> Consumers::make_heat() {
+  const Scene& scene = simulation_.scene();
+  if (!scene.heat) return {};
+  const PartTimer timer(heat_part_);
+  heat_.emplace(scene, simulation_.workpiece().model());
+  return HeatLog(scene.haptics.rate_hz, simulation_.state().tick);
+}
+
 void Consumers::finish(FirstFailure& failure, SessionResult& result) {
   if (pieces_) {
     failure.guard([&] { pieces_->finish(); });
@@ -124,6 +138,7 @@ void Consumers::finish(FirstFailure& failure, SessionResult& result) {
     if (result.frames > 0) result.files.push_back(options_.folder + "/frames");
   }
   if (!reports_.marks().empty()) add_outcome(result);
+  if (heat_) add_heat(result);
 }
 
 void Consumers::add_outcome(SessionResult& result) {
@@ -138,6 +153,17 @@ void Consumers::add_outcome(SessionResult& result) {
     outcome_part_.bytes += each.preparation.memory_bytes();
   }
   result.parts.push_back(outcome_part_);
+}
+
+/// When all else has ended: no tick waits for it, nor is held up by it.
+void Consumers::add_heat(SessionResult& result) {
+  {
+    const PartTimer timer(heat_part_);
+    heat_->advance(*reports_.heat(), std::numeric_limits<double>::infinity());
+    result.heat = heat_->result();
+  }
+  heat_part_.bytes = heat_->memory_bytes() + reports_.heat()->memory_bytes();
+  result.parts.push_back(heat_part_);
 }
 
 }  // namespace

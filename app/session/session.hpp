@@ -15,6 +15,7 @@
 #include "app/session/run_marks.hpp"
 #include "app/session/run_statistics.hpp"
 #include "app/session/simulation.hpp"
+#include "engine/heat/tooth_heat.hpp"
 #include "engine/volume/input_geometry.hpp"
 
 namespace sulcus {
@@ -87,6 +88,7 @@ struct SessionResult {
   RunStatistics statistics;
   std::optional<OutcomeResult> outcome;  // of a scene with [cutting], from the first tooth on
   std::optional<OutcomeResult> part;     // of a run that goes on from another: its own alone
+  std::optional<HeatResult> heat;        // of a scene with [heat]
   std::string summary;                   // as `summarise` made it
   std::vector<PartUse> parts;
   std::uint64_t missed_ticks = 0;  // whole periods that late wakes cost

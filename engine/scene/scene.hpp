@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -221,6 +223,28 @@ struct GoalSettings {
   Eigen::Vector3d rotation = Eigen::Vector3d::Zero();    // rad, about x, then y, then z
 };
 
+/// How the water comes out of the handpiece: by itself, or blown apart by air.
+enum class Spray : std::uint8_t { kJet, kMist };
+inline constexpr std::array<std::string_view, 2> kSprayNames{"jet", "mist"};
+
+/// How warm cutting makes the tooth: it is computed from the work and the edits of a run, and
+/// influences nothing in it.
+struct HeatSettings {
+  double cell_m = 0.2e-3;       // edge of the cells with one temperature; voxels make them up
+  double start_C = 37.0;        // of all of the tooth, and always of gum and bone
+  double tooth_share = 0.04;    // of the work of cutting: what of it heats the tooth
+  double water_m3_per_s = 0.0;  // on the tooth round the burr while it turns; 0: dry
+  double water_C = 23.0;
+  Spray spray = Spray::kJet;
+  double air_C = 25.0;
+  std::optional<double> gum_m;  // world z below which it stands in gum and bone; none: nowhere
+
+  /// Voxels along the edge of a cell.
+  int cell_voxels(double voxel_m) const {
+    return std::max(1, static_cast<int>(std::lround(cell_m / voxel_m)));
+  }
+};
+
 enum class Camera : std::uint8_t { kReview, kOcclusal, kBuccal, kMesial, kBurr };
 inline constexpr std::array<std::string_view, 5> kCameraNames{"review", "occlusal", "buccal",
                                                               "mesial", "burr"};
@@ -252,6 +276,7 @@ struct Scene {
   std::optional<SpindleSettings> spindle;
   std::optional<LoosePiecesSettings> loose_pieces;
   std::optional<GoalSettings> goal;  // only beside [cutting]
+  std::optional<HeatSettings> heat;  // only beside [cutting]
   std::optional<RenderSettings> render;
   std::optional<RecordSettings> record;
 

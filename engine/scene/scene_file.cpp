@@ -193,6 +193,28 @@ void read_device_tables(SceneTable& root, Scene& scene) {
 
 // --- The optional tables ------------------------------------------------------------------------
 
+HeatSettings read_heat(SceneTable& table, const WorkpieceSettings& workpiece) {
+  HeatSettings h;
+  h.cell_m = table.number("cell_mm") * kMillimetre;
+  h.start_C = table.number("start_C");
+  h.tooth_share = table.number("tooth_share");
+  h.water_m3_per_s = table.number("water_ml_min") * kMillilitrePerMinute;
+  h.water_C = table.number("water_C");
+  h.spray = Spray(table.choice("spray"));
+  h.air_C = table.number("air_C");
+  if (const auto gum = table.number_if("gum_mm")) h.gum_m = *gum * kMillimetre;
+  constexpr std::int64_t kMostCells = 1 << 24;
+  const int edge = h.cell_voxels(workpiece.voxel_m);
+  const std::int64_t cells =
+      ((workpiece.cells.array() + (edge - 1)) / edge).cast<std::int64_t>().prod();
+  if (cells > kMostCells) {
+    table.fail("cell_mm", std::to_string(cells) + " cells",
+               "larger ones: at most " + std::to_string(kMostCells) + " of them");
+  }
+  table.finish();
+  return h;
+}
+
 void read_optional_tables(SceneTable& root, Scene& scene) {
   if (auto table = root.table("cutting")) {
     CuttingSettings& c = scene.cutting.emplace();
@@ -221,6 +243,10 @@ void read_optional_tables(SceneTable& root, Scene& scene) {
   if (auto table = root.table("goal")) {
     if (!scene.cutting) root.fail("goal", "[goal] without [cutting]", "both of them");
     scene.goal = read_goal(*table);
+  }
+  if (auto table = root.table("heat")) {
+    if (!scene.cutting) root.fail("heat", "[heat] without [cutting]", "both of them");
+    scene.heat = read_heat(*table, scene.workpiece);
   }
   if (auto table = root.table("render")) {
     RenderSettings& r = scene.render.emplace();

@@ -19,6 +19,7 @@ constexpr Range kGrey{-1e9, 1e9};
 constexpr Range kLabel{1, 65535};
 constexpr Range kForce_N{0, 1e3};
 constexpr Range kTorque_mNm{0, 1e5};
+constexpr Range kWarmth_C{0, 100};
 
 using Text = std::string_view;
 
@@ -238,6 +239,18 @@ constexpr std::array kGoal{
     numbers("position_mm", 3, kAnyLength_mm, "[0, 0, 0]", "of its centre"),
     numbers("rotation_deg", 3, kAngle_deg, "[0, 0, 0]", "about x, then y, then z"),
 };
+constexpr std::array kHeat{
+    number("cell_mm", {0.1, 1}, "0.2", "edge of a cell with one temperature, to a whole voxel"),
+    number("start_C", kWarmth_C, "37", "of the tooth, and always of gum and bone [Lin 2014]"),
+    number("tooth_share", {0, 1}, "0.04",
+           "of the work of cutting: what of it heats the tooth (fitted to [Farah 2019], dry)"),
+    number("water_ml_min", {0, 500}, "0", "on the tooth while the burr turns; 0: dry"),
+    number("water_C", kWarmth_C, "23", "of the water [Farah 2019]"),
+    choice("spray", kSprayNames, "\"jet\"", "how the water comes"),
+    number("air_C", kWarmth_C, "25", "where there is no water [Lin 2014]"),
+    number("gum_mm", kAnyLength_mm, "(nowhere)",
+           "height, z, below which the tooth stands in gum and bone"),
+};
 constexpr std::array kRender{
     numbers("size", 2, {16, 8192}, "[1280, 720]", "width and height, pixels"),
     number("fps", {0.01, 1000}, "30", "pictures a second of simulated time"),
@@ -251,7 +264,7 @@ constexpr std::array kRecord{
            "of a stalled disk that is waited for, before rows are left out"),
 };
 
-constexpr std::array<SceneTableKeys, 21> kTables{{
+constexpr std::array<SceneTableKeys, 22> kTables{{
     {"", false, "at the top of the file", kTop, {}},
     {"workpiece", false, "what is probed and cut; must be there", kWorkpiece, {}},
     {"workpiece.molar", false, "with shape = \"molar\"; its crown points to +z", kMolar, {}},
@@ -275,12 +288,13 @@ constexpr std::array<SceneTableKeys, 21> kTables{{
     {"spindle", false, "its speed sags under load; with [cutting]", kSpindle, {}},
     {"loose_pieces", false, "what is cut off falls; with [cutting]", kLoosePieces, {}},
     {"goal", false, "the cavity to be cut; with [cutting]", kGoal, {}},
+    {"heat", false, "how warm the tooth becomes; with [cutting]", kHeat, {}},
     {"render", false, "pictures are drawn", kRender, {}},
     {"record", false, "recording.h5 is written", kRecord, {}},
 }};
 
 // Longest first: the first that fits is taken.
-constexpr std::array<std::pair<Text, Text>, 22> kUnits{{{"_mNm_s_per_rad", "mN m s/rad"},
+constexpr std::array<std::pair<Text, Text>, 24> kUnits{{{"_mNm_s_per_rad", "mN m s/rad"},
                                                         {"_mNm_per_rad", "mN m/rad"},
                                                         {"_Nm_per_rad", "N m/rad"},
                                                         {"_J_per_mm3", "J/mm3"},
@@ -288,6 +302,7 @@ constexpr std::array<std::pair<Text, Text>, 22> kUnits{{{"_mNm_s_per_rad", "mN m
                                                         {"_mm_per_s", "mm/s"},
                                                         {"_N_per_mm", "N/mm"},
                                                         {"_N_per_m", "N/m"},
+                                                        {"_ml_min", "ml/min"},
                                                         {"_g_mm2", "g mm2"},
                                                         {"_s_mm", "s, mm"},
                                                         {"_mm3", "mm3"},
@@ -298,6 +313,7 @@ constexpr std::array<std::pair<Text, Text>, 22> kUnits{{{"_mNm_s_per_rad", "mN m
                                                         {"_hz", "Hz"},
                                                         {"_kg", "kg"},
                                                         {"_Nm", "N m"},
+                                                        {"_C", "C"},
                                                         {"_N", "N"},
                                                         {"_g", "g"},
                                                         {"_m", "m"},

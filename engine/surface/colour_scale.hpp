@@ -24,6 +24,7 @@ struct ColourScale {
   std::string beyond_low{};  // words to the number at an end: "or less, missing"
   std::string beyond_high{};
   Kind kind = Kind::kRising;
+  bool inside = false;  // of voxels inside too, so that a section shows it
 
   bool operator==(const ColourScale&) const = default;
   /// Where on the scale a value is, 0 to 1.

@@ -70,6 +70,8 @@ class DrawnSurface {
   void colour_by_values(const ColourScale& scale, VoxelValues values);
   /// Of what is not drawn by tissue.
   const std::optional<ColourScale>& colour_scale() const { return colour_.scale(); }
+  /// As given to colour_by_values; none where something else is drawn.
+  const std::optional<VoxelValues>& values() const { return colour_.values(); }
   /// Voxels (VoxelGrid::linear) that are no longer solid; those that were not are ignored.
   /// `time_s`: when, for colour_by_time.
   void remove(std::span<const std::uint32_t> voxels, double time_s = 0.0);

@@ -37,6 +37,15 @@ void smooth(SectionFace& face, Edge edge) {
   });
 }
 
+/// Of linear RGB, wholly solid.
+std::array<std::uint8_t, 4> packed(const Eigen::Vector3f& rgb) {
+  std::array<std::uint8_t, 4> pixel{0, 0, 0, 255};
+  for (int i = 0; i < 3; ++i) {
+    pixel[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(std::lround(255.0f * rgb[i]));
+  }
+  return pixel;
+}
+
 }  // namespace
 
 SectionFace section_face(const DrawnSurface& body, const Pose& world_from_grid,
@@ -67,13 +76,11 @@ SectionFace section_face(const DrawnSurface& body, const Pose& world_from_grid,
   face.pixels.assign(static_cast<std::size_t>(face.width) * static_cast<std::size_t>(face.height),
                      {});
   std::vector<std::array<std::uint8_t, 4>> colours;
+  colours.reserve(body.looks().size());
   for (const TissueLook& look : body.looks()) {
-    std::array<std::uint8_t, 4>& colour = colours.emplace_back();
-    for (std::size_t i = 0; i < 3; ++i) {
-      colour[i] = static_cast<std::uint8_t>(std::lround(255.0f * look.colour[i]));
-    }
-    colour[3] = 255;
+    colours.push_back(packed(Eigen::Vector3f(look.colour.data())));
   }
+  const bool by_values = body.values() && body.colour_scale()->inside;
   tbb::parallel_for(0, face.height, [&](int row) {
     for (int column = 0; column < face.width; ++column) {
       const Eigen::Vector3d p_world =
@@ -87,6 +94,8 @@ SectionFace section_face(const DrawnSurface& body, const Pose& world_from_grid,
           face.pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(face.width) +
                       static_cast<std::size_t>(column)];
       pixel = colours[tissue];
+      const float value = by_values ? body.values()->at(cell) : VoxelValues::kNone;
+      if (!std::isnan(value)) pixel = packed(body.colour_scale()->colour(value));
       const int level = body.model().level(cell);
       if (level == kFullLevel) continue;
       for (std::uint8_t& c : pixel) {

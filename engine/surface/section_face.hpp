@@ -12,11 +12,12 @@
 
 namespace sulcus {
 
-/// What a section shows of a body: a picture of its tissues in the plane, a pixel to a voxel.
+/// What a section shows of a body: a picture in the plane, a pixel to a voxel, of its tissues, or
+/// of a quantity that it is coloured by inside too.
 struct SectionFace {
   Eigen::Vector3d corner_world, along_world, across_world;  // m: of the picture, and its edges
   int width = 0, height = 0;                                // pixels; 0: the plane passes it by
-  // Linear RGB of the tissue times how much is solid, and that, times 255. Rows along `along`.
+  // Linear RGB times how much is solid, and that, times 255. Rows along `along`.
   std::vector<std::array<std::uint8_t, 4>> pixels;
 };
 
