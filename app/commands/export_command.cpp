@@ -10,6 +10,7 @@
 
 #include "app/commands/common_options.hpp"
 #include "app/playback/recorded_run.hpp"
+#include "app/playback/recorded_sound.hpp"
 #include "app/report/output_file.hpp"
 #include "app/terminal/progress.hpp"
 #include "app/terminal/terminal.hpp"
@@ -24,7 +25,7 @@ namespace sulcus {
 namespace {
 
 struct ExportOptions {
-  std::string recording, mesh, volume, fills, csv;
+  std::string recording, mesh, volume, fills, csv, sound;
   std::string geometry;        // empty: file where the workpiece came from one, else scene
   std::optional<double> at_s;  // none: the end
   bool per_tissue = false;
@@ -117,21 +118,35 @@ void write_tissue_meshes(const std::string& file, const VoxelModel& model,
   }
 }
 
+/// Of all of the recording, from its first row on.
+void export_sound(const std::string& file, const RecordingReader& reader,
+                  const std::string& recording) {
+  WholeFile sound(file);
+  const Scene scene = recorded_scene(reader, recording);
+  const double begin_s = reader.ticks(0, 1).front().time_s;
+  write_recorded_sound(reader, scene, begin_s, "--sound", sound.beside());
+  sound.finish();
+  say("%s\n", file.c_str());
+}
+
 void export_recording(const ExportOptions& options) {
   if (options.mesh.empty() && options.volume.empty() && options.fills.empty() &&
-      options.csv.empty()) {
-    throw InputError("", "export", "nothing to write", "--mesh, --volume, --fills or --csv");
+      options.csv.empty() && options.sound.empty()) {
+    throw InputError("", "export", "nothing to write",
+                     "--mesh, --volume, --fills, --csv or --sound");
   }
   check_output("--mesh", options.mesh, {".stl", ".obj", ".ply"});
   check_output("--volume", options.volume, {".nrrd", ".mha", ".nii.gz"});
   check_output("--fills", options.fills, {".nrrd", ".mha", ".nii.gz"});
   check_output("--csv", options.csv, {".csv"});
+  check_output("--sound", options.sound, {".wav"});
   Progress progress("exporting");
   const RecordingReader reader(options.recording);
   if (reader.tick_count() == 0) {
     throw InputError(options.recording, "/ticks", "no rows", "at least one tick");
   }
   say_what_is_missing(reader);
+  if (!options.sound.empty()) export_sound(options.sound, reader, options.recording);
   std::optional<Scene> scene;  // knows the tissues by name
   if (options.per_tissue) scene = recorded_scene(reader, options.recording);
   RecordedShape shape(reader, scene ? recorded_workpiece(reader, *scene) : reader.workpiece());
@@ -172,7 +187,8 @@ void export_recording(const ExportOptions& options) {
 
 void add_export_command(CLI::App& program) {
   auto options = std::make_shared<ExportOptions>();
-  CLI::App* command = program.add_subcommand("export", "Write the cut tooth or the curves");
+  CLI::App* command =
+      program.add_subcommand("export", "Write the cut tooth, the curves or the sound");
   add_recording_argument(*command, options->recording);
   add_option(*command, "--at", options->at_s, "S", "Time, s (the end)");
   CLI::Option* mesh = add_option(*command, "--mesh", options->mesh, "FILE",
@@ -190,6 +206,8 @@ void add_export_command(CLI::App& program) {
              "it came from one); input: on the scan's own voxels; scene: the scene's space")
       ->check(CLI::IsMember({"file", "input", "scene"}));
   add_option(*command, "--csv", options->csv, "FILE", "One row per tick up to then, .csv");
+  add_option(*command, "--sound", options->sound, "FILE",
+             "The handpiece as it sounds over the whole recording, .wav");
   command->callback([options] { export_recording(*options); });
 }
 

@@ -13,11 +13,12 @@
 
 #include "app/commands/common_options.hpp"
 #include "app/commands/section_range.hpp"
-#include "app/commands/video_writer.hpp"
 #include "app/playback/film_colours.hpp"
 #include "app/playback/recorded_film.hpp"
+#include "app/playback/recorded_sound.hpp"
 #include "app/report/output_file.hpp"
 #include "app/report/review_page.hpp"
+#include "app/report/video_writer.hpp"
 #include "app/terminal/progress.hpp"
 #include "app/terminal/terminal.hpp"
 #include "engine/core/error.hpp"
@@ -34,7 +35,7 @@ struct RenderOptions {
   std::vector<std::string> cameras;
   std::vector<double> at_s;
   double fps = 0.0;
-  bool arrows = false, contacts = false, no_hud = false, no_handpiece = false;
+  bool arrows = false, contacts = false, no_hud = false, no_handpiece = false, sound = false;
 };
 
 /// Reads numbers from all of a text, `separator` between them; empty where it is not that.
@@ -180,6 +181,7 @@ class AskedPictures {
  public:
   AskedPictures(const RecordingReader& reader, const RenderOptions& options)
       : options_(options),
+        reader_(reader),
         film_(reader, options.recording),
         settings_(render_settings(film_, options)),
         cameras_(viewpoints(options, settings_)),
@@ -192,7 +194,14 @@ class AskedPictures {
   }
 
   void write_video() {
-    VideoWriter video(options_.video, settings_.width, settings_.height, options_.fps);
+    // Beside the video for as long as that is written, and never finished.
+    std::optional<WholeFile> sound;
+    if (options_.sound) {
+      sound.emplace(options_.video + ".wav");
+      write_recorded_sound(reader_, film_.scene(), 0.0, "--sound", sound->beside());
+    }
+    VideoWriter video(options_.video, settings_.width, settings_.height, options_.fps,
+                      sound ? sound->beside() : "");
     draw([&](const Image& image, const NamedViewpoint&, std::size_t) { video.add(image); });
     video.close();
     say("%s\n", options_.video.c_str());
@@ -259,6 +268,7 @@ class AskedPictures {
   }
 
   const RenderOptions& options_;
+  const RecordingReader& reader_;
   RecordedFilm film_;
   RenderSettings settings_;
   std::vector<NamedViewpoint> cameras_;
@@ -285,6 +295,9 @@ void check(const RenderOptions& options) {
   if (!options.video.empty() && !options.sheet.empty()) {
     throw InputError("", "--video", "both --video and --sheet", "one of them");
   }
+  if (options.sound && options.video.empty() && options.review.empty()) {
+    throw InputError("", "--sound", "no video", "--video or --review beside it");
+  }
   check_output("--video", options.video, {".mp4", ".mov", ".mkv", ".avi"});
   check_output("--sheet", options.sheet, {".png"});
   check_output("--review", options.review, {".html", ".htm"});
@@ -298,7 +311,8 @@ void render(RenderOptions options) {
   const RecordingReader reader(options.recording);
   if (!options.review.empty()) {
     progress.emplace("drawing");
-    write_review_page(reader, options.recording, options.review);
+    write_review_page(reader, options.recording, options.review,
+                      options.sound ? ReviewVideo::kWithSound : ReviewVideo::kNone);
     say_what_is_missing(reader);
     say("%s\n", options.review.c_str());
     return;
@@ -351,6 +365,8 @@ void add_render_command(CLI::App& program) {
   command->add_flag("--no-handpiece", options->no_handpiece, "The burr alone, without a handpiece");
   add_option(*command, "--video", options->video, "FILE",
              "Write a video, .mp4, .mov, .mkv or .avi (30 pictures a second)");
+  command->add_flag("--sound", options->sound,
+                    "Let the video sound as the handpiece did; of --review: with such a video");
   add_option(*command, "--sheet", options->sheet, "FILE",
              "Write all into one picture, .png: times down, cameras across");
   add_option(*command, "--review", options->review, "FILE",

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <span>
@@ -14,7 +17,9 @@
 
 #include "app/playback/recorded_film.hpp"
 #include "app/playback/recorded_heat.hpp"
+#include "app/playback/recorded_sound.hpp"
 #include "app/report/summary.hpp"
+#include "app/report/video_writer.hpp"
 #include "app/session/run_marks.hpp"
 #include "app/terminal/terminal.hpp"
 #include "engine/core/base64.hpp"
@@ -355,6 +360,30 @@ std::string heat_part(const RecordingReader& reader, const std::string& recordin
   return html;
 }
 
+std::vector<std::uint8_t> bytes_of_file(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// A video of the run with its sound, in a file that the page holds.
+std::string video_part(const RecordingReader& reader, const std::string& recording,
+                       const std::string& page, RenderSettings settings) {
+  constexpr double kFps = 15.0;
+  RecordedFilm film(reader, recording);
+  settings.hud = true;
+  WholeFile sound(page + ".wav"), video(page + ".mp4");  // beside the page, and never finished
+  write_recorded_sound(reader, film.scene(), 0.0, "--sound", sound.beside());
+  Renderer renderer(settings, film.bodies(), film.burr().mesh_tool, film.burr().head_length_m);
+  VideoWriter writer(video.beside(), kWide, kTall, kFps, sound.beside());
+  const double end_s = film.rows().back().time_s;
+  for (double frame = 0.0; frame / kFps <= end_s; ++frame) {
+    writer.add(renderer.draw(film.seek_row(film.row_at(frame / kFps), renderer)));
+  }
+  writer.close();
+  return "<video controls width=\"" + std::to_string(kWide) + "\" src=\"data:video/mp4;base64," +
+         base64(bytes_of_file(video.beside())) + "\"></video>\n";
+}
+
 std::string curves(const RecordedFilm& film) {
   const std::vector<TickRecord>& rows = film.rows();
   const double voxel_mm3 = std::pow(film.model().grid.voxel_m / kMillimetre, 3);
@@ -377,7 +406,7 @@ std::string curves(const RecordedFilm& film) {
 }  // namespace
 
 void write_review_page(const RecordingReader& reader, const std::string& recording,
-                       const std::string& file) {
+                       const std::string& file, ReviewVideo video) {
   RecordedFilm film(reader, recording);
   RenderSettings settings = film.scene().render.value_or(RenderSettings{});
   settings.width = kWide;
@@ -403,6 +432,9 @@ void write_review_page(const RecordingReader& reader, const std::string& recordi
   }
   if (film.scene().heat) {
     page << "<h2>How warm it became</h2>\n" << heat_part(reader, recording, settings);
+  }
+  if (video == ReviewVideo::kWithSound) {
+    page << "<h2>How it looked and sounded</h2>\n" << video_part(reader, recording, file, settings);
   }
   page << "<h2>The way there, cut open at the burr</h2>\n<div class=\"four\">\n"
        << pictures.way << "</div>\n<h2>Curves</h2>\n"

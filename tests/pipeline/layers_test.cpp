@@ -199,6 +199,12 @@ TEST(Layers, OnlyRecordingNamesHdf5) {
   });
 }
 
+TEST(Layers, OnlySoundNamesLibsndfile) {
+  expect_none("sound files are engine/sound's", [](const Include& i) {
+    return is_of(i.header, {"sndfile"}) && !is_in(i.file, "engine/sound/");
+  });
+}
+
 TEST(Layers, OnlyBodiesNamesBullet) {
   expect_none("bodies are engine/bodies'", [](const Include& i) {
     return is_of(i.header, {"bt", "bullet", "linearmath/"}) && !is_in(i.file, "engine/bodies/");

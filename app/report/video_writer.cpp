@@ -1,4 +1,4 @@
-#include "app/commands/video_writer.hpp"
+#include "app/report/video_writer.hpp"
 
 #include <algorithm>
 #include <array>
@@ -16,7 +16,8 @@
 
 namespace sulcus {
 
-VideoWriter::VideoWriter(const std::string& file, int width, int height, double fps)
+VideoWriter::VideoWriter(const std::string& file, int width, int height, double fps,
+                         const std::string& sound)
     : video_(file), said_(std::tmpfile(), std::fclose), pictures_(nullptr, std::fclose) {
   std::array<int, 2> ends{};
   if (!said_ || ::pipe2(ends.data(), O_CLOEXEC) != 0) {
@@ -31,6 +32,10 @@ VideoWriter::VideoWriter(const std::string& file, int width, int height, double 
   command.insert(input, {"-s", formatted("%dx%d", width, height), "-r", formatted("%.6g", fps)});
   // "file:", since ffmpeg takes what comes before a colon in a name for a protocol, and a dash
   // ahead of it for an option.
+  if (!sound.empty()) {
+    const auto after_input = std::ranges::find(command, "-i") + 2;
+    command.insert(after_input, {"-i", "file:" + sound, "-c:a", "aac", "-b:a", "160k"});
+  }
   command.push_back("file:" + video_.beside());
   pictures_.reset(::fdopen(ends[1], "wb"));
   try {

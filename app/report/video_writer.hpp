@@ -14,9 +14,11 @@ namespace sulcus {
 /// Pipes pictures to ffmpeg, which writes them as a video.
 class VideoWriter {
  public:
-  /// The name's end says which kind of video. @throws as WholeFile, before anything is drawn;
-  /// std::runtime_error where ffmpeg cannot be started.
-  VideoWriter(const std::string& file, int width, int height, double fps);
+  /// The name's end says which kind of video. `sound`: a .wav that is there until `close`; empty:
+  /// it has none. @throws as WholeFile, before anything is drawn; std::runtime_error where ffmpeg
+  /// cannot be started.
+  VideoWriter(const std::string& file, int width, int height, double fps,
+              const std::string& sound = {});
 
   // Both throw std::runtime_error, naming the file and what ffmpeg said, where it has stopped or
   // failed.
