@@ -119,7 +119,8 @@ class FillCut {
 /// As `removal`, of a workpiece with fractions.
 std::uint32_t remove_fills(Workpiece& workpiece, std::span<const TissueSettings> tissues,
                            double dt_s, std::uint64_t tick, const ContactScratch& scratch,
-                           RemovalState& state, std::vector<Edit>& edits) noexcept {
+                           std::span<const double> removing, RemovalState& state,
+                           std::vector<Edit>& edits) noexcept {
   FillCut cut(workpiece, tick, state, edits);
   std::uint32_t faults = 0;
   const double level_m3 = workpiece.grid().voxel_volume_m3() / kFullLevel;
@@ -132,7 +133,8 @@ std::uint32_t remove_fills(Workpiece& workpiece, std::span<const TissueSettings>
     const double work_J = static_cast<double>(contact.power_W) * dt_s;
     state.work_J += work_J;
     energy.work_J += work_J;
-    double left_J = state.part_cut.energy(contact.key()) + work_J;
+    const double spent_J = removing.empty() ? work_J : work_J * removing[contact.tissue];
+    double left_J = state.part_cut.energy(contact.key()) + spent_J;
     state.part_cut.set_energy(contact.key(), 0.0);
     const FillCut::Spent spent = cut.cut(contact, level_J, left_J);
     state.removed_J += spent.removed_J;
@@ -146,6 +148,7 @@ std::uint32_t remove_fills(Workpiece& workpiece, std::span<const TissueSettings>
       if (kept) heat_J = 0.0;
       if (!kept) faults |= kFaultCutStateFull;
     }
+    heat_J += work_J - spent_J;
     state.heat_J += heat_J;
     energy.heat_J += heat_J;
   }
@@ -155,10 +158,11 @@ std::uint32_t remove_fills(Workpiece& workpiece, std::span<const TissueSettings>
 }  // namespace
 
 std::uint32_t removal(Workpiece& workpiece, std::span<const TissueSettings> tissues, double dt_s,
-                      std::uint64_t tick, const ContactScratch& scratch, RemovalState& state,
+                      std::uint64_t tick, const ContactScratch& scratch,
+                      std::span<const double> removing, RemovalState& state,
                       std::vector<Edit>& edits) noexcept {
   if (workpiece.has_fills()) {
-    return remove_fills(workpiece, tissues, dt_s, tick, scratch, state, edits);
+    return remove_fills(workpiece, tissues, dt_s, tick, scratch, removing, state, edits);
   }
   std::uint32_t faults = 0;
   const double voxel_m3 = workpiece.grid().voxel_volume_m3();
@@ -174,11 +178,13 @@ std::uint32_t removal(Workpiece& workpiece, std::span<const TissueSettings> tiss
     TissueEnergy& energy = state.by_tissue[tissue];
     const double work_J = static_cast<double>(power_W[i]) * dt_s;
     const double needed_J = tissues[tissue].specific_energy_J_per_m3 * voxel_m3;
-    const CutState::Spent spent = state.part_cut.add_energy(key, work_J, needed_J);
+    const double spent_J = removing.empty() ? work_J : work_J * removing[tissue];
+    const CutState::Spent spent = state.part_cut.add_energy(key, spent_J, needed_J);
+    const double heat_J = spent.over_J + (work_J - spent_J);
     state.work_J += work_J;
     energy.work_J += work_J;
-    state.heat_J += spent.over_J;
-    energy.heat_J += spent.over_J;
+    state.heat_J += heat_J;
+    energy.heat_J += heat_J;
     if (!spent.full) {
       if (spent.over_J > 0.0) faults |= kFaultCutStateFull;
       continue;

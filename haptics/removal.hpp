@@ -44,12 +44,14 @@ struct RemovalState {
 bool has_finite_powers(const Contacts& contacts) noexcept;
 
 /// Volume removal [Kim and Park 2019, eq. 6] as conservation of energy: the work of each contact's
-/// tangential force in a tick is spent on its own voxel, which goes when it has received its
-/// tissue's specific cutting energy times its volume. (The paper divides by fracture toughness,
-/// which orders dental tissues wrongly, and does not say what becomes of a part of a voxel.) What a
-/// voxel does not need when it goes, or has no room for in the table, cuts no other: it is heat
-/// within the tick, and counted. So removed + stored + heat = work, in all and for each tissue.
-/// Removed voxels are appended to `edits`, which has room for every contact. Returns fault bits.
+/// tangential force in a tick, or of it the share that `removing` has for its tissue, is spent on
+/// its own voxel, which goes when it has received its tissue's specific cutting energy times its
+/// volume. (The paper divides by fracture toughness, which orders dental tissues wrongly, and does
+/// not say what becomes of a part of a voxel.) What a voxel does not need when it goes, or has no
+/// room for in the table, cuts no other: like the rest beside that share it is heat within the
+/// tick, and counted. So removed + stored + heat = work, in all and for each tissue. `removing`: by
+/// tissue, beside `tissues`; empty: all of the work removes. Removed voxels are appended to
+/// `edits`, which has room for every contact. Returns fault bits.
 ///
 /// With fractions the work lowers fills instead: of the contact's voxel, and once that is gone of
 /// those of its tissue beneath it, along the axis its normal is nearest to; never more than what of
@@ -57,7 +59,8 @@ bool has_finite_powers(const Contacts& contacts) noexcept;
 /// voxel is the least that goes; the energy for less waits in the table. Each voxel that changed is
 /// appended to `edits`, with its level; where there is no more room the work is heat.
 std::uint32_t removal(Workpiece& workpiece, std::span<const TissueSettings> tissues, double dt_s,
-                      std::uint64_t tick, const ContactScratch& scratch, RemovalState& state,
+                      std::uint64_t tick, const ContactScratch& scratch,
+                      std::span<const double> removing, RemovalState& state,
                       std::vector<Edit>& edits) noexcept;
 
 /// Takes voxels (VoxelGrid::linear) of pieces that were cut loose out of the workpiece, and what

@@ -5,6 +5,7 @@
 
 #include "engine/core/fault.hpp"
 #include "haptics/contact/normals.hpp"
+#include "haptics/cutting_law.hpp"
 #include "haptics/device/device_port.hpp"
 #include "haptics/move_tool.hpp"
 #include "haptics/spindle.hpp"
@@ -62,9 +63,12 @@ std::uint32_t cut_body(const TickContext& context, std::size_t i, SimulationStat
   Body& body = state.bodies[i];
   const ContactScratch& contact = scratch.bodies[i].contact;
   const std::size_t before = scratch.edits.size();
-  const std::uint32_t faults = removal(
-      body.solid, std::span(context.scene.tissues).subspan(body.first_tissue),
-      1.0 / context.scene.haptics.rate_hz, state.tick, contact, *body.removal, scratch.edits);
+  std::span<const double> removing(scratch.removing);
+  if (!removing.empty()) removing = removing.subspan(body.first_tissue);
+  const std::uint32_t faults =
+      removal(body.solid, std::span(context.scene.tissues).subspan(body.first_tissue),
+              1.0 / context.scene.haptics.rate_hz, state.tick, contact, removing, *body.removal,
+              scratch.edits);
   body.solid.switch_off(contact.emptied_nodes);
   const auto cut = std::span(scratch.edits).subspan(before);
   for (Edit& edit : cut) edit.body = static_cast<std::uint16_t>(i);
@@ -72,10 +76,24 @@ std::uint32_t cut_body(const TickContext& context, std::size_t i, SimulationStat
   return faults;
 }
 
+/// What share of this tick's work removes, where the law says that it is not all.
+void set_removing(const TickContext& context, const TickResult& result, TickScratch& scratch) {
+  if (scratch.removing.empty()) return;
+  const SaturatingLaw law(context.scene.burr);
+  const ContactResult& contact = result.contact;
+  const double load_N = (contact.wrench.force_N - contact.tangential.force_N).norm();
+  const double rim_m_per_s = result.spindle_rad_per_s * context.burr.rim_radius_m;
+  for (std::size_t t = 0; t < scratch.removing.size(); ++t) {
+    const double energy_J_per_m3 = context.scene.tissues[t].specific_energy_J_per_m3;
+    scratch.removing[t] = law.share(energy_J_per_m3, load_N, rim_m_per_s);
+  }
+}
+
 /// Cuts all bodies, which brakes the spindle.
 void cut(const TickContext& context, SimulationState& state, TickScratch& scratch,
          TickResult& result) {
   const auto timed = scratch.clock().time(Stage::kRemoval);
+  set_removing(context, result, scratch);
   for (std::size_t i = 0; i < state.bodies.size(); ++i) {
     if (state.bodies[i].removal) result.faults |= cut_body(context, i, state, scratch);
   }

@@ -11,6 +11,7 @@ TickScratch::TickScratch(const Scene& scene, StageClock clock) {
   }
   near.reserve(bodies.size());
   if (!scene.cutting) return;
+  if (scene.cutting->law == CuttingLaw::kSaturating) removing.resize(scene.tissues.size());
   // With fractions a contact may change a voxel and the one beneath.
   bool fractions = scene.workpiece.surface == SurfaceKind::kFractions;
   for (const BodySettings& body : scene.bodies) {

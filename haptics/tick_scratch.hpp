@@ -33,6 +33,7 @@ struct TickScratch {
   std::vector<BodyScratch> bodies;  // as SimulationState::bodies
   std::vector<NearBody> near;       // of the last evaluation
   std::vector<Edit> edits;          // of this tick
+  std::vector<double> removing;     // share of the work by tissue of the scene; none: all of it
 };
 
 }  // namespace sulcus

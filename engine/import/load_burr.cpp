@@ -15,8 +15,8 @@ namespace {
 /// file they came in.
 Hash128 key_of(const BurrSettings& settings, const FieldGrid& grid, const TriangleMesh* mesh_tool) {
   // A setting that is added does not compile until it has a place here.
-  const auto& [shape, file, diameter_m, length_m, speed, ratio, samples, spacing_m, reference_m] =
-      settings;
+  const auto& [shape, file, diameter_m, length_m, speed, ratio, samples, spacing_m, reference_m,
+               material, grit, worn_m] = settings;
   Hash128Stream key = LoadCache::key_of(CacheKind::kField);
   key.add(grid.samples).add(grid.origin_tool).add(grid.spacing_m);
   key.add(mesh_tool != nullptr);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <initializer_list>
+#include <utility>
 
 #include "engine/core/units.hpp"
 
@@ -29,6 +30,37 @@ constexpr std::array<BurrShapeNumber, 12> kNumbers{{
     {"249", BurrShape::kFlame, 8e-3, "flame", kKomet},
     {"250", BurrShape::kFlame, 10e-3, "flame", kKomet},
 }};
+
+// ISO 6360-1 and -3 as makers print them on their burrs: 806 galvanic and 807 sintered diamond, 500
+// tungsten carbide.
+constexpr std::array<std::pair<std::string_view, BurrMaterial>, 3> kMaterials{
+    {{"806", BurrMaterial::kDiamond},
+     {"807", BurrMaterial::kDiamond},
+     {"500", BurrMaterial::kCarbide}}};
+constexpr std::array<std::pair<std::string_view, Grit>, 4> kGrits{{{"514", Grit::kFine},
+                                                                   {"524", Grit::kMedium},
+                                                                   {"534", Grit::kCoarse},
+                                                                   {"544", Grit::kSuperCoarse}}};
+
+template <class Rows>
+auto meaning_of(const Rows& rows, std::string_view digits) {
+  const auto row = std::ranges::find(rows, digits, [](const auto& r) { return r.first; });
+  std::optional<decltype(rows.front().second)> meaning;
+  if (row != rows.end()) meaning = row->second;
+  return meaning;
+}
+
+/// Material and grit of all 15 digits.
+void read_edge(std::string_view digits, BurrNumber& number) {
+  const std::string_view material = digits.substr(0, 3), grit = digits.substr(9, 3);
+  number.material = meaning_of(kMaterials, material);
+  if (!number.material) {
+    number.unknown.append("material ").append(material);
+  } else if (*number.material == BurrMaterial::kDiamond) {
+    number.grit = meaning_of(kGrits, grit);
+    if (!number.grit) number.unknown.append("grit ").append(grit);
+  }
+}
 
 constexpr int kLeastSize = 3, kMostSize = 50;  // tenths of a millimetre, as burr.diameter_mm
 
@@ -84,8 +116,9 @@ std::optional<BurrNumber> read_burr_number(std::string_view text, BurrNumberFaul
     fault.expected = "003 to 050, tenths of a millimetre";
     return {};
   }
-  BurrNumber number{row->shape, tenths * 0.1 * kMillimetre, {}};
+  BurrNumber number{row->shape, tenths * 0.1 * kMillimetre, {}, {}, {}, {}};
   if (row->length_m > 0.0) number.length_m = row->length_m;
+  if (whole) read_edge(digits, number);
   return number;
 }
 

@@ -26,6 +26,10 @@ struct BurrNumber {
   BurrShape shape = BurrShape::kRound;
   double diameter_m = 0.0;
   std::optional<double> length_m;  // where the shape number says it
+  // Of all 15 digits, where they are known.
+  std::optional<BurrMaterial> material;
+  std::optional<Grit> grit;  // of a diamond
+  std::string unknown;       // the one of these two that is not known, "grit 494"
 };
 
 /// What is wrong with a number, for an InputError.
@@ -34,9 +38,9 @@ struct BurrNumberFault {
 };
 
 /// Reads "806 314 001 524 014": material, shank, shape, toothing or grit, size in tenths of a
-/// millimetre; or shape and size alone, "001 014"; with spaces or without. Material and toothing
-/// are not modelled and may be any; the shank is the friction grip's, 313 to 316. Otherwise the
-/// fault.
+/// millimetre; or shape and size alone, "001 014"; with spaces or without. Materials and grits that
+/// are not known are no fault, and a carbide's toothing may be any; the shank is the friction
+/// grip's, 313 to 316. Otherwise the fault.
 std::optional<BurrNumber> read_burr_number(std::string_view text, BurrNumberFault& fault);
 
 }  // namespace sulcus

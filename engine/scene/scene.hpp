@@ -63,6 +63,14 @@ struct TissueSettings {
 
 enum class BurrShape : std::uint8_t { kRound, kPear, kFissure, kInvertedCone, kFlame, kFile };
 
+enum class BurrMaterial : std::uint8_t { kDiamond, kCarbide };
+inline constexpr std::array<std::string_view, 2> kBurrMaterialNames{"diamond", "carbide"};
+
+/// Of the diamonds on a burr, as the colour of its ring says: red, none or blue, green, black.
+enum class Grit : std::uint8_t { kFine, kMedium, kCoarse, kSuperCoarse };
+inline constexpr std::array<std::string_view, 4> kGritNames{"fine", "medium", "coarse",
+                                                            "super_coarse"};
+
 struct BurrSettings {
   BurrShape shape = BurrShape::kRound;
   std::string file;
@@ -73,6 +81,10 @@ struct BurrSettings {
   std::optional<Eigen::Vector3i> field_samples = Eigen::Vector3i{128, 512, 128};  // none: "auto"
   std::optional<double> field_spacing_m;  // none: as fine as the samples allow
   double reference_m = 40e-3;             // torque reference from the tip along the axis
+  // What CuttingLaw::kSaturating asks for besides.
+  BurrMaterial material = BurrMaterial::kDiamond;
+  Grit grit = Grit::kMedium;  // of diamonds
+  double worn_m = 0.0;        // length that diamonds have cut since they were new
 };
 
 /// A timed pose of the burr's tip.
@@ -113,8 +125,10 @@ struct LoosePiecesSettings {
 /// A motor whose torque is limited: its speed sags under load. Without it the spindle turns at
 /// burr.speed_rpm whatever holds it.
 struct SpindleSettings {
-  double stall_torque_Nm = 1e-3;
-  double inertia_kg_m2 = 5e-9;  // of rotor and burr
+  double stall_torque_Nm = 1e-3;  // the largest
+  double inertia_kg_m2 = 5e-9;    // of rotor and burr
+  double droop = 1.0;             // share of the free speed over which the torque comes to that
+  std::optional<double> power_W;  // the largest; none: what torque and speed make of it
 };
 
 enum class Scaling : std::uint8_t { kNone, kCount, kMcNeely, kSmooth, kPotential };
@@ -205,8 +219,17 @@ struct DeviceSettings {
   bool passivity_controller = false;
 };
 
+/// How much of the tangential work removes: all of it [Kim and Park 2019, eq. 6], or a share that
+/// falls with load and speed (haptics/cutting_law.hpp).
+enum class CuttingLaw : std::uint8_t { kPaper, kSaturating };
+inline constexpr std::array<std::string_view, 2> kCuttingLawNames{"paper", "saturating"};
+/// burr.tangential_ratio under kSaturating: the middle of 0.40 to 0.60, tangential over normal
+/// force of a dental handpiece on glass ceramic.
+inline constexpr double kSaturatingTangentialRatio = 0.5;
+
 struct CuttingSettings {
   int max_cut_voxels = 1 << 18;  // capacity of the part-cut state
+  CuttingLaw law = CuttingLaw::kPaper;
 };
 
 enum class GoalShape : std::uint8_t { kBox, kCylinder, kFile };

@@ -10,6 +10,7 @@
 #include "engine/core/units.hpp"
 #include "engine/normals/normal_choice.hpp"
 #include "engine/scene/burr_number.hpp"
+#include "engine/scene/handpiece_presets.hpp"
 #include "engine/scene/table_readers.hpp"
 #include "engine/scene/toml_table.hpp"
 
@@ -20,7 +21,7 @@ namespace {
 // --- [burr], [trajectory], [haptics] ------------------------------------------------------------
 
 /// What the number says, where the table names one; what else is said of the shape must agree.
-void apply_burr_number(SceneTable& table, BurrSettings& b) {
+void apply_burr_number(SceneTable& table, bool saturates, BurrSettings& b) {
   const std::string text = table.text("iso", "");
   if (!table.has("iso")) return;
   BurrNumberFault fault;
@@ -36,13 +37,24 @@ void apply_burr_number(SceneTable& table, BurrSettings& b) {
   if (b.length_m && number->length_m && differ(*b.length_m, *number->length_m)) {
     refuse("length_mm");
   }
+  if (table.has("material") && number->material && b.material != number->material) {
+    refuse("material");
+  }
+  if (table.has("grit") && number->grit && b.grit != number->grit) refuse("grit");
+  if (saturates && !number->unknown.empty() && !table.has("material") && !table.has("grit")) {
+    table.fail("iso", number->unknown,
+               "806 and 514, 524, 534 or 544, a diamond; 500, carbide; else burr.material or "
+               "burr.grit beside it");
+  }
   b.shape = number->shape;
   b.diameter_m = number->diameter_m;
   if (number->length_m) b.length_m = number->length_m;
+  if (number->material) b.material = *number->material;
+  if (number->grit) b.grit = *number->grit;
 }
 
-BurrSettings read_burr(SceneTable& root) {
-  BurrSettings b;
+/// `b`: what it is where the table does not say; `saturates`: the scene's law does.
+BurrSettings read_burr(SceneTable& root, bool saturates, BurrSettings b) {
   auto table = root.table("burr");
   if (!table) return b;
   b.file = table->path("file");
@@ -54,9 +66,14 @@ BurrSettings read_burr(SceneTable& root) {
   if (const auto length = table->number_if("length_mm")) {
     b.length_m = *length * kMillimetre;
   }
-  apply_burr_number(*table, b);
-  b.speed_rad_per_s = table->number("speed_rpm") * kRevolutionPerMinute;
-  b.tangential_ratio = table->number("tangential_ratio");
+  if (const auto material = table->choice_if("material")) b.material = BurrMaterial(*material);
+  if (const auto grit = table->choice_if("grit")) b.grit = Grit(*grit);
+  b.worn_m = table->number("worn_mm") * kMillimetre;
+  apply_burr_number(*table, saturates, b);
+  if (const auto speed = table->number_if("speed_rpm")) {
+    b.speed_rad_per_s = *speed * kRevolutionPerMinute;
+  }
+  b.tangential_ratio = table->number("tangential_ratio", b.tangential_ratio);
   if (table->is_text("field")) {
     table->expect_word("field", "auto");
     b.field_samples.reset();
@@ -191,7 +208,38 @@ void read_device_tables(SceneTable& root, Scene& scene) {
   }
 }
 
-// --- The optional tables ------------------------------------------------------------------------
+// --- [cutting], [spindle]: before [burr], whose defaults they set --------------------------------
+
+std::optional<CuttingSettings> read_cutting(SceneTable& root) {
+  auto table = root.table("cutting");
+  if (!table) return {};
+  CuttingSettings c;
+  c.law = CuttingLaw(table->choice("law"));
+  c.max_cut_voxels = table->whole("max_cut_voxels");
+  table->finish();
+  return c;
+}
+
+/// The spindle of a scene, and the speed of its preset, where it names one, to `free_rad_per_s`.
+std::optional<SpindleSettings> read_spindle(SceneTable& root, double& free_rad_per_s) {
+  auto table = root.table("spindle");
+  if (!table) return {};
+  if (!root.has("cutting")) root.fail("spindle", "[spindle] without [cutting]", "both, or neither");
+  SpindleSettings s;
+  if (const auto preset = table->choice_if("preset")) {
+    const HandpiecePreset& handpiece = handpiece_presets()[*preset];
+    s = handpiece.spindle;
+    free_rad_per_s = handpiece.free_rad_per_s;
+  }
+  if (const auto stall = table->number_if("stall_torque_mNm")) s.stall_torque_Nm = *stall * 1e-3;
+  if (const auto inertia = table->number_if("inertia_g_mm2")) s.inertia_kg_m2 = *inertia * 1e-9;
+  s.droop = table->number("droop", s.droop);
+  if (const auto power_W = table->number_if("power_W")) s.power_W = power_W;
+  table->finish();
+  return s;
+}
+
+// --- The other optional tables ------------------------------------------------------------------
 
 HeatSettings read_heat(SceneTable& table, const WorkpieceSettings& workpiece) {
   HeatSettings h;
@@ -216,18 +264,6 @@ HeatSettings read_heat(SceneTable& table, const WorkpieceSettings& workpiece) {
 }
 
 void read_optional_tables(SceneTable& root, Scene& scene) {
-  if (auto table = root.table("cutting")) {
-    CuttingSettings& c = scene.cutting.emplace();
-    c.max_cut_voxels = table->whole("max_cut_voxels");
-    table->finish();
-  }
-  if (auto table = root.table("spindle")) {
-    if (!scene.cutting) root.fail("spindle", "[spindle] without [cutting]", "both, or neither");
-    SpindleSettings& s = scene.spindle.emplace();
-    s.stall_torque_Nm = table->number("stall_torque_mNm") * 1e-3;
-    s.inertia_kg_m2 = table->number("inertia_g_mm2") * 1e-9;
-    table->finish();
-  }
   if (auto table = root.table("loose_pieces")) {
     if (!scene.cutting) {
       root.fail("loose_pieces", "[loose_pieces] without [cutting]", "both, or neither");
@@ -327,7 +363,12 @@ Scene parse_scene(const std::string& text, const std::string& file,
     root.fail("tissue", "label, and solid_above in [workpiece]",
               "above for grey values, label for a label map");
   }
-  scene.burr = read_burr(root);
+  scene.cutting = read_cutting(root);
+  BurrSettings usual;
+  scene.spindle = read_spindle(root, usual.speed_rad_per_s);
+  const bool saturates = scene.cutting && scene.cutting->law == CuttingLaw::kSaturating;
+  if (saturates) usual.tangential_ratio = kSaturatingTangentialRatio;
+  scene.burr = read_burr(root, saturates, usual);
   scene.trajectory = read_trajectory(root);
   scene.haptics = read_haptics(root);
   scene.bodies = read_bodies(root, scene.tissues);

@@ -5,6 +5,7 @@
 
 #include "engine/normals/height_map.hpp"
 #include "engine/scene/device_presets.hpp"
+#include "engine/scene/handpiece_presets.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/volume/grid.hpp"
 
@@ -132,13 +133,20 @@ constexpr std::array kBurr{
     number("diameter_mm", {0.3, 5.0}, "1.4", "the largest of the head"),
     number("length_mm", {0.2, 15.0}, "(the shape's ratio to the diameter; all of a file's)",
            "of the head, which cuts"),
-    number("speed_rpm", {0, 500000}, "7000", "of the spindle [Kim and Park 2019]"),
-    number("tangential_ratio", {0, 2}, "0.3",
-           "beta: tangential to normal force [Kim and Park 2019, eq. 7]"),
+    number("speed_rpm", {0, 500000}, "(the spindle preset's, else 7000)",
+           "of the spindle, free of load [Kim and Park 2019]"),
+    number("tangential_ratio", {0, 2}, "(0.3; under law = \"saturating\" 0.5)",
+           "beta: tangential to normal force [Kim and Park 2019, eq. 7; haptics/README.md]"),
     numbers("field", 3, {2, 1024}, "[128, 512, 128]",
             "points of the distance field across, along, across, or \"auto\" [Kim and Park 2019]"),
     number("field_spacing_mm", {1e-4, 10}, "(as fine as the points allow)", "between them"),
     number("reference_mm", {0, 500}, "40", "torques are about the point this far up the axis"),
+    choice("material", kBurrMaterialNames, "(iso's, else \"diamond\")",
+           "of what cuts; under law = \"saturating\""),
+    choice("grit", kGritNames, "(iso's, else \"medium\")",
+           "of diamonds; under law = \"saturating\""),
+    number("worn_mm", {0, 1e6}, "0",
+           "that diamonds have cut since they were new; under law = \"saturating\""),
 };
 
 constexpr std::array kTrajectory{
@@ -217,11 +225,19 @@ constexpr std::array kCoupling{
 };
 
 constexpr std::array kCutting{
+    choice("law", kCuttingLawNames, "\"paper\"",
+           "how much of the work removes: all of it, or less the harder and faster it is cut"),
     whole("max_cut_voxels", {1, 1 << 26}, "262144", "capacity for voxels that are part-cut"),
 };
 constexpr std::array kSpindle{
-    number("stall_torque_mNm", {1e-3, 1e4}, "1", "that stops it"),
-    number("inertia_g_mm2", {1e-3, 1e6}, "5", "of rotor and burr"),
+    choice("preset", kHandpiecePresetNames, "",
+           "an air turbine, or an electric motor behind 1:5; sets burr.speed_rpm too"),
+    number("stall_torque_mNm", {1e-3, 1e4}, "(the preset's, else 1)", "that stops it"),
+    number("inertia_g_mm2", {1e-3, 1e6}, "(the preset's, else 5)", "of rotor and burr"),
+    number("droop", {1e-3, 1}, "(the preset's, else 1)",
+           "share of the free speed that it loses by the time it gives its largest torque"),
+    number("power_W", {1e-3, 1e4}, "(the preset's, else what torque and speed give)",
+           "that it gives at most"),
 };
 constexpr std::array kLoosePieces{
     number("smallest_mm3", {0, 1e3}, "0.01", "smaller ones vanish"),
@@ -294,7 +310,7 @@ constexpr std::array<SceneTableKeys, 22> kTables{{
 }};
 
 // Longest first: the first that fits is taken.
-constexpr std::array<std::pair<Text, Text>, 24> kUnits{{{"_mNm_s_per_rad", "mN m s/rad"},
+constexpr std::array<std::pair<Text, Text>, 25> kUnits{{{"_mNm_s_per_rad", "mN m s/rad"},
                                                         {"_mNm_per_rad", "mN m/rad"},
                                                         {"_Nm_per_rad", "N m/rad"},
                                                         {"_J_per_mm3", "J/mm3"},
@@ -315,6 +331,7 @@ constexpr std::array<std::pair<Text, Text>, 24> kUnits{{{"_mNm_s_per_rad", "mN m
                                                         {"_Nm", "N m"},
                                                         {"_C", "C"},
                                                         {"_N", "N"},
+                                                        {"_W", "W"},
                                                         {"_g", "g"},
                                                         {"_m", "m"},
                                                         {"_s", "s"}}};

@@ -31,8 +31,18 @@ double signed_volume(const TriangleMesh& mesh) {
   return volume;
 }
 
+/// The largest radius of a mesh's head.
+double rim_radius_of(const TriangleMesh& mesh_tool, double head_length_m) {
+  double radius = 0.0;
+  for (const Eigen::Vector3f& p : mesh_tool.positions) {
+    if (static_cast<double>(p.y()) > head_length_m) continue;
+    radius = std::max(radius, std::hypot(static_cast<double>(p.x()), static_cast<double>(p.z())));
+  }
+  return radius;
+}
+
 Burr assemble(const BurrSettings& settings, TriangleMesh mesh_tool, DistanceField field,
-              double head_length_m) {
+              double head_length_m, double rim_radius_m) {
   Burr burr;
   burr.capsule = axial_capsule(mesh_tool);
   // Between vertices, and between samples, the surface may stand out by less than a sample.
@@ -40,6 +50,7 @@ Burr assemble(const BurrSettings& settings, TriangleMesh mesh_tool, DistanceFiel
   burr.mesh_tool = std::move(mesh_tool);
   burr.field = std::move(field);
   burr.head_length_m = head_length_m;
+  burr.rim_radius_m = rim_radius_m;
   burr.reference_m = settings.reference_m;
   burr.speed_rad_per_s = settings.speed_rad_per_s;
   burr.tangential_ratio = settings.tangential_ratio;
@@ -76,7 +87,8 @@ Burr make_burr(const BurrSettings& settings, double voxel_m, std::string_view sc
       plan_field(settings, bounds, profile.head_diameter_m(), voxel_m, scene_file);
   DistanceField field =
       field_source(grid, nullptr, [&] { return field_from_profile(profile, grid); });
-  return assemble(settings, revolve(profile), std::move(field), profile.head_length_m());
+  return assemble(settings, revolve(profile), std::move(field), profile.head_length_m(),
+                  0.5 * profile.head_diameter_m());
 }
 
 Burr make_burr(const BurrSettings& settings, double voxel_m, TriangleMesh mesh_tool,
@@ -101,7 +113,8 @@ Burr make_burr(const BurrSettings& settings, double voxel_m, TriangleMesh mesh_t
   DistanceField field = field_source(
       grid, &mesh_tool, [&] { return field_from_mesh(mesh_tool, grid, settings.file); });
   const double head_length = std::min(settings.length_m.value_or(size.y()), size.y());
-  return assemble(settings, std::move(mesh_tool), std::move(field), head_length);
+  const double rim_radius = rim_radius_of(mesh_tool, head_length);
+  return assemble(settings, std::move(mesh_tool), std::move(field), head_length, rim_radius);
 }
 
 }  // namespace sulcus

@@ -24,6 +24,7 @@ struct Burr {
   DistanceField field;
   Capsule capsule;             // holds all of the burr: where the field is not positive
   double head_length_m = 0.0;  // the cutting part is y <= this
+  double rim_radius_m = 0.0;   // the largest of the head
   double reference_m = 0.0;    // torques are about the point this far from the tip along +y
   double speed_rad_per_s = 0.0;
   double tangential_ratio = 0.0;  // beta of [Kim and Park 2019, eq. 7]

@@ -56,7 +56,7 @@ class FillRemoval : public ::testing::Test {
   std::uint32_t run() {
     edits_.clear();
     const std::uint32_t faults =
-        removal(workpiece_, tissues_, kDt, tick_++, scratch_, state_, edits_);
+        removal(workpiece_, tissues_, kDt, tick_++, scratch_, removing_, state_, edits_);
     scratch_.contacts.clear();
     return faults;
   }
@@ -88,6 +88,7 @@ class FillRemoval : public ::testing::Test {
   ContactScratch scratch_;
   RemovalState state_;
   std::vector<TissueSettings> tissues_{test::one_tissue()[0], test::one_tissue()[0]};
+  std::vector<double> removing_;
   std::vector<Edit> edits_;
   std::array<double, 2> work_J_{};
   std::uint64_t tick_ = 0;
@@ -118,6 +119,15 @@ TEST_F(FillRemoval, WhatAVoxelDoesNotNeedSinksTheOneBeneath) {
   EXPECT_TRUE(edits_[0].is_gone());
   EXPECT_EQ(edits_[1].level, 255 - 72);
   EXPECT_EQ(state_.heat_J, 0.0);
+  expect_balances();
+}
+
+TEST_F(FillRemoval, WhatIsNoShareOfTheWorkIsHeat) {
+  removing_ = {0.25, 1.0};
+  touch({3, 3, 15}, 160.0 * level_J(0) / kDt, kVoxel);
+  run();
+  EXPECT_EQ(128 - workpiece_.level({3, 3, 15}), 40);
+  EXPECT_NEAR(state_.by_tissue[0].heat_J, 120.0 * level_J(0), 1e-3 * level_J(0));
   expect_balances();
 }
 

@@ -50,7 +50,7 @@ class Removal : public ::testing::Test {
   std::uint32_t run() {
     edits_.clear();
     const std::uint32_t faults =
-        removal(workpiece_, tissues_, kDt, tick_++, scratch_, state_, edits_);
+        removal(workpiece_, tissues_, kDt, tick_++, scratch_, removing_, state_, edits_);
     scratch_.contacts.clear();
     for (const Edit& edit : edits_) {
       ++edits_of_[workpiece_.tissue(workpiece_.grid().cell_of_linear(edit.voxel))];
@@ -84,6 +84,7 @@ class Removal : public ::testing::Test {
   }
 
   std::vector<TissueSettings> tissues_{2};
+  std::vector<double> removing_;
   Workpiece workpiece_;
   ContactScratch scratch_;
   RemovalState state_;
@@ -200,6 +201,30 @@ TEST_F(Removal, EnergyIsConservedOverManyTicks) {
                   static_cast<double>(state_.removed_voxels[1]) * needed_J(1),
               1e-12 * state_.removed_J);
   EXPECT_NEAR(state_.stored_J(), energy_of_all_voxels(), 1e-12 * state_.work_J);
+}
+
+TEST_F(Removal, WhatIsNoShareOfTheWorkIsHeatOfItsTissue) {
+  removing_ = {0.25, 0.5};
+  const Cell hard(3, 4, 15), soft(12, 4, 15);
+  touch(hard, 2.0 * needed_J(0) / kDt);
+  touch(soft, 2.0 * needed_J(1) / kDt);
+  EXPECT_EQ(run(), 0u);
+  EXPECT_TRUE(workpiece_.solid(hard));
+  EXPECT_NEAR(energy(hard), 0.5 * needed_J(0), kFloat * needed_J(0));
+  EXPECT_FALSE(workpiece_.solid(soft));
+  EXPECT_NEAR(state_.by_tissue[0].heat_J, 1.5 * needed_J(0), 2 * kFloat * needed_J(0));
+  EXPECT_NEAR(state_.by_tissue[1].heat_J, 1.0 * needed_J(1), 2 * kFloat * needed_J(1));
+  expect_energy_conserved();
+  std::mt19937 random(5);
+  for (int i = 0; i < 200; ++i) {
+    for (double& share : removing_) share = static_cast<double>(random() % 1000) / 1000.0;
+    for (const Cell& c : test::surface_cells(workpiece_)) {
+      if (random() % 8 == 0) touch(c, 3.0 * needed_J(0) / kDt);
+    }
+    run();
+  }
+  EXPECT_GT(state_.removed_voxels[0], 100u);
+  expect_energy_conserved();
 }
 
 TEST_F(Removal, WhatAFullStateHasNoRoomForIsHeatAndItSaysSo) {

@@ -89,6 +89,31 @@ TEST_F(SideCutting, TheVolumeDoesNotDependOnTheVoxelSizeOrTheRate) {
   }
 }
 
+TEST_F(SideCutting, UnderTheSaturatingLawItDoesNotEither) {
+  const std::string law =
+      "--set cutting.law=saturating --set burr.tangential_ratio=0.5 --set burr.grit=super_coarse "
+      "--set trajectory.hold_s=0.4 --set workpiece.surface=fractions ";
+  const auto of = [&](const std::string& name, const std::string& options) {
+    const nlohmann::json summary = run(name, law + options);
+    test::expect_energies_balance(summary);
+    EXPECT_GT(summary["heat_J"].get<double>(), 0.5 * summary["tangential_work_J"].get<double>());
+    return removed_mm3(summary);
+  };
+  const double mm3 = of("usual", coarse_);
+  EXPECT_NEAR(of("slow", coarse_ + "--set haptics.rate_hz=500"), mm3, 0.01 * mm3);
+  EXPECT_NEAR(of("fine", "--set workpiece.voxel_mm=0.025 --set 'workpiece.cells=[48, 144, 112]'"),
+              mm3, 0.01 * mm3);
+}
+
+TEST_F(SideCutting, ItCutsHardlyMoreWithTwiceTheLoadUnderTheSaturatingLaw) {
+  const auto of = [&](const std::string& name, const std::string& options) {
+    return removed_mm3(run(name, coarse_ + "--set trajectory.load_N=" + options));
+  };
+  EXPECT_GT(of("paper_2", "2"), 1.9 * of("paper_1", "1"));
+  const std::string law = " --set cutting.law=saturating";
+  EXPECT_LT(of("saturating_2", "2" + law), 1.2 * of("saturating_1", "1" + law));
+}
+
 TEST_F(SideCutting, TissuesGoInTheRatioOfTheirSpecificEnergies) {
   std::map<std::string, double> mm3;
   for (const std::string tissue : {"enamel", "dentine", "caries"}) {

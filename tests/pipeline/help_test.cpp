@@ -165,7 +165,8 @@ TEST(Help, CompletesInBash) {
   EXPECT_EQ(completed(scratch, "sulcus run --p"), "--pace --plugins\n");
   EXPECT_EQ(completed(scratch, "sulcus run --pace r"), "real\n");
   EXPECT_EQ(completed(scratch, "sulcus run --set spindle."),
-            "spindle.stall_torque_mNm= spindle.inertia_g_mm2=\n");
+            "spindle.preset= spindle.stall_torque_mNm= spindle.inertia_g_mm2= spindle.droop= "
+            "spindle.power_W=\n");
   EXPECT_EQ(completed(scratch, "sulcus run --duration 1"), "\n");
   EXPECT_EQ(completed(scratch, "sulcus help sc"), "scene\n");
   const std::string scene = scratch.write("a scene.toml", "");

@@ -2,6 +2,7 @@
 
 #include <set>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -63,6 +64,36 @@ TEST(BurrNumber, GivesShapeDiameterAndLength) {
   }
 }
 
+TEST(BurrNumber, GivesMaterialAndGrit) {
+  const struct {
+    const char* iso;
+    BurrMaterial material;
+    Grit grit;
+  } cases[] = {
+      {"806 314 001 514 014", BurrMaterial::kDiamond, Grit::kFine},
+      {"806 314 001 524 014", BurrMaterial::kDiamond, Grit::kMedium},
+      {"807 314 001 534 014", BurrMaterial::kDiamond, Grit::kCoarse},
+      {"806 316 107 544 010", BurrMaterial::kDiamond, Grit::kSuperCoarse},
+      {"500 314 107 001 010", BurrMaterial::kCarbide, Grit::kMedium},
+      {"107 010", BurrMaterial::kDiamond, Grit::kMedium},
+  };
+  for (const auto& expected : cases) {
+    const BurrSettings burr = burr_of("iso = \"" + std::string(expected.iso) + "\"");
+    EXPECT_EQ(burr.material, expected.material) << expected.iso;
+    EXPECT_EQ(burr.grit, expected.grit) << expected.iso;
+  }
+  // Of those that are not known nothing is asked where nothing depends on them.
+  const std::string saturating = "\n[cutting]\nlaw = \"saturating\"";
+  for (const auto& [iso, found] : {std::pair{"806 314 001 494 014", "found grit 494"},
+                                   std::pair{"330 314 001 001 014", "found material 330"}}) {
+    const std::string line = "iso = \"" + std::string(iso) + "\"";
+    const std::string says = refusal_of(line + saturating);
+    EXPECT_NE(says.find(std::string("burr.iso: ") + found), std::string::npos) << says;
+    EXPECT_EQ(refusal_of(line), "");
+    EXPECT_EQ(refusal_of(line + "\ngrit = \"fine\"" + saturating), "");
+  }
+}
+
 TEST(BurrNumber, EveryRowHasASource) {
   std::set<std::string_view> numbers;
   for (const BurrShapeNumber& row : burr_shape_numbers()) {
@@ -101,6 +132,11 @@ TEST(BurrNumber, RefusesContradictions) {
     EXPECT_NE(says.find("249 012"), std::string::npos) << says;
   }
   EXPECT_NE(refusal_of(iso + "file = \"a.stl\""), "");
+  const std::string coarse = "iso = \"806 314 001 534 014\"\n";
+  for (const char* line : {"material = \"carbide\"", "grit = \"medium\""}) {
+    EXPECT_NE(refusal_of(coarse + line), "") << line;
+  }
+  EXPECT_EQ(burr_of(coarse + "grit = \"coarse\"").grit, Grit::kCoarse);
   // What says the same, or what the number leaves open, stands beside it.
   EXPECT_NO_THROW(
       burr_of(iso + "shape = \"flame\"\ndiameter_mm = 1.2\nlength_mm = 8\nspeed_rpm = 9"));
