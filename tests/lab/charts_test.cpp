@@ -61,6 +61,20 @@ TEST_F(Charts, FractionsWithAPanelOrBoth) {
   }
 }
 
+TEST_F(Charts, RealityWithPublishedPoints) {
+  std::string rows = "against,series,x,mm3_per_s,label\n";
+  for (const char* series :
+       {"paper", "saturating medium", "saturating coarse", "saturating carbide"}) {
+    for (const char* against : {"load_N", "speed_krpm"}) {
+      for (const char* point : {"0.5,0.1", "1,0.12", "2,0.13"}) {
+        rows += std::string(against) + ",\"" + series + "\"," + point + ",\"\"\n";
+      }
+    }
+  }
+  table("reality_curves.csv", rows + "load_N,\"published\",1,0.44,\"O'Hara 2011\"\n");
+  EXPECT_TRUE(drawn("reality"));
+}
+
 TEST_F(Charts, ErrorTiles) {
   std::string pixels = "x,y,ldm_2,ldm_6,exact_6\n";
   for (int y = 0; y < 160; ++y) {

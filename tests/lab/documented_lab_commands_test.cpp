@@ -27,6 +27,7 @@ constexpr std::array kShortened{
     Shortened{"normals", "--ns 3", "normals.png"},
     Shortened{"program", "--trial verify --repeats 1", "program.csv"},
     Shortened{"ticks", "--quick", "ticks.csv"},
+    Shortened{"reality", "--quick", "reality.csv"},
     Shortened{"stability", "--brief --case thin_wall", "stability.html"},
 };
 

@@ -19,6 +19,8 @@ void add_normals_command(CLI::App& program);
 void add_pareto_command(CLI::App& program);
 /// What the whole program takes: its start, memory, pictures, large scenes, its build.
 void add_program_command(CLI::App& program);
+/// What others measured in mouths and on rigs, beside what Sulcus gives.
+void add_reality_command(CLI::App& program);
 /// What a recording survives, and how fast it is gone through.
 void add_recordings_command(CLI::App& program);
 /// Where haptic methods fail, and where ours is held to a limit.

@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
   sulcus::lab::add_normals_command(program);
   sulcus::lab::add_pareto_command(program);
   sulcus::lab::add_program_command(program);
+  sulcus::lab::add_reality_command(program);
   sulcus::lab::add_recordings_command(program);
   sulcus::lab::add_stability_command(program);
   sulcus::lab::add_table1_command(program);
