@@ -22,31 +22,36 @@ namespace sulcus {
 
 namespace {
 
-/// Draws force, torque and contacts over the ticks, as figs. 5 and 6 of [Kim and Park 2019], with
-/// gnuplot. False, and no file, where gnuplot cannot be run.
-bool draw_force_chart(const RunStatistics& statistics, const std::string& title,
+/// Draws force, torque and contacts over the ticks, as figs. 5 and 6 of [Kim and Park 2019], and
+/// the speed of a spindle that `sags`, with gnuplot. False, and no file, where gnuplot cannot be
+/// run.
+bool draw_force_chart(const RunStatistics& statistics, const std::string& title, bool sags,
                       const std::string& file_png) {
   return draw_with_gnuplot(file_png, 1200, 900, [&](std::FILE* gnuplot) {
     std::fputs("$data << EOD\n", gnuplot);
     for (const ChartPoint& p : statistics.chart.points()) {
-      std::fprintf(gnuplot, "%llu %g %g %u %g\n", static_cast<unsigned long long>(p.tick),
+      std::fprintf(gnuplot, "%llu %g %g %u %g %g\n", static_cast<unsigned long long>(p.tick),
                    static_cast<double>(p.force_N), static_cast<double>(p.torque_mNm), p.contacts,
-                   static_cast<double>(p.tick_us));
+                   static_cast<double>(p.tick_us), static_cast<double>(p.spindle_krpm));
     }
-    if (statistics.ticks == 0) std::fputs("0 0 0 0 0\n", gnuplot);
+    if (statistics.ticks == 0) std::fputs("0 0 0 0 0 0\n", gnuplot);
     std::fprintf(
         gnuplot,
         "EOD\n"
-        "set multiplot layout 4,1 title %s\n"
+        "set multiplot layout %d,1 title %s\n"
         "set grid lc rgb '#dddddd'\nset key off\nset lmargin 9\nset yrange [0:*]\n"
         "set ylabel 'force, N'\nplot $data using 1:2 with lines lw 1 lc rgb '#1f4e9c'\n"
         "set ylabel 'torque, mN m'\nplot $data using 1:3 with lines lw 1 lc rgb '#1f4e9c'\n"
         "set ylabel 'voxels in contact'\n"
         "plot $data using 1:4 with lines lw 1 lc rgb '#555555'\n"
+        "%s"
         "set ylabel 'tick, us'\nset xlabel 'tick'\n"
         "plot $data using 1:5 with lines lw 1 lc rgb '#b5651d'\n"
         "unset multiplot\n",
-        for_gnuplot(title).c_str());
+        sags ? 5 : 4, for_gnuplot(title).c_str(),
+        sags ? "set ylabel 'speed, krpm'\n"
+               "plot $data using 1:6 with lines lw 1 lc rgb '#6b4aa0'\n"
+             : "");
   });
 }
 
@@ -110,7 +115,7 @@ void write_and_tell(ResultsFolder& folder, const Scene& scene, const SessionResu
   std::vector<std::string> files{options.folder + "/summary.json"};
   write_whole_file(files.back(), result.summary);
   const std::string chart = options.folder + "/forces.png";
-  if (draw_force_chart(s, scene.title, chart)) {
+  if (draw_force_chart(s, scene.title, scene.spindle.has_value(), chart)) {
     files.push_back(chart);
   } else {
     spdlog::warn("forces.png was not drawn: gnuplot could not be run");
@@ -122,6 +127,11 @@ void write_and_tell(ResultsFolder& folder, const Scene& scene, const SessionResu
   for (const std::string& refused : result.refused) spdlog::warn("not granted: {}", refused);
   for (const auto& [fault, ticks] : summary["faults"].items()) {
     spdlog::warn("fault {} in {} ticks", fault, ticks.dump());
+  }
+  if (scene.least_pulp_distance_m && result.outcome && result.outcome->progress.pulp_near_tick()) {
+    spdlog::warn("{:.2f} mm of tooth are left over the pulp, and {:.2f} mm were to stay",
+                 result.outcome->progress.wall_over_pulp_m().value_or(0.0) / kMillimetre,
+                 *scene.least_pulp_distance_m / kMillimetre);
   }
   if (result.interrupted) spdlog::warn("stopped on request after {} ticks", s.ticks);
 

@@ -384,6 +384,44 @@ std::string video_part(const RecordingReader& reader, const std::string& recordi
          base64(bytes_of_file(video.beside())) + "\"></video>\n";
 }
 
+/// Least tooth over the pulp after each row, mm; empty where there is none to be spared.
+std::vector<double> walls_over_pulp_mm(const RecordedFilm& film) {
+  PreparationProgress progress(film.start(), film.scene().tissues);
+  if (!film.scene().cutting || !progress.has_pulp()) return {};
+  std::vector<double> walls_mm;
+  walls_mm.reserve(film.rows().size());
+  const std::span<const Edit> edits = film.edits_before(film.rows().size() - 1);
+  auto edit = edits.begin();
+  for (const TickRecord& row : film.rows()) {
+    for (; edit != edits.end() && edit->tick <= row.tick; ++edit) progress.add(*edit);
+    walls_mm.push_back(progress.wall_over_pulp_m().value_or(std::nan("")) / kMillimetre);
+  }
+  return walls_mm;
+}
+
+/// Of what a scene has besides: the spindle's speed as it sags, the tooth over the pulp.
+std::string optional_curves(const RecordingReader& reader, const RecordedFilm& film) {
+  const std::vector<TickRecord>& rows = film.rows();
+  const auto of_rows = [&](const std::vector<double>& values) {
+    return [&rows, &values](const TickRecord& row) {
+      return values[static_cast<std::size_t>(&row - rows.data())];
+    };
+  };
+  std::string svg;
+  if (film.scene().spindle) {
+    std::vector<double> speeds_krpm(rows.size(), std::nan(""));
+    const std::vector<CuttingRecord> cutting = reader.cutting();
+    for (std::size_t row = 0; row < std::min(rows.size(), cutting.size()); ++row) {
+      speeds_krpm[row] = 1e-3 * cutting[row].spindle_rad_per_s / kRevolutionPerMinute;
+    }
+    svg += curve("Speed of the spindle", "1,000 rpm", "#6b4aa0", rows, of_rows(speeds_krpm));
+  }
+  if (const std::vector<double> walls_mm = walls_over_pulp_mm(film); !walls_mm.empty()) {
+    svg += curve("Tooth over the pulp", "mm", "#96223c", rows, of_rows(walls_mm));
+  }
+  return svg;
+}
+
 std::string curves(const RecordedFilm& film) {
   const std::vector<TickRecord>& rows = film.rows();
   const double voxel_mm3 = std::pow(film.model().grid.voxel_m / kMillimetre, 3);
@@ -438,7 +476,7 @@ void write_review_page(const RecordingReader& reader, const std::string& recordi
   }
   page << "<h2>The way there, cut open at the burr</h2>\n<div class=\"four\">\n"
        << pictures.way << "</div>\n<h2>Curves</h2>\n"
-       << curves(film) << "</body></html>\n";
+       << curves(film) << optional_curves(reader, film) << "</body></html>\n";
   write_whole_file(file, page.str());
 }
 

@@ -172,6 +172,9 @@ Json reach_json(const Reach& reach) {
 nlohmann::ordered_json outcome_json(const Scene& scene, const OutcomeResult& outcome) {
   const double voxel_mm3 = voxel_mm3_of(scene);
   const auto mm3 = [&](double voxels) { return voxels * voxel_mm3; };
+  const auto seconds = [&](std::uint64_t tick) {
+    return Json(static_cast<double>(tick) / scene.haptics.rate_hz);
+  };
   const PreparationProgress& progress = outcome.progress;
   Json j;
   for (const auto& [name, cause] :
@@ -184,12 +187,17 @@ nlohmann::ordered_json outcome_json(const Scene& scene, const OutcomeResult& out
   if (progress.has_pulp()) {
     const std::optional<std::uint64_t> tick = progress.pulp_exposed_tick();
     j["pulp_exposed_tick"] = tick ? Json(*tick) : Json(nullptr);
-    j["pulp_exposed_s"] =
-        tick ? Json(static_cast<double>(*tick) / scene.haptics.rate_hz) : Json(nullptr);
+    j["pulp_exposed_s"] = tick ? seconds(*tick) : Json(nullptr);
     j["pulp_removed_mm3"] = mm3(progress.pulp_removed());
-    std::optional<double> wall_mm = outcome.wall_over_pulp_m;
+    std::optional<double> wall_mm = progress.wall_over_pulp_m();
     if (wall_mm) *wall_mm /= kMillimetre;
     j["dentine_over_pulp_mm"] = or_null(wall_mm);
+    if (const auto& least_m = scene.least_pulp_distance_m) {
+      const std::optional<std::uint64_t> near = progress.pulp_near_tick();
+      j["pulp_distance"] = {{"wanted_mm", *least_m / kMillimetre},
+                            {"kept", !near},
+                            {"nearer_s", near ? seconds(*near) : Json(nullptr)}};
+    }
   }
   j["peak_force_N"] = outcome.measures.peak_force_N;
   j["mean_force_N"] = outcome.measures.mean_force_in_contact_N();

@@ -54,8 +54,12 @@ FrameHistory::FrameHistory(const Scene& scene, const VoxelModel& start, const Ea
       set_speed_rad_per_s_(scene.cutting ? scene.burr.speed_rad_per_s : 0.0),
       voxel_mm3_(voxel_mm3(scene.workpiece)),
       cutting_(scene.cutting.has_value()),
-      port_(scene.device || scene.coupling) {
-  if (cutting_) progress_.emplace(earlier ? earlier->start : start, scene.tissues);
+      port_(scene.device || scene.coupling),
+      sags_(scene.spindle.has_value()),
+      least_pulp_distance_m_(scene.least_pulp_distance_m) {
+  if (cutting_) {
+    progress_.emplace(earlier ? earlier->start : start, scene.tissues, scene.least_pulp_distance_m);
+  }
   for (const TissueSettings& tissue : scene.tissues) tissues_.push_back(shortened(tissue.name));
   for (const BodySettings& body : scene.bodies) {
     damage_.push_back({shortened(body.name), voxel_mm3(body.solid), 0});
@@ -85,6 +89,9 @@ std::vector<OutcomeLine> FrameHistory::outcome() const {
     if (progress_->has_pulp()) {
       const std::optional<std::uint64_t> tick = progress_->pulp_exposed_tick();
       lines.push_back({"Pulp", tick ? formatted("exposed at %.1f s", seconds(*tick)) : "covered"});
+      if (const auto wall_m = progress_->wall_over_pulp_m(); wall_m && !tick) {
+        lines.push_back({"Tooth over it", formatted("%.2f mm", *wall_m / kMillimetre)});
+      }
     }
   }
   for (const Damage& body : damage_) {
@@ -96,12 +103,22 @@ std::vector<OutcomeLine> FrameHistory::outcome() const {
                                                    measures_.mean_force_in_contact_N())});
     lines.push_back({"In contact", formatted("%.1f s", seconds(measures_.ticks_in_contact))});
   }
+  if (latest_spindle_rad_per_s_) {
+    const double speed = *latest_spindle_rad_per_s_;
+    const double sag = set_speed_rad_per_s_ > 0.0 ? 1.0 - speed / set_speed_rad_per_s_ : 0.0;
+    lines.push_back({"Spindle", formatted("%.0f rpm, -%.0f %%", speed / kRevolutionPerMinute,
+                                          100.0 * std::max(0.0, sag))});
+  }
   add_warnings(lines);
   return lines;
 }
 
 /// What somebody should look at; nothing where all is well.
 void FrameHistory::add_warnings(std::vector<OutcomeLine>& lines) const {
+  if (progress_ && progress_->pulp_near_tick()) {
+    lines.push_back({formatted("Pulp within %.2f mm", *least_pulp_distance_m_ / kMillimetre),
+                     formatted("from %.1f s on", seconds(*progress_->pulp_near_tick()))});
+  }
   if (given_out_J_ >= 1e-5) {
     lines.push_back({"Energy given out", formatted("%.2f mJ", given_out_J_ * 1e3)});
   }
@@ -130,10 +147,20 @@ void FrameHistory::add(const TickRecord& record, const CuttingRecord* cutting,
   measures_.add(record, port);
   if (port) given_out_J_ = port->given_out_J;
   const double speed_rad_per_s = cutting ? cutting->spindle_rad_per_s : set_speed_rad_per_s_;
+  if (sags_ && cutting) {
+    latest_spindle_rad_per_s_ = cutting->spindle_rad_per_s;
+    spindle_krpm_.push_back(
+        static_cast<float>(1e-3 * cutting->spindle_rad_per_s / kRevolutionPerMinute));
+  }
+  if (progress_ && progress_->has_pulp()) {
+    const double wall_m = progress_->wall_over_pulp_m().value_or(std::nan(""));
+    pulp_mm_.push_back(static_cast<float>(wall_m / kMillimetre));
+  }
   turn_rad_ = std::fmod(turn_rad_ + speed_rad_per_s * dt_s_, 2.0 * std::numbers::pi);
   // Twice the window is kept, so that the front is cut off once in a window and not every tick.
   if (force_N_.size() >= 2 * window_) {
-    for (auto* values : {&force_N_, &torque_mNm_, &tick_us_}) {
+    for (auto* values : {&force_N_, &torque_mNm_, &tick_us_, &spindle_krpm_, &pulp_mm_}) {
+      if (values->size() < 2 * window_) continue;  // is not kept
       values->erase(values->begin(), values->end() - static_cast<std::ptrdiff_t>(window_));
     }
   }
@@ -169,6 +196,8 @@ FrameState FrameHistory::state() const {
   state.force_history_N = last(force_N_);
   state.torque_history_mNm = last(torque_mNm_);
   state.tick_history_us = last(tick_us_);
+  state.spindle_history_krpm = last(spindle_krpm_);
+  state.pulp_history_mm = last(pulp_mm_);
   return state;
 }
 

@@ -19,7 +19,6 @@ struct RunMarks {
 /// Marks at the end of a run.
 struct OutcomeResult {
   PreparationProgress progress;
-  std::optional<double> wall_over_pulp_m;
   std::optional<GoalFigures> goal;
   RunMeasures measures;
 };

@@ -69,8 +69,9 @@ void RunStatistics::add(const TickReport& report) {
   torque_mNm.add(static_cast<float>(torque_now_mNm));
   contacts_sum += r.contacts;
   contacts_max = std::max(contacts_max, r.contacts);
+  const double spindle_krpm = 1e-3 * report.cutting.spindle_rad_per_s / kRevolutionPerMinute;
   chart.add({ticks, static_cast<float>(force_now_N), static_cast<float>(torque_now_mNm), r.step_us,
-             r.contacts});
+             static_cast<float>(spindle_krpm), r.contacts});
   leaves_sum += r.leaves;
   tested_sum += r.tested;
   leaves_max = std::max<std::uint32_t>(leaves_max, r.leaves);

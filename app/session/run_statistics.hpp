@@ -39,7 +39,7 @@ class Distribution {
 /// What a chart of a run shows of a tick.
 struct ChartPoint {
   std::uint64_t tick = 0;
-  float force_N = 0.0f, torque_mNm = 0.0f, tick_us = 0.0f;
+  float force_N = 0.0f, torque_mNm = 0.0f, tick_us = 0.0f, spindle_krpm = 0.0f;
   std::uint32_t contacts = 0;
 };
 

@@ -56,6 +56,9 @@ struct FrameState {
   std::span<const float> force_history_N;
   std::span<const float> torque_history_mNm;
   std::span<const float> tick_history_us;
+  // None where the scene has no spindle that sags, or no pulp; not a number before it is cut.
+  std::span<const float> spindle_history_krpm;
+  std::span<const float> pulp_history_mm;  // of tooth that is left over it
 };
 
 }  // namespace sulcus

@@ -19,6 +19,8 @@ namespace {
 constexpr ImU32 kForce = IM_COL32(32, 98, 178, 255);
 constexpr ImU32 kTorque = IM_COL32(196, 94, 18, 255);
 constexpr ImU32 kTick = IM_COL32(28, 128, 84, 255);
+constexpr ImU32 kSpeed = IM_COL32(107, 74, 160, 255);
+constexpr ImU32 kPulp = IM_COL32(150, 34, 60, 255);
 constexpr ImU32 kLimit = IM_COL32(190, 40, 40, 220);
 constexpr double kTickBudget_us = 1000.0;
 
@@ -38,15 +40,15 @@ struct Curve {
   bool logarithmic = false;
 };
 
-constexpr float kCardWidth = 236.0f, kCardHeight = 104.0f;
+constexpr float kCardWidth = 236.0f;
 
-void draw_curve(const Pen& pen, float x, float y, const Curve& curve) {
-  pen.list->AddRectFilled(pen.at(x, y), pen.at(x + kCardWidth, y + kCardHeight), kCard,
+void draw_curve(const Pen& pen, float x, float y, float card_height, const Curve& curve) {
+  pen.list->AddRectFilled(pen.at(x, y), pen.at(x + kCardWidth, y + card_height), kCard,
                           6.0f * pen.scale);
   pen.text(x + 10, y + 6, kInk, curve.name);
   pen.text_right(x + kCardWidth - 10, y + 6, curve.colour, curve.value);
   const float left = x + 10, right = x + kCardWidth - 10;
-  const float low = y + kCardHeight - 10, high = y + 32;
+  const float low = y + card_height - 10, high = y + 32;
   constexpr double kBottom = 1.0;  // of a logarithmic axis
   auto height = [&](double value) {
     const double part = curve.logarithmic ? std::log(std::max(value, kBottom) / kBottom) /
@@ -192,28 +194,50 @@ void draw_arrows(const Pen& pen, const FrameState& state, const View& view, floa
        format("%.1f mN m", 1e3 * state.torque_Nm.norm()));
 }
 
+/// What a scene has besides.
+void add_optional_curves(const FrameState& state, std::vector<Curve>& curves) {
+  if (const auto& history = state.spindle_history_krpm; !history.empty()) {
+    curves.push_back({.name = "Speed",
+                      .value = format("%.1f krpm", static_cast<double>(history.back())),
+                      .history = history,
+                      .colour = kSpeed,
+                      .top = axis_top(history, 10.0)});
+  }
+  if (const auto& history = state.pulp_history_mm;
+      !history.empty() && std::isfinite(history.back())) {
+    curves.push_back({.name = "Over the pulp",
+                      .value = format("%.2f mm", static_cast<double>(history.back())),
+                      .history = history,
+                      .colour = kPulp,
+                      .top = axis_top(history, 1.0)});
+  }
+}
+
 void draw_figures(const Pen& pen, const FrameState& state, float wide, float tall) {
   const float x = wide - kCardWidth - 18;
   float y = 18;
-  const Curve curves[] = {{.name = "Force",
-                           .value = format("%.2f N", state.force_N.norm()),
-                           .history = state.force_history_N,
-                           .colour = kForce,
-                           .top = axis_top(state.force_history_N, 0.5)},
-                          {.name = "Torque",
-                           .value = format("%.2f mN m", 1e3 * state.torque_Nm.norm()),
-                           .history = state.torque_history_mNm,
-                           .colour = kTorque,
-                           .top = axis_top(state.torque_history_mNm, 5.0)},
-                          {.name = "Tick",
-                           .value = format("%.0f \xC2\xB5s", state.tick_us),
-                           .history = state.tick_history_us,
-                           .colour = kTick,
-                           .top = 10.0 * kTickBudget_us,
-                           .logarithmic = true}};
+  std::vector<Curve> curves{{.name = "Force",
+                             .value = format("%.2f N", state.force_N.norm()),
+                             .history = state.force_history_N,
+                             .colour = kForce,
+                             .top = axis_top(state.force_history_N, 0.5)},
+                            {.name = "Torque",
+                             .value = format("%.2f mN m", 1e3 * state.torque_Nm.norm()),
+                             .history = state.torque_history_mNm,
+                             .colour = kTorque,
+                             .top = axis_top(state.torque_history_mNm, 5.0)},
+                            {.name = "Tick",
+                             .value = format("%.0f \xC2\xB5s", state.tick_us),
+                             .history = state.tick_history_us,
+                             .colour = kTick,
+                             .top = 10.0 * kTickBudget_us,
+                             .logarithmic = true}};
+  add_optional_curves(state, curves);
+  // More than three are lower, so that the figures below have their room.
+  const float card_height = curves.size() > 3 ? 70.0f : 104.0f;
   for (const Curve& curve : curves) {
-    draw_curve(pen, x, y, curve);
-    y += kCardHeight + 10;
+    draw_curve(pen, x, y, card_height, curve);
+    y += card_height + 10;
   }
   y = draw_outcome(pen, x, y, state);
   if (y + 20 + kStageRow * static_cast<float>(state.stages.size()) < tall) {

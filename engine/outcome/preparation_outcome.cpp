@@ -26,21 +26,14 @@ Reach reach_of(std::vector<std::uint32_t> squared, double voxel_m) {
 
 PreparationOutcome::PreparationOutcome(const VoxelModel& start,
                                        std::span<const TissueSettings> tissues,
-                                       std::optional<VoxelSet> target)
-    : progress_(start, tissues), removed_(start.grid), target_(std::move(target)) {}
+                                       std::optional<VoxelSet> target,
+                                       std::optional<double> least_wall_m)
+    : progress_(start, tissues, least_wall_m), removed_(start.grid), target_(std::move(target)) {}
 
 void PreparationOutcome::add(const Edit& edit) {
   if (edit.body != 0) return;
   progress_.add(edit);
   if (edit.is_gone()) removed_.insert(removed_.grid().cell_of_linear(edit.voxel));
-}
-
-std::optional<double> PreparationOutcome::wall_over_pulp_m() const {
-  if (!progress_.has_pulp()) return {};
-  if (progress_.pulp_exposed_tick()) return 0.0;
-  const auto squared = least_squared_distance(removed_, *progress_.pulp());
-  if (!squared) return {};
-  return removed_.grid().voxel_m * (std::sqrt(*squared) - 1.0);
 }
 
 std::optional<GoalFigures> PreparationOutcome::goal_figures(const VoxelModel& end) const {

@@ -38,19 +38,15 @@ struct GoalFigures {
 /// keeps the voxels that went, by leaf. Used by one thread.
 class PreparationOutcome {
  public:
-  /// `start` is not kept. `target`: as target_of_goal gives it.
+  /// `start` is not kept. `target`: as target_of_goal gives it; `least_wall_m`: as
+  /// PreparationProgress takes it.
   PreparationOutcome(const VoxelModel& start, std::span<const TissueSettings> tissues,
-                     std::optional<VoxelSet> target);
+                     std::optional<VoxelSet> target, std::optional<double> least_wall_m = {});
 
   /// As PreparationProgress::add.
   void add(const Edit& edit);
 
   const PreparationProgress& progress() const { return progress_; }
-  /// Thickness of the thinnest wall between what was removed and the pulp, m: the least distance of
-  /// their voxels' centres less one voxel, 0 once the pulp is exposed. (The nearest removed voxel
-  /// always is one of the cut surface.) None where the scene names no pulp, the tooth has none or
-  /// nothing was removed.
-  std::optional<double> wall_over_pulp_m() const;
   /// `end`: the tooth after all edits. None where the scene has no goal. Runs on oneTBB.
   std::optional<GoalFigures> goal_figures(const VoxelModel& end) const;
 

@@ -1,6 +1,7 @@
 #include "engine/outcome/preparation_progress.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 
 namespace sulcus {
@@ -28,12 +29,14 @@ double filled_of(const VoxelSet& voxels, const VoxelModel& model) {
 }  // namespace
 
 PreparationProgress::PreparationProgress(const VoxelModel& start,
-                                         std::span<const TissueSettings> tissues)
+                                         std::span<const TissueSettings> tissues,
+                                         std::optional<double> least_wall_m)
     : grid_(start.grid),
       tissues_(start.tissues),
       levels_(start),
       caries_label_(label_of("caries", tissues)),
-      pulp_label_(label_of("pulp", tissues)) {
+      pulp_label_(label_of("pulp", tissues)),
+      least_wall_m_(least_wall_m) {
   removed_.fill(std::vector<std::uint64_t>(tissues.size()));
   removed_levels_ = removed_;
   if (caries_label_) {
@@ -41,6 +44,7 @@ PreparationProgress::PreparationProgress(const VoxelModel& start,
     caries_at_start_ = filled_of(caries, start);
   }
   if (pulp_label_) pulp_ = voxels_of_tissue(start, static_cast<std::uint8_t>(*pulp_label_));
+  if (pulp_ && pulp_->count() > 0) pulp_distance_.emplace(*pulp_);
 }
 
 void PreparationProgress::add(const Edit& edit) {
@@ -52,6 +56,10 @@ void PreparationProgress::add(const Edit& edit) {
   if (!edit.is_gone()) return;
   ++removed_[cause][tissue];
   if (pulp_ && !pulp_exposed_tick_ && touches_pulp(c, tissue)) pulp_exposed_tick_ = edit.tick;
+  if (pulp_distance_ && !pulp_exposed_tick_) pulp_distance_->remove(c);
+  if (least_wall_m_ && !pulp_near_tick_ && wall_over_pulp_m().value_or(HUGE_VAL) < *least_wall_m_) {
+    pulp_near_tick_ = edit.tick;
+  }
 }
 
 bool PreparationProgress::touches_pulp(const Cell& c, std::uint8_t tissue) const {
@@ -61,6 +69,12 @@ bool PreparationProgress::touches_pulp(const Cell& c, std::uint8_t tissue) const
     if (pulp_->contains(c + Cell::Unit(axis)) || pulp_->contains(c - Cell::Unit(axis))) return true;
   }
   return false;
+}
+
+std::optional<double> PreparationProgress::wall_over_pulp_m() const {
+  if (pulp_exposed_tick_) return 0.0;
+  if (!pulp_distance_ || !pulp_distance_->least_squared()) return {};
+  return grid_.voxel_m * (std::sqrt(*pulp_distance_->least_squared()) - 1.0);
 }
 
 double PreparationProgress::removed_volume() const {

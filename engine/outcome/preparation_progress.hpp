@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/outcome/pulp_distance.hpp"
 #include "engine/outcome/voxel_set.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/volume/edit.hpp"
@@ -21,7 +22,9 @@ namespace sulcus {
 class PreparationProgress {
  public:
   /// Walks the volume once where the scene names caries or pulp. Of fractions it keeps a copy.
-  PreparationProgress(const VoxelModel& start, std::span<const TissueSettings> tissues);
+  /// `least_wall_m`: what the scene wants to stay over the pulp.
+  PreparationProgress(const VoxelModel& start, std::span<const TissueSettings> tissues,
+                      std::optional<double> least_wall_m = {});
 
   /// The edits of a run in its order, each of a voxel that was solid. Those of other bodies than
   /// the workpiece are left out.
@@ -47,13 +50,20 @@ class PreparationProgress {
   bool has_pulp() const { return pulp_.has_value(); }
   /// The tick of the first edit that removed a voxel of the pulp or one with a face on it.
   std::optional<std::uint64_t> pulp_exposed_tick() const { return pulp_exposed_tick_; }
+  /// Thickness of the thinnest wall between what was removed and the pulp, m: the least distance of
+  /// their voxels' centres less one voxel, 0 once the pulp is exposed. (The nearest removed voxel
+  /// always is one of the cut surface.) None where the scene names no pulp, the tooth has none or
+  /// nothing was removed.
+  std::optional<double> wall_over_pulp_m() const;
+  /// The tick of the first edit that left less than the scene wants over the pulp; none where it
+  /// wants nothing.
+  std::optional<std::uint64_t> pulp_near_tick() const { return pulp_near_tick_; }
   /// In voxels, as above; 0 where the scene names none.
   double pulp_removed() const;
-  /// As it was at the start; null where the scene names none.
-  const VoxelSet* pulp() const { return pulp_ ? &*pulp_ : nullptr; }
 
   std::size_t memory_bytes() const {
-    return levels_.memory_bytes() + (pulp_ ? pulp_->memory_bytes() : 0);
+    return levels_.memory_bytes() + (pulp_ ? pulp_->memory_bytes() : 0) +
+           (pulp_distance_ ? pulp_distance_->memory_bytes() : 0);
   }
 
  private:
@@ -67,7 +77,9 @@ class PreparationProgress {
   std::optional<std::size_t> caries_label_, pulp_label_;
   double caries_at_start_ = 0.0;
   std::optional<VoxelSet> pulp_;
-  std::optional<std::uint64_t> pulp_exposed_tick_;
+  std::optional<PulpDistance> pulp_distance_;  // where the tooth has any pulp
+  std::optional<std::uint64_t> pulp_exposed_tick_, pulp_near_tick_;
+  std::optional<double> least_wall_m_;
 };
 
 }  // namespace sulcus

@@ -61,7 +61,7 @@ int nearer(const Cell& c, const Cell& first, const LeafBits& voxels, int best) {
   return best;
 }
 
-/// BVMinimize's question of one tree: how near does it come to a voxel?
+/// BVMinimize's question: how near does it come to a voxel?
 struct FromVoxel {
   using Scalar = float;
   const VoxelSet& to;
@@ -75,40 +75,6 @@ struct FromVoxel {
     best = nearer(c, to.grid().leaf_origin(leaf), to.voxels(leaf), best);
     return static_cast<float>(best);
   }
-};
-
-/// Its question of two trees: how near do they come to one another?
-struct Between {
-  using Scalar = float;
-  const VoxelSet &a, &b;
-  int best = std::numeric_limits<int>::max();
-
-  // NOLINTBEGIN(readability-identifier-naming): Eigen's
-  float minimumOnVolumeVolume(const Box& p, const Box& q) const {
-    return p.squaredExteriorDistance(q);
-  }
-  float minimumOnVolumeObject(const Box& p, std::uint32_t leaf_b) const {
-    return p.squaredExteriorDistance(leaf_box(b.grid(), leaf_b));
-  }
-  float minimumOnObjectVolume(std::uint32_t leaf_a, const Box& q) const {
-    return q.squaredExteriorDistance(leaf_box(a.grid(), leaf_a));
-  }
-  float minimumOnObjectObject(std::uint32_t leaf_a, std::uint32_t leaf_b) {
-    const Box box_b = leaf_box(b.grid(), leaf_b);
-    const auto too_far = [&](const auto& from) {
-      return box_b.squaredExteriorDistance(from) >= static_cast<float>(best);
-    };
-    if (too_far(leaf_box(a.grid(), leaf_a))) return static_cast<float>(best);
-    const Cell first_a = a.grid().leaf_origin(leaf_a), first_b = b.grid().leaf_origin(leaf_b);
-    for_each_voxel(a.voxels(leaf_a), [&](int place) {
-      const Cell c = first_a + cell_in_leaf(place);
-      if (!too_far(Eigen::Vector3f(c.cast<float>()))) {
-        best = nearer(c, first_b, b.voxels(leaf_b), best);
-      }
-    });
-    return static_cast<float>(best);
-  }
-  // NOLINTEND(readability-identifier-naming)
 };
 
 }  // namespace
@@ -131,12 +97,6 @@ std::vector<std::uint32_t> squared_distances(const VoxelSet& from, const VoxelSe
     });
   });
   return distances;
-}
-
-std::optional<std::uint32_t> least_squared_distance(const VoxelSet& a, const VoxelSet& b) {
-  if (a.count() == 0 || b.count() == 0) return {};
-  Between question{a, b};
-  return static_cast<std::uint32_t>(Eigen::BVMinimize(leaf_tree(a), leaf_tree(b), question));
 }
 
 }  // namespace sulcus

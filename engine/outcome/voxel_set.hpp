@@ -3,7 +3,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -63,8 +62,5 @@ VoxelSet voxels_of_tissue(const VoxelModel& model, std::uint8_t label);
 /// Of the voxels of one set, each to the nearest of another, leaf by leaf in the order of its
 /// leaves() and by their places in a leaf; empty where either set is. Runs on oneTBB.
 std::vector<std::uint32_t> squared_distances(const VoxelSet& from, const VoxelSet& to);
-
-/// The least over all pairs; none where either set is empty.
-std::optional<std::uint32_t> least_squared_distance(const VoxelSet& a, const VoxelSet& b);
 
 }  // namespace sulcus

@@ -298,8 +298,9 @@ struct Scene {
   std::optional<CuttingSettings> cutting;
   std::optional<SpindleSettings> spindle;
   std::optional<LoosePiecesSettings> loose_pieces;
-  std::optional<GoalSettings> goal;  // only beside [cutting]
-  std::optional<HeatSettings> heat;  // only beside [cutting]
+  std::optional<GoalSettings> goal;             // only beside [cutting]
+  std::optional<double> least_pulp_distance_m;  // of what is cut, by [goal]: less is warned of
+  std::optional<HeatSettings> heat;             // only beside [cutting]
   std::optional<RenderSettings> render;
   std::optional<RecordSettings> record;
 

@@ -263,6 +263,18 @@ HeatSettings read_heat(SceneTable& table, const WorkpieceSettings& workpiece) {
   return h;
 }
 
+/// [goal]: a cavity, a distance to the pulp, or both.
+void read_goals(SceneTable& table, Scene& scene) {
+  if (const auto distance_mm = table.number_if("pulp_distance_mm")) {
+    scene.least_pulp_distance_m = *distance_mm * kMillimetre;
+    if (std::ranges::find(scene.tissues, "pulp", &TissueSettings::name) == scene.tissues.end()) {
+      table.fail("pulp_distance_mm", "no tissue named pulp", "one beside it");
+    }
+    if (!table.has("shape") && !table.has("file")) return table.finish();
+  }
+  scene.goal = read_goal(table);
+}
+
 void read_optional_tables(SceneTable& root, Scene& scene) {
   if (auto table = root.table("loose_pieces")) {
     if (!scene.cutting) {
@@ -278,7 +290,7 @@ void read_optional_tables(SceneTable& root, Scene& scene) {
   }
   if (auto table = root.table("goal")) {
     if (!scene.cutting) root.fail("goal", "[goal] without [cutting]", "both of them");
-    scene.goal = read_goal(*table);
+    read_goals(*table, scene);
   }
   if (auto table = root.table("heat")) {
     if (!scene.cutting) root.fail("heat", "[heat] without [cutting]", "both of them");

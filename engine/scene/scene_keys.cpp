@@ -254,6 +254,8 @@ constexpr std::array kGoal{
     number("taper_deg", {-45, 45}, "0", "by which each wall leans outward going up"),
     numbers("position_mm", 3, kAnyLength_mm, "[0, 0, 0]", "of its centre"),
     numbers("rotation_deg", 3, kAngle_deg, "[0, 0, 0]", "about x, then y, then z"),
+    number("pulp_distance_mm", kSize_mm, "",
+           "of tooth that is to stay over the pulp: less is warned of; also without a cavity"),
 };
 constexpr std::array kHeat{
     number("cell_mm", {0.1, 1}, "0.2", "edge of a cell with one temperature, to a whole voxel"),
@@ -303,7 +305,7 @@ constexpr std::array<SceneTableKeys, 22> kTables{{
     {"cutting", false, "voxels go when their energy is spent", kCutting, {}},
     {"spindle", false, "its speed sags under load; with [cutting]", kSpindle, {}},
     {"loose_pieces", false, "what is cut off falls; with [cutting]", kLoosePieces, {}},
-    {"goal", false, "the cavity to be cut; with [cutting]", kGoal, {}},
+    {"goal", false, "the cavity to be cut, the pulp to be spared; with [cutting]", kGoal, {}},
     {"heat", false, "how warm the tooth becomes; with [cutting]", kHeat, {}},
     {"render", false, "pictures are drawn", kRender, {}},
     {"record", false, "recording.h5 is written", kRecord, {}},

@@ -43,7 +43,7 @@ VoxelModel pulp_block() {
 TEST(PreparationOutcome, TheWallOverThePulpIsWhatStandsBetween) {
   const VoxelModel model = pulp_block();
   const auto wall_m = [&](const std::vector<Cell>& removed) {
-    return Prepared(model, removed, kTissues).outcome.wall_over_pulp_m();
+    return Prepared(model, removed, kTissues).outcome.progress().wall_over_pulp_m();
   };
   EXPECT_FALSE(wall_m({})) << "nothing was removed";
   EXPECT_NEAR(*wall_m({{5, 5, 20}, {9, 9, 11}, {9, 9, 12}}), 3 * kVoxel, 1e-12);
@@ -51,7 +51,8 @@ TEST(PreparationOutcome, TheWallOverThePulpIsWhatStandsBetween) {
   EXPECT_EQ(*wall_m({{9, 9, 8}}), 0.0) << "exposed";
   EXPECT_EQ(*wall_m({{9, 9, 3}}), 0.0) << "in the pulp";
   EXPECT_FALSE(Prepared(model, {{9, 9, 9}}, test::tissues_named({"enamel", "dentine"}))
-                   .outcome.wall_over_pulp_m())
+                   .outcome.progress()
+                   .wall_over_pulp_m())
       << "no pulp is named";
 }
 
@@ -80,7 +81,7 @@ TEST(PreparationOutcome, TheWallOverThePulpIsThatOfAllPairs) {
     }
     ASSERT_GT(least, 1);
     const Prepared prepared(molar, removed, scene.tissues);
-    EXPECT_NEAR(*prepared.outcome.wall_over_pulp_m(),
+    EXPECT_NEAR(*prepared.outcome.progress().wall_over_pulp_m(),
                 scene.workpiece.voxel_m * (std::sqrt(least) - 1.0), 1e-12);
   }
 }

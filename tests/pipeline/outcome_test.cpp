@@ -65,6 +65,7 @@ TEST(Outcome, TheAccessCavityExposesThePulpWhenItsEditsDo) {
               static_cast<double>(pulp_removed) * std::pow(0.15, 3), 1e-9);
   EXPECT_EQ(outcome["dentine_over_pulp_mm"], 0.0);
   EXPECT_FALSE(outcome.contains("caries_left_mm3")) << "no such tissue in the scene";
+  EXPECT_FALSE(outcome.contains("pulp_distance")) << "nor a distance to be kept";
 }
 
 TEST(Outcome, BeforeTheRoofIsThroughThePulpIsNotExposed) {
@@ -74,7 +75,7 @@ TEST(Outcome, BeforeTheRoofIsThroughThePulpIsNotExposed) {
                    "/scenes/access_cavity.toml --set workpiece.voxel_mm=0.15 "
                    "--set 'workpiece.cells=[96, 88, 168]' --set 'burr.field=[48, 192, 48]' "
                    "--set 'tissue=[\"enamel\", \"dentine\", \"pulp\", \"caries\"]' "
-                   "--set workpiece.molar.caries_radius_mm=1.2 "
+                   "--set workpiece.molar.caries_radius_mm=1.2 --set goal.pulp_distance_mm=2 "
                    "--set 'trajectory.points_mm=[[0.46, -0.12, 6], [0.46, -0.12, 3.4]]'");
   const nlohmann::json& outcome = run.summary["outcome"];
   EXPECT_TRUE(outcome["pulp_exposed_tick"].is_null());
@@ -82,6 +83,11 @@ TEST(Outcome, BeforeTheRoofIsThroughThePulpIsNotExposed) {
   EXPECT_EQ(outcome["pulp_removed_mm3"], 0.0);
   // The roof lies at 1.8 mm; the tip has come to 3.4 mm.
   EXPECT_NEAR(outcome["dentine_over_pulp_mm"].get<double>(), 1.6, 0.25);
+  // At 4 mm/s it was 2 mm above it 0.1 s before.
+  EXPECT_EQ(outcome["pulp_distance"]["wanted_mm"], 2.0);
+  EXPECT_EQ(outcome["pulp_distance"]["kept"], false);
+  EXPECT_NEAR(outcome["pulp_distance"]["nearer_s"].get<double>(), run.ticks.back().time_s - 0.1,
+              0.06);
   std::uint64_t caries = 0;
   for (std::uint32_t v = 0; v < run.start.grid.cell_count(); ++v) {
     const Cell c = run.start.grid.cell_of_linear(v);

@@ -33,6 +33,25 @@ TEST(GoalOfAScene, AGoalIsABoxOrACylinder) {
   EXPECT_EQ(cylinder.taper, 0.0);
 }
 
+TEST(GoalOfAScene, ADistanceToThePulpStandsAloneOrBesideACavity) {
+  const std::string tissues = "tissue = ['dentine', 'pulp']\n";
+  const Scene alone = parse(tissues + with_goal("pulp_distance_mm = 0.5\n"));
+  EXPECT_FALSE(alone.goal);
+  EXPECT_DOUBLE_EQ(alone.least_pulp_distance_m.value_or(0.0), 0.5e-3);
+  const Scene both =
+      parse(tissues + with_goal("pulp_distance_mm = 1\nshape = 'box'\nsize_mm = [1, 1, 1]\n"));
+  EXPECT_TRUE(both.goal);
+  EXPECT_DOUBLE_EQ(both.least_pulp_distance_m.value_or(0.0), 1e-3);
+  EXPECT_FALSE(
+      parse(tissues + with_goal("shape = 'box'\nsize_mm = [1, 1, 1]\n")).least_pulp_distance_m);
+  EXPECT_NE(error_of(with_goal("pulp_distance_mm = 0.5\n"))
+                .find("goal.pulp_distance_mm: found no tissue named pulp, expected one beside it"),
+            std::string::npos);
+  EXPECT_NE(error_of(tissues + with_goal("pulp_distance_mm = 0.5\ndepth_mm = 1\n"))
+                .find("unknown key 'depth_mm'"),
+            std::string::npos);
+}
+
 TEST(GoalOfAScene, AGoalHasTheSizesOfItsShape) {
   EXPECT_EQ(error_of(with_goal("size_mm = [1, 1, 1]\n")),
             "/scenes/s.toml: line 6, column 1, goal.shape: found neither a shape nor a file, "

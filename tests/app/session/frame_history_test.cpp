@@ -1,7 +1,10 @@
 #include "app/session/frame_history.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
+#include "engine/core/units.hpp"
 #include "tests/outcome/labelled_model.hpp"
 #include "tests/support/shapes.hpp"
 
@@ -59,6 +62,50 @@ TEST(FrameHistory, TellsOfWhatIsOnlyLessFilled) {
   EXPECT_EQ(line(history, "  caries"), "0.002 mm\xC2\xB3");
   EXPECT_NEAR(history.state().removed_mm3, 1e-3 * (2.0 + 254.0 / 255), 1e-12);
   EXPECT_EQ(line(history, "Pulp"), "covered");
+}
+
+TEST(FrameHistory, TellsHowMuchToothIsLeftOverThePulpAndWarnsOnce) {
+  Scene scene = cutting_scene();
+  scene.least_pulp_distance_m = 3.5e-4;
+  const VoxelModel start = layers();
+  FrameHistory history(scene, start);
+  TickRecord record;
+  const auto cut = [&](int z, std::uint64_t tick) {
+    history.add(Edit{tick, start.grid.linear({5, 5, z}), 0, EditCause::kCut});
+    history.add(record, nullptr);
+  };
+  history.add(record, nullptr);
+  EXPECT_EQ(line(history, "Tooth over it"), "none");
+  EXPECT_TRUE(std::isnan(history.state().pulp_history_mm.back()));
+  cut(9, 1000);
+  EXPECT_EQ(line(history, "Tooth over it"), "0.50 mm");
+  EXPECT_FLOAT_EQ(history.state().pulp_history_mm.back(), 0.5f);
+  EXPECT_EQ(line(history, "Pulp within 0.35 mm"), "none");
+  cut(7, 2500);
+  cut(6, 3000);
+  EXPECT_EQ(line(history, "Tooth over it"), "0.20 mm");
+  EXPECT_EQ(line(history, "Pulp within 0.35 mm"), "from 2.5 s on");
+  cut(4, 3500);
+  EXPECT_EQ(line(history, "Tooth over it"), "none") << "it is exposed";
+  EXPECT_EQ(history.state().pulp_history_mm.back(), 0.0f);
+  EXPECT_EQ(history.state().pulp_history_mm.size(), 5u);
+}
+
+TEST(FrameHistory, TellsTheSpeedOfASpindleAsItSags) {
+  Scene scene = cutting_scene();
+  scene.burr.speed_rad_per_s = 300'000 * kRevolutionPerMinute;
+  CuttingRecord cutting;
+  cutting.spindle_rad_per_s = 240'000 * kRevolutionPerMinute;
+  FrameHistory held(scene, layers());
+  held.add(TickRecord{}, &cutting);
+  EXPECT_EQ(line(held, "Spindle"), "none");
+  EXPECT_TRUE(held.state().spindle_history_krpm.empty());
+  scene.spindle.emplace();
+  FrameHistory history(scene, layers());
+  for (int tick = 0; tick < 5000; ++tick) history.add(TickRecord{}, &cutting);
+  EXPECT_EQ(line(history, "Spindle"), "240000 rpm, -20 %");
+  EXPECT_EQ(history.state().spindle_history_krpm.size(), 2000u);
+  EXPECT_FLOAT_EQ(history.state().spindle_history_krpm.back(), 240.0f);
 }
 
 TEST(FrameHistory, TellsTheForceWhileInContact) {
