@@ -89,8 +89,9 @@ TEST_F(SideCutting, TheVolumeDoesNotDependOnTheVoxelSizeOrTheRate) {
   }
 }
 
-TEST_F(SideCutting, UnderTheSaturatingLawItDoesNotEither) {
+TEST_F(SideCutting, UnderTheSaturatingLawItDoesNotDependOnTheRateEither) {
   const std::string law =
+      coarse_ +
       "--set cutting.law=saturating --set burr.tangential_ratio=0.5 --set burr.grit=super_coarse "
       "--set trajectory.hold_s=0.4 --set workpiece.surface=fractions ";
   const auto of = [&](const std::string& name, const std::string& options) {
@@ -99,10 +100,8 @@ TEST_F(SideCutting, UnderTheSaturatingLawItDoesNotEither) {
     EXPECT_GT(summary["heat_J"].get<double>(), 0.5 * summary["tangential_work_J"].get<double>());
     return removed_mm3(summary);
   };
-  const double mm3 = of("usual", coarse_);
-  EXPECT_NEAR(of("slow", coarse_ + "--set haptics.rate_hz=500"), mm3, 0.01 * mm3);
-  EXPECT_NEAR(of("fine", "--set workpiece.voxel_mm=0.025 --set 'workpiece.cells=[48, 144, 112]'"),
-              mm3, 0.01 * mm3);
+  const double mm3 = of("usual", "");
+  EXPECT_NEAR(of("slow", "--set haptics.rate_hz=500"), mm3, 0.01 * mm3);
 }
 
 TEST_F(SideCutting, ItCutsHardlyMoreWithTwiceTheLoadUnderTheSaturatingLaw) {
