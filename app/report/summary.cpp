@@ -220,10 +220,7 @@ namespace {
 
 /// How warm the tooth became.
 Json heat_json(const HeatResult& heat) {
-  Json j{{"cell_mm", heat.cell_m / kMillimetre},
-         {"given_J", heat.given_J},
-         {"hottest_C", heat.hottest_C},
-         {"pulp", nullptr}};
+  Json j{{"cell_mm", heat.cell_m / kMillimetre}, {"given_J", heat.given_J}, {"pulp", nullptr}};
   if (!heat.pulp) return j;
   const Eigen::Vector3d at_mm = heat.pulp->greatest_rise_world / kMillimetre;
   j["pulp"] = {{"greatest_rise_K", heat.pulp->greatest_rise_K},

@@ -142,7 +142,7 @@ ToothHeat::ToothHeat(const Scene& scene, const VoxelModel& start)
       wall_.push_back(place);
     }
   });
-  result_ = {.cell_m = solid_->cell_m(), .hottest_C = settings_.start_C, .pulp = {}};
+  result_ = {.cell_m = solid_->cell_m(), .pulp = {}};
   if (!wall_.empty()) result_.pulp.emplace();
 }
 
@@ -341,9 +341,6 @@ void ToothHeat::advance(const HeatLog& log, double until_s) {
     heat(gone);
     set_exchanges();
     solid_->advance(log.stretch_s(), exchanges_);
-    for (const SurfaceCell& cell : surface_) {
-      result_.hottest_C = std::max(result_.hottest_C, solid_->temperature_C(cell.place));
-    }
     if (result_.pulp) watch_pulp(log.end_s(next_stretch_), log.stretch_s());
   }
 }

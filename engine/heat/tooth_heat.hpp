@@ -38,7 +38,6 @@ struct PulpHeat {
 struct HeatResult {
   double cell_m = 0.0;           // edge of a cell
   double given_J = 0.0;          // by cutting to the tooth, without what still waits for a voxel
-  double hottest_C = 0.0;        // any cell of the surface at the end of any stretch
   std::optional<PulpHeat> pulp;  // none where the scene names no pulp, or the tooth has none
 };
 

@@ -255,7 +255,7 @@ inline constexpr std::array<std::string_view, 2> kSprayNames{"jet", "mist"};
 struct HeatSettings {
   double cell_m = 0.2e-3;       // edge of the cells with one temperature; voxels make them up
   double start_C = 37.0;        // of all of the tooth, and always of gum and bone
-  double tooth_share = 0.1;     // of the work of cutting: what of it heats the tooth
+  double tooth_share = 0.038;   // of the work of cutting: what of it heats the tooth
   double water_m3_per_s = 0.0;  // on the tooth round the burr while it turns; 0: dry
   double water_C = 23.0;
   Spray spray = Spray::kJet;

@@ -59,7 +59,6 @@ TEST_F(Heat, TheToothHasItsShareOfTheWork) {
   ASSERT_GT(work_J, 0.0);
   // What was done after the last voxel went waits for another.
   EXPECT_NEAR(summary["heat"]["given_J"].get<double>(), 0.2 * work_J, 0.02 * work_J);
-  EXPECT_GT(summary["heat"]["hottest_C"].get<double>(), 38.0);
   EXPECT_TRUE(summary["heat"]["pulp"].is_null());
 }
 
@@ -72,7 +71,6 @@ TEST_F(Heat, TheRecordingGivesWhatTheRunGaveForAnyNumberOfThreads) {
   RecordedHeat heat(reader, scene, recorded_workpiece(reader, scene), "--colour-by");
   heat.advance_to_end();
   EXPECT_EQ(one["heat"]["given_J"].get<double>(), heat.tooth().result().given_J);
-  EXPECT_EQ(one["heat"]["hottest_C"].get<double>(), heat.tooth().result().hottest_C);
 }
 
 TEST_F(Heat, PicturesShowTheTemperatureInASectionToo) {

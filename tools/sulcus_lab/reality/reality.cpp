@@ -7,6 +7,8 @@ std::span<const RealitySection> reality_sections() noexcept {
       RealitySection{"rates", reality_rates},
       RealitySection{"handpieces", reality_handpieces},
       RealitySection{"preparations", reality_preparations},
+      RealitySection{"heat", reality_heat},
+      RealitySection{"sound", reality_sound},
   };
   return kSections;
 }

@@ -45,5 +45,9 @@ std::vector<RealityRow> reality_rates(const RealityOptions& options);
 std::vector<RealityRow> reality_handpieces(const RealityOptions& options);
 /// The forces of a preparation.
 std::vector<RealityRow> reality_preparations(const RealityOptions& options);
+/// The pulp after a minute's work, dry and with water.
+std::vector<RealityRow> reality_heat(const RealityOptions& options);
+/// The pitch of a turbine that cuts.
+std::vector<RealityRow> reality_sound(const RealityOptions& options);
 
 }  // namespace sulcus::lab
