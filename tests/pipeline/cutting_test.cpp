@@ -108,7 +108,8 @@ TEST_F(SideCutting, ItCutsHardlyMoreWithTwiceTheLoadUnderTheSaturatingLaw) {
   const auto of = [&](const std::string& name, const std::string& options) {
     return removed_mm3(run(name, coarse_ + "--set trajectory.load_N=" + options));
   };
-  EXPECT_GT(of("paper_2", "2"), 1.9 * of("paper_1", "1"));
+  // Not twice as much: deeper in, more of the burr's side turns where it cuts less.
+  EXPECT_GT(of("paper_2", "2"), 1.7 * of("paper_1", "1"));
   const std::string law = " --set cutting.law=saturating";
   EXPECT_LT(of("saturating_2", "2" + law), 1.2 * of("saturating_1", "1" + law));
 }

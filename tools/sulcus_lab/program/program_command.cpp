@@ -25,7 +25,7 @@ struct ProgramOptions {
 };
 
 /// What one build has measured, figure by figure.
-struct Measured {
+struct MeasuredProgram {
   std::vector<std::string> names;
   std::vector<std::vector<float>> values;
 
@@ -58,7 +58,7 @@ void program(const ProgramOptions& options) {
   ProgressLine progress;
   for (const ProgramTrial& trial : program_trials()) {
     if (std::ranges::find(options.trials, trial.name) == options.trials.end()) continue;
-    std::vector<Measured> measured(builds.size());
+    std::vector<MeasuredProgram> measured(builds.size());
     for (int repeat = 0; repeat < options.repeats; ++repeat) {
       progress.say(std::string(trial.name) + ' ' + std::to_string(repeat + 1));
       // In turn, so that what else the machine does is in both.

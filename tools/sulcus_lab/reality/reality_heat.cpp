@@ -1,7 +1,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/sulcus_lab/reality/pulp_after_work.hpp"
+#include "tools/sulcus_lab/reality/pulp_after_a_minute.hpp"
 #include "tools/sulcus_lab/reality/reality.hpp"
 
 namespace sulcus::lab {
@@ -15,7 +15,7 @@ std::vector<RealityRow> reality_heat(const RealityOptions& options) {
         "cutting.law=" + std::string(kCuttingLawNames[static_cast<std::size_t>(law)])};
     if (options.quick) {
       overrides.insert(overrides.end(),
-                       {"workpiece.voxel_mm=0.12", "workpiece.cells=[120, 112, 208]"});
+                       {"workpiece.voxel_mm=0.24", "workpiece.cells=[64, 56, 104]"});
     }
     const PulpFigures pulp = pulp_after_a_minute(overrides);
     dry.value[static_cast<std::size_t>(law)] = pulp.dry_K;

@@ -1,13 +1,14 @@
-#include "tools/sulcus_lab/reality/pulp_after_work.hpp"
+#include "tools/sulcus_lab/reality/pulp_after_a_minute.hpp"
 
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <stdexcept>
 #include <utility>
 
 #include "app/session/simulation.hpp"
+#include "engine/core/units.hpp"
 #include "engine/heat/heat_log.hpp"
+#include "engine/heat/tooth_heat.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/scene/trajectory.hpp"
 #include "engine/shapes/build_shape.hpp"
@@ -16,11 +17,10 @@
 
 namespace sulcus::lab {
 
-PulpHeat pulp_after_work(const std::string& scene_file, const std::vector<std::string>& overrides) {
-  const Scene scene = load_scene(scene_file, overrides);
-  if (!scene.heat) throw std::invalid_argument(scene_file + " has no heat");
-  VoxelModel tooth = build_shape(scene);
-  ToothHeat heat(scene, tooth);
+namespace {
+
+/// What a scene's ticks do, the scripted burr following the trajectory.
+HeatLog worked(const Scene& scene, VoxelModel tooth) {
   const Trajectory trajectory = make_trajectory(scene.trajectory);
   Simulation simulation(scene, std::move(tooth), {},
                         make_burr(scene.burr, scene.workpiece.voxel_m, scene.file), StageClock{},
@@ -34,18 +34,22 @@ PulpHeat pulp_after_work(const std::string& scene_file, const std::vector<std::s
     log.add(record, simulation.cutting());
     for (const Edit& edit : simulation.edits()) log.add(edit);
   }
-  heat.advance(log, std::numeric_limits<double>::infinity());
-  if (!heat.result().pulp) throw std::invalid_argument(scene_file + ": its tooth has no pulp");
-  return *heat.result().pulp;
+  return log;
 }
 
+}  // namespace
+
 PulpFigures pulp_after_a_minute(const std::vector<std::string>& overrides) {
-  const auto change_K = [&](const char* water) {
-    std::vector<std::string> all = overrides;
-    all.emplace_back(water);
-    return pulp_after_work(SULCUS_SCENES "/occlusal_minute.toml", all).end_change_K();
+  Scene scene = load_scene(SULCUS_SCENES "/occlusal_minute.toml", overrides);
+  const VoxelModel tooth = build_shape(scene);
+  const HeatLog log = worked(scene, VoxelModel(tooth));
+  const auto change_K = [&](double water_ml_min) {
+    scene.heat.value().water_m3_per_s = water_ml_min * kMillilitrePerMinute;
+    ToothHeat heat(scene, tooth);
+    heat.advance(log, std::numeric_limits<double>::infinity());
+    return heat.result().pulp.value().end_change_K();
   };
-  return {change_K("heat.water_ml_min=0"), change_K("heat.water_ml_min=30")};
+  return {change_K(0.0), change_K(30.0)};
 }
 
 }  // namespace sulcus::lab
