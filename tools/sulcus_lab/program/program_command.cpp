@@ -111,7 +111,7 @@ void add_program_command(CLI::App& program_app) {
       ->add_option("--against", options->against,
                    "Folder of another build, measured in turn with this one")
       ->check(CLI::ExistingDirectory);
-  command->add_option("--repeats", options->repeats, "Of each trial; the median is told (5)")
+  command->add_option("--repeats", options->repeats, "Of each trial; the median is printed (5)")
       ->check(CLI::Range(1, 1000));
   command->add_option("-o", options->folder, "Folder for the results (out/lab/program)");
   command->footer(footer +
