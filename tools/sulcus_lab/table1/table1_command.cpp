@@ -75,7 +75,7 @@ void write_compared(const std::string& path, const Table1Run& run) {
     std::string line = std::to_string(tick.tick) + "," + std::to_string(tick.contacts);
     const auto add = [&](double ours, double exact, double truth) {
       for (const double value : {ours, exact, run.has_truth ? truth : nothing}) {
-        line += "," + number_cell("%.6g", value);
+        line += ',' + number_cell("%.6g", value);
       }
     };
     add(tick.ours.force_N.norm(), tick.exact.force_N.norm(), tick.truth.force_N.norm());
