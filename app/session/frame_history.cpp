@@ -55,8 +55,7 @@ FrameHistory::FrameHistory(const Scene& scene, const VoxelModel& start, const Ea
       voxel_mm3_(voxel_mm3(scene.workpiece)),
       cutting_(scene.cutting.has_value()),
       port_(scene.device || scene.coupling),
-      sags_(scene.spindle.has_value()),
-      least_pulp_distance_m_(scene.least_pulp_distance_m) {
+      sags_(scene.spindle.has_value()) {
   if (cutting_) {
     progress_.emplace(earlier ? earlier->start : start, scene.tissues, scene.least_pulp_distance_m);
   }
@@ -116,8 +115,8 @@ std::vector<OutcomeLine> FrameHistory::outcome() const {
 /// What somebody should look at; nothing where all is well.
 void FrameHistory::add_warnings(std::vector<OutcomeLine>& lines) const {
   if (progress_ && progress_->pulp_near_tick()) {
-    lines.push_back({formatted("Pulp within %.2f mm", *least_pulp_distance_m_ / kMillimetre),
-                     formatted("from %.1f s on", seconds(*progress_->pulp_near_tick()))});
+    lines.push_back(
+        {"Near the pulp", formatted("since %.1f s", seconds(*progress_->pulp_near_tick()))});
   }
   if (given_out_J_ >= 1e-5) {
     lines.push_back({"Energy given out", formatted("%.2f mJ", given_out_J_ * 1e3)});

@@ -66,9 +66,8 @@ class FrameHistory {
   std::vector<float> spindle_krpm_, pulp_mm_;  // with [spindle]; with a pulp
   bool cutting_, port_, sags_, timed_ = false;
   std::optional<double> latest_spindle_rad_per_s_;  // with [spindle]
-  std::optional<double> least_pulp_distance_m_;
-  double given_out_J_ = 0.0;                    // with [device] or [coupling]
-  std::array<double, kStageCount> stage_us_{};  // over about the last hundred ticks
+  double given_out_J_ = 0.0;                        // with [device] or [coupling]
+  std::array<double, kStageCount> stage_us_{};      // over about the last hundred ticks
 };
 
 }  // namespace sulcus

@@ -9,6 +9,7 @@
 
 #include "app/session/feed.hpp"
 #include "app/session/frame_history.hpp"
+#include "app/session/live_heat.hpp"
 #include "engine/graphics/frame_state.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/surface/drawn_surface.hpp"
@@ -32,6 +33,11 @@ class LiveFilm {
         removed_(1 + scene.bodies.size()),
         lowered_(removed_.size()) {}
 
+  /// Before the first tick is taken: shows how warm the pulp becomes. Arguments as LiveHeat's.
+  void show_heat(const Scene& scene, const VoxelModel& start, std::uint64_t first_tick) {
+    heat_.emplace(scene, start, first_tick);
+  }
+
   /// The next tick, where one has come.
   std::optional<TickReport> take() {
     TickReport report;
@@ -43,9 +49,11 @@ class LiveFilm {
         lowered_[edit.body].push_back({edit.voxel, edit.level});
       }
       history_.add(edit);
+      if (heat_) heat_->add(edit);
       ++edits_taken_;
     }
     history_.add(report);
+    if (heat_) heat_->add(report);
     return report;
   }
   bool empty() const { return history_.empty(); }
@@ -54,6 +62,9 @@ class LiveFilm {
   template <class Drawing>
   FrameState bring(Drawing& drawing, Pieces pieces) {
     FrameState state = history_.state();
+    if (heat_) {
+      for (OutcomeLine& line : heat_->lines()) state.outcome.push_back(std::move(line));
+    }
     for (std::size_t body = 0; body < lowered_.size(); ++body) {
       if (!lowered_[body].empty()) drawing.set_levels(body, lowered_[body]);
       lowered_[body].clear();
@@ -91,6 +102,7 @@ class LiveFilm {
 
   Feed& feed_;
   FrameHistory history_;
+  std::optional<LiveHeat> heat_;
   // By body, since the last picture.
   std::vector<std::vector<std::uint32_t>> removed_;
   std::vector<std::vector<VoxelLevel>> lowered_;

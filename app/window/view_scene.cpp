@@ -126,11 +126,13 @@ std::optional<GoOn> run_part(Part& part, Window& window, ViewCamera& camera, Liv
   std::optional<GoOn> go_on;
   live.first_s = std::numeric_limits<float>::max();
   part.session.paused = &paused;
+  const std::uint64_t first_tick = part.simulation->state().tick;
   part.session.watch = [&](Feed& feed) {
     RenderSettings settings = scene.render.value_or(RenderSettings{});
     settings.width = window.size().x();
     settings.height = window.size().y();
     LiveFilm film(feed, scene, bodies.front().model, part.session.earlier.get());
+    if (scene.heat) film.show_heat(scene, bodies.front().model, first_tick);
     GlScene drawing(settings, std::move(bodies), part.simulation->burr().mesh_tool,
                     part.simulation->burr().head_length_m);
     drawing.set_hurried(true);

@@ -80,11 +80,11 @@ TEST(FrameHistory, TellsHowMuchToothIsLeftOverThePulpAndWarnsOnce) {
   cut(9, 1000);
   EXPECT_EQ(line(history, "Tooth over it"), "0.50 mm");
   EXPECT_FLOAT_EQ(history.state().pulp_history_mm.back(), 0.5f);
-  EXPECT_EQ(line(history, "Pulp within 0.35 mm"), "none");
+  EXPECT_EQ(line(history, "Near the pulp"), "none");
   cut(7, 2500);
   cut(6, 3000);
   EXPECT_EQ(line(history, "Tooth over it"), "0.20 mm");
-  EXPECT_EQ(line(history, "Pulp within 0.35 mm"), "from 2.5 s on");
+  EXPECT_EQ(line(history, "Near the pulp"), "since 2.5 s");
   cut(4, 3500);
   EXPECT_EQ(line(history, "Tooth over it"), "none") << "it is exposed";
   EXPECT_EQ(history.state().pulp_history_mm.back(), 0.0f);
