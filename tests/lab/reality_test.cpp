@@ -51,11 +51,9 @@ TEST(RealityFit, OffTheMiddleIsInHalvesOfTheBand) {
   EXPECT_NEAR(off_the_middle(band, 0.2), -2.0, 1e-12);
 }
 
-/// What a run in coarse voxels gives, for what the fit has in closed form.
+/// What runs give, for what the fit has in closed form.
 TEST(Reality, TheRatesThatTheFitReckonsWithAreThoseOfTheTicks) {
-  RealityOptions quick;
-  quick.quick = true;
-  const std::vector<RealityRow> rows = reality_rates(quick);
+  const std::vector<RealityRow> rows = reality_rates(RealityOptions{});
   for (const FittedBand& band : fitted_bands()) {
     const auto row = std::ranges::find(rows, std::string(band.check), &RealityRow::check);
     ASSERT_NE(row, rows.end()) << band.check;
