@@ -21,12 +21,13 @@ class Sound : public ::testing::Test {
   test::CommandResult command(const std::string& arguments) {
     return test::sulcus_command(arguments, scratch_.path("err"));
   }
-  /// A bar that is cut on its side under a load, by a spindle that sags under it.
+  /// A bar that is cut on its side under a load, by a spindle that sags under it. It is heavy enough
+  /// to have one speed, and no band of them, for as long as a line of the spectrum takes.
   void cut(const std::string& load_N) {
     const auto result = command(
         "run " + std::string(SULCUS_SOURCE_DIR) +
         "/scenes/side_cut.toml --set burr.speed_rpm=150000 --set trajectory.hold_s=1.2 --set "
-        "spindle.stall_torque_mNm=1 --set spindle.inertia_g_mm2=1 --set trajectory.load_N=" +
+        "spindle.stall_torque_mNm=1 --set spindle.inertia_g_mm2=5 --set trajectory.load_N=" +
         load_N + " --set workpiece.voxel_mm=0.05 --set 'workpiece.cells=[24, 72, 56]' -o " +
         scratch_.path(load_N));
     ASSERT_EQ(result.status, 0) << result.err;
