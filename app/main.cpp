@@ -39,6 +39,7 @@ int run(int argc, char** argv) {
   sulcus::add_render_command(program);
   sulcus::add_view_command(program);
   sulcus::add_export_command(program);
+  sulcus::add_assess_command(program);
   sulcus::add_inspect_command(program);
   sulcus::add_repair_command(program);
   sulcus::add_help_command(program);  // last: it knows the others

@@ -13,6 +13,7 @@ void add_render_command(CLI::App& program);
 void add_view_command(CLI::App& program);
 void add_repair_command(CLI::App& program);
 void add_export_command(CLI::App& program);
+void add_assess_command(CLI::App& program);
 void add_inspect_command(CLI::App& program);
 /// Of those that were added before it.
 void add_help_command(CLI::App& program);

@@ -25,6 +25,8 @@ std::string type_of(const SceneKey& key) {
       return "whole number";
     case KeyKind::kNumbers:
       return count + " numbers";
+    case KeyKind::kLimit:
+      return "number or [least, most]";
     case KeyKind::kRows:
       return "rows of " + count + " numbers [" + std::string(key.fields) + "]";
     case KeyKind::kDirection:
@@ -48,7 +50,7 @@ std::string type_of(const SceneKey& key) {
 /// Whether the kind has a range that says something.
 bool has_range(KeyKind kind) {
   return kind == KeyKind::kNumber || kind == KeyKind::kWhole || kind == KeyKind::kNumbers ||
-         kind == KeyKind::kRows;
+         kind == KeyKind::kRows || kind == KeyKind::kLimit;
 }
 
 std::string_view kind_of(const StoredPart& part) {

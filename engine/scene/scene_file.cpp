@@ -9,6 +9,7 @@
 #include "engine/core/input_limits.hpp"
 #include "engine/core/units.hpp"
 #include "engine/normals/normal_choice.hpp"
+#include "engine/scene/assessment_table.hpp"
 #include "engine/scene/burr_number.hpp"
 #include "engine/scene/handpiece_presets.hpp"
 #include "engine/scene/table_readers.hpp"
@@ -292,6 +293,10 @@ void read_optional_tables(SceneTable& root, Scene& scene) {
     if (!scene.cutting) root.fail("goal", "[goal] without [cutting]", "both of them");
     read_goals(*table, scene);
   }
+  if (auto table = root.table("assessment")) {
+    if (!scene.cutting) root.fail("assessment", "[assessment] without [cutting]", "both of them");
+    (void)read_assessment(*table);  // a run has no use for it: assessment_of() reads it again
+  }
   if (auto table = root.table("heat")) {
     if (!scene.cutting) root.fail("heat", "[heat] without [cutting]", "both of them");
     scene.heat = read_heat(*table, scene.workpiece);
@@ -318,7 +323,9 @@ void read_optional_tables(SceneTable& root, Scene& scene) {
   }
 }
 
-std::string read_text(const std::string& file) {
+}  // namespace
+
+std::string read_scene_text(const std::string& file) {
   std::error_code error;
   if (std::filesystem::is_directory(file, error)) {
     throw InputError(file, "", "a folder", "a scene file, .toml");
@@ -335,11 +342,9 @@ std::string read_text(const std::string& file) {
   return text;
 }
 
-}  // namespace
-
 Scene load_scene(const std::string& file, std::span<const std::string> overrides,
                  const InputLimits& limits) {
-  return parse_scene(read_text(file), file, overrides, limits);
+  return parse_scene(read_scene_text(file), file, overrides, limits);
 }
 
 Scene parse_scene(const std::string& text, const std::string& file,

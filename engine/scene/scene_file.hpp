@@ -15,6 +15,10 @@ namespace sulcus {
 Scene load_scene(const std::string& file, std::span<const std::string> overrides = {},
                  const InputLimits& limits = {});
 
+/// The text of a scene's file, or of one beside it. InputError where it cannot be read, or is
+/// longer than a scene may be.
+std::string read_scene_text(const std::string& file);
+
 /// The same from a text, as a recording carries it; `file` is for messages and relative paths.
 Scene parse_scene(const std::string& text, const std::string& file,
                   std::span<const std::string> overrides = {}, const InputLimits& limits = {});

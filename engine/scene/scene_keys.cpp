@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "engine/normals/height_map.hpp"
+#include "engine/scene/assessment_table.hpp"
 #include "engine/scene/device_presets.hpp"
 #include "engine/scene/handpiece_presets.hpp"
 #include "engine/scene/scene.hpp"
@@ -50,6 +51,13 @@ constexpr SceneKey choice(Text key, std::span<const Text> words, Text default_to
 }
 constexpr SceneKey path(Text key, Text what) {
   return {key, KeyKind::kPath, {}, 1, {}, {}, what, {}};
+}
+
+constexpr SceneKey limit(const MeasureName& measure) {
+  return {measure.name, KeyKind::kLimit, {-1e6, 1e6}, 1, {}, {}, measure.what, {}};
+}
+constexpr SceneKey weight(const MeasureName& measure) {
+  return {measure.name, KeyKind::kNumber, {0, 1000}, 1, {}, {}, "in the mark (1)", {}};
 }
 
 constexpr std::array<Text, 6> kShapes{"molar", "sphere", "box", "plate", "torus", "groove"};
@@ -282,7 +290,51 @@ constexpr std::array kRecord{
            "of a stalled disk that is waited for, before rows are left out"),
 };
 
-constexpr std::array<SceneTableKeys, 22> kTables{{
+// Lengths along the path of insertion or across it. At most, unless a range or "at least" is said.
+constexpr std::array<MeasureName, 22> kMeasures{{
+    {"depth_mm", "mm", "of the floor below the tooth as it was, mean; of a crown: of its top",
+     false},
+    {"greatest_depth_mm", "mm", "where the floor is deepest", false},
+    {"floor_flatness_um", "um", "RMS of the floor from its best plane", false},
+    {"convergence_deg", "deg", "between opposite walls; above 0: it opens outward", false},
+    {"undercut_mm2", "mm2", "hidden by tooth above it, by area across the insertion", false},
+    {"isthmus_mm", "mm", "of a cavity halfway down: what goes through all of it", false},
+    {"width_mm", "mm", "of a cavity halfway down, where it is widest", false},
+    {"margin_mm", "mm", "of a crown's finish line, median", false},
+    {"roughness_um", "um", "Ra of the walls, mean", false},
+    {"wall_left_mm", "mm", "from a cavity to the tooth's outside, across; at least", true},
+    {"dentine_over_pulp_mm", "mm", "left over the pulp; at least", true},
+    {"pulp_removed_mm3", "mm3", "of the pulp", false},
+    {"caries_left_mm3", "mm3", "of the caries", false},
+    {"sound_removed_mm3", "mm3", "of all tissues but caries and pulp", false},
+    {"neighbour_removed_mm3", "mm3", "of other bodies", false},
+    {"over_mm", "mm", "greatest cut beyond the scene's [goal]", false},
+    {"under_mm", "mm", "greatest that is missing of it", false},
+    {"dice", "", "of what was removed and the goal; at least", true},
+    {"force_N", "N", "greatest", false},
+    {"mean_force_N", "N", "while in contact", false},
+    {"time_s", "s", "of the run", false},
+    {"contact_s", "s", "in contact", false},
+}};
+
+constexpr std::array<Text, 4> kAssessmentPresets{"class_one", "class_two", "access", "crown"};
+
+/// Its own keys, and a limit for each measure.
+constexpr auto kAssessment = [] {
+  std::array<SceneKey, 3 + kMeasures.size()> keys{
+      choice("preset", kAssessmentPresets, "", "limits of a school; keys beside it go before them"),
+      choice("kind", kAssessedKindNames, "(of the preset, else \"cavity\")", "what was prepared"),
+      direction("insertion", "[0, 0, 1]", "path of insertion, out of the tooth")};
+  for (std::size_t i = 0; i < kMeasures.size(); ++i) keys[3 + i] = limit(kMeasures[i]);
+  return keys;
+}();
+constexpr auto kWeights = [] {
+  std::array<SceneKey, kMeasures.size()> keys{};
+  for (std::size_t i = 0; i < kMeasures.size(); ++i) keys[i] = weight(kMeasures[i]);
+  return keys;
+}();
+
+constexpr std::array<SceneTableKeys, 24> kTables{{
     {"", false, "at the top of the file", kTop, {}},
     {"workpiece", false, "what is probed and cut; must be there", kWorkpiece, {}},
     {"workpiece.molar", false, "with shape = \"molar\"; its crown points to +z", kMolar, {}},
@@ -306,13 +358,15 @@ constexpr std::array<SceneTableKeys, 22> kTables{{
     {"spindle", false, "its speed sags under load; with [cutting]", kSpindle, {}},
     {"loose_pieces", false, "what is cut off falls; with [cutting]", kLoosePieces, {}},
     {"goal", false, "the cavity to be cut, the pulp to be spared; with [cutting]", kGoal, {}},
+    {"assessment", false, "what sulcus assess marks it by; with [cutting]", kAssessment, {}},
+    {"assessment.weights", false, "of the limits that are not met", kWeights, {}},
     {"heat", false, "how warm the tooth becomes; with [cutting]", kHeat, {}},
     {"render", false, "pictures are drawn", kRender, {}},
     {"record", false, "recording.h5 is written", kRecord, {}},
 }};
 
 // Longest first: the first that fits is taken.
-constexpr std::array<std::pair<Text, Text>, 25> kUnits{{{"_mNm_s_per_rad", "mN m s/rad"},
+constexpr std::array<std::pair<Text, Text>, 27> kUnits{{{"_mNm_s_per_rad", "mN m s/rad"},
                                                         {"_mNm_per_rad", "mN m/rad"},
                                                         {"_Nm_per_rad", "N m/rad"},
                                                         {"_J_per_mm3", "J/mm3"},
@@ -324,6 +378,8 @@ constexpr std::array<std::pair<Text, Text>, 25> kUnits{{{"_mNm_s_per_rad", "mN m
                                                         {"_g_mm2", "g mm2"},
                                                         {"_s_mm", "s, mm"},
                                                         {"_mm3", "mm3"},
+                                                        {"_mm2", "mm2"},
+                                                        {"_um", "um"},
                                                         {"_mNm", "mN m"},
                                                         {"_rpm", "rpm"},
                                                         {"_deg", "deg"},
@@ -355,6 +411,8 @@ const SceneTableKeys* table_behind(Text name) noexcept {
 }
 
 }  // namespace
+
+std::span<const MeasureName> measure_names() noexcept { return kMeasures; }
 
 std::span<const SceneTableKeys> scene_tables() noexcept { return kTables; }
 

@@ -19,6 +19,7 @@ enum class KeyKind : std::uint8_t {
   kNumber,
   kWhole,      // a whole number
   kNumbers,    // an array of `count` numbers
+  kLimit,      // a number or an array of two, the least and the most
   kRows,       // an array of at least one such array
   kDirection,  // three numbers, of any length but none
   kBoolean,

@@ -123,6 +123,11 @@ Eigen::Vector3d SceneTable::direction(std::string_view key) {
                          [&](TomlTable& table) { return table.direction(key); });
 }
 
+std::vector<double> SceneTable::limit(std::string_view key) {
+  const SceneKey& row = key_of(key, KeyKind::kLimit);
+  return table_.limit(key, row.range);
+}
+
 std::vector<std::vector<double>> SceneTable::rows(std::string_view key) {
   const SceneKey& row = key_of(key, KeyKind::kRows);
   return table_.rows(key, row.count, row.fields, row.range);

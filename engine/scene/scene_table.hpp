@@ -35,6 +35,8 @@ class SceneTable {
   std::optional<std::size_t> choice_if(std::string_view key);
   std::optional<Eigen::Vector3d> direction_if(std::string_view key);
   std::vector<double> numbers_if(std::string_view key);
+  /// One number, or the least and the most; empty where it is absent.
+  std::vector<double> limit(std::string_view key);
   std::vector<std::vector<double>> rows(std::string_view key);
   std::string path(std::string_view key);
   /// Refuses any text but `word` for a key that is a text instead of what else it may be.

@@ -157,6 +157,19 @@ std::vector<double> TomlTable::numbers(std::string_view key, std::size_t count, 
   return values;
 }
 
+std::vector<double> TomlTable::limit(std::string_view key, Range range) {
+  const toml::node* node = find(key);
+  if (!node) return {};
+  if (node->is_number()) return {checked(key, *node, range)};
+  const toml::array* array = node->as_array();
+  if (!array || array->size() != 2) {
+    fail(key, describe(*node), "a number or [least, most], " + range_text(range));
+  }
+  std::vector<double> limit{checked(key, (*array)[0], range), checked(key, (*array)[1], range)};
+  if (limit[0] > limit[1]) fail(key, describe(*node), "[least, most]");
+  return limit;
+}
+
 std::vector<std::vector<double>> TomlTable::rows(std::string_view key, std::size_t count,
                                                  std::string_view names, Range range) {
   const toml::node* node = find(key);

@@ -36,6 +36,8 @@ class TomlTable {
   std::optional<std::string> text(std::string_view key);
   /// Exactly `count` numbers; empty when absent.
   std::vector<double> numbers(std::string_view key, std::size_t count, Range range);
+  /// One number, or the least and the most of a range; empty when absent.
+  std::vector<double> limit(std::string_view key, Range range);
   /// Rows of as many numbers as `names` ("x, y, z") says, at least one row; empty when absent.
   std::vector<std::vector<double>> rows(std::string_view key, std::size_t count,
                                         std::string_view names, Range range);

@@ -1,0 +1,152 @@
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/commands/common_options.hpp"
+#include "app/playback/recorded_run.hpp"
+#include "app/report/assessment.hpp"
+#include "app/report/output_file.hpp"
+#include "app/report/results.hpp"
+#include "app/terminal/progress.hpp"
+#include "app/terminal/terminal.hpp"
+#include "engine/core/error.hpp"
+#include "engine/core/whole_file.hpp"
+#include "engine/import/meshes/mesh_file.hpp"
+#include "engine/scene/scene_file.hpp"
+
+namespace sulcus {
+
+namespace {
+
+struct AssessOptions {
+  std::vector<std::string> recordings;
+  std::string assessment, before, after, folder;
+};
+
+AssessmentSettings settings_of(const std::string& text, const std::string& file) {
+  auto settings = assessment_of(text, file);
+  if (!settings) {
+    throw InputError(file, "[assessment]", "none", "one in the scene, or --assessment FILE.toml");
+  }
+  return *std::move(settings);
+}
+
+/// The file's, else the scene's that the recording carries.
+AssessmentSettings settings_for(const AssessOptions& options, const RecordingReader& reader,
+                                const std::string& recording) {
+  if (options.assessment.empty())
+    return settings_of(recorded_scene(reader, recording).text, recording);
+  return settings_of(read_scene_text(options.assessment), options.assessment);
+}
+
+void say_assessment(const Assessment& assessment) {
+  say("%s\n", assessment.subject.c_str());
+  for (const std::string& line : assessment_lines(assessment)) say("%s\n", line.c_str());
+}
+
+void write_json(const std::string& folder, const Assessment& assessment) {
+  make_output_folder("-o", folder);
+  const std::string file = folder + "/assessment.json";
+  write_whole_file(file, assessment_json(assessment));
+  say("%s\n", file.c_str());
+}
+
+std::string csv_text(const std::string& text) {
+  std::string cell = "\"";
+  for (const char c : text) cell.append(c == '"' ? 2 : 1, c);
+  return cell + '"';
+}
+
+/// One row an attempt, a column for each measure that any of them has.
+void write_table(const std::string& folder, const std::vector<Assessment>& attempts) {
+  std::string table = "attempt,subject,mark";
+  std::vector<std::string_view> names;
+  for (const MeasureName& measure : measure_names()) {
+    for (const Assessment& attempt : attempts) {
+      if (value_of(attempt, measure.name)) {
+        names.push_back(measure.name);
+        break;
+      }
+    }
+  }
+  for (const std::string_view name : names) table.append(",").append(name);
+  table += '\n';
+  const auto cell = [](const std::optional<double>& value) {
+    return value ? formatted(",%.9g", *value) : std::string(",");
+  };
+  for (std::size_t i = 0; i < attempts.size(); ++i) {
+    table += formatted("%zu,", i + 1) + csv_text(attempts[i].subject) + cell(attempts[i].mark);
+    for (const std::string_view name : names) table += cell(value_of(attempts[i], name));
+    table += '\n';
+  }
+  const std::string file = folder + "/assessment.csv";
+  write_whole_file(file, table);
+  say("%s\n", file.c_str());
+}
+
+void assess_pair(const AssessOptions& options) {
+  if (options.before.empty() || options.after.empty()) {
+    throw InputError("", "assess", "one of --before and --after", "both, or a recording");
+  }
+  if (!options.recordings.empty()) {
+    throw InputError("", "assess", "a recording beside --before and --after", "one or the other");
+  }
+  if (options.assessment.empty()) {
+    throw InputError("", "assess", "no --assessment", "FILE.toml with [assessment]");
+  }
+  const AssessmentSettings settings =
+      settings_of(read_scene_text(options.assessment), options.assessment);
+  const TriangleMesh before = read_mesh(options.before), after = read_mesh(options.after);
+  const Assessment result = assess_meshes(before, after, {options.before, options.after}, settings);
+  say_assessment(result);
+  write_json(
+      options.folder.empty() ? folder_of_recording(options.after, "-assessment") : options.folder,
+      result);
+}
+
+void assess(const AssessOptions& options) {
+  check_output_folder("-o", options.folder);
+  if (!options.before.empty() || !options.after.empty()) return assess_pair(options);
+  if (options.recordings.empty()) {
+    throw InputError("", "assess", "nothing to assess", "RECORDING..., or --before and --after");
+  }
+  std::vector<Assessment> attempts;
+  for (const std::string& recording : options.recordings) {
+    const Progress progress("assessing");
+    const RecordingReader reader(recording);
+    say_what_is_missing(reader);
+    attempts.push_back(
+        assess_recording(reader, recording, settings_for(options, reader, recording)));
+  }
+  for (const Assessment& attempt : attempts) say_assessment(attempt);
+  const std::string folder = options.folder.empty()
+                                 ? folder_of_recording(options.recordings.front(), "-assessment")
+                                 : options.folder;
+  if (attempts.size() == 1) return write_json(folder, attempts.front());
+  for (std::size_t i = 0; i < attempts.size(); ++i) {
+    write_json(folder + "/" + std::to_string(i + 1), attempts[i]);
+  }
+  write_table(folder, attempts);
+}
+
+}  // namespace
+
+void add_assess_command(CLI::App& program) {
+  auto options = std::make_shared<AssessOptions>();
+  CLI::App* command = program.add_subcommand("assess", "Measure and mark a preparation");
+  add_option(*command, "RECORDING", options->recordings, "FILE", "Recordings, .h5");
+  add_option(*command, "--assessment", options->assessment, "FILE",
+             "Limits: .toml with [assessment] (that of the scene)");
+  add_option(*command, "--before", options->before, "FILE",
+             "Without a recording: the tooth as it was, .stl, .obj or .ply, mm");
+  add_option(*command, "--after", options->after, "FILE", "And as it is, in the same space");
+  add_option(*command, "-o", options->folder, "DIR",
+             "Folder for assessment.json (out/NAME-assessment); of several in 1/, 2/, ...,\n"
+             "with a table of all, assessment.csv");
+  command->callback([options] { assess(*options); });
+}
+
+}  // namespace sulcus

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "engine/core/triangle_mesh.hpp"
+#include "engine/recording/recording_reader.hpp"
+#include "engine/scene/assessment_table.hpp"
+
+namespace sulcus {
+
+/// One figure of a preparation, as assessment.json has it.
+struct AssessedMeasure {
+  std::string name, unit;
+  double value = 0.0;
+  std::optional<MeasureLimit> limit;
+  std::optional<Eigen::Vector3d> position_m;  // where it is decided, world space
+  std::optional<std::uint64_t> tick;          // which made it so
+  std::optional<double> time_s;
+
+  bool met() const { return !limit || limit->met(value); }
+};
+
+struct Assessment {
+  std::string subject;                    // the file or files
+  std::vector<AssessedMeasure> measures;  // in the order of measure_names()
+  std::vector<std::string> not_measured;  // of the limits: the preparation has no such thing
+  std::optional<double> mark;             // 0 to 100: the share of the weights that is met
+};
+
+/// Of a recording, from the first tooth on, also where it goes on from another. InputError where
+/// nothing was removed, or where the recording does not hold its run.
+Assessment assess_recording(const RecordingReader& reader, const std::string& path,
+                            const AssessmentSettings& settings);
+
+/// Of two closed surfaces, m, in one space. InputError where they do not overlie, or where nothing
+/// was removed; `names`: of their files.
+Assessment assess_meshes(const TriangleMesh& before, const TriangleMesh& after,
+                         const std::array<std::string, 2>& names,
+                         const AssessmentSettings& settings);
+
+/// Of a measure; none where it was not measured.
+std::optional<double> value_of(const Assessment& assessment, std::string_view name);
+
+/// assessment.json.
+std::string assessment_json(const Assessment& assessment);
+
+/// As a table for a terminal, line by line.
+std::vector<std::string> assessment_lines(const Assessment& assessment);
+
+}  // namespace sulcus

@@ -1,0 +1,497 @@
+#include "engine/assessment/preparation_shape.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "engine/assessment/cut_walls.hpp"
+#include "engine/assessment/ray_mask.hpp"
+#include "engine/assessment/ray_stack.hpp"
+#include "engine/core/units.hpp"
+
+namespace sulcus {
+
+namespace {
+
+constexpr double kPitch_mm = 0.02, kCoarsePitch_mm = 0.1;
+constexpr double kMostRays = 2e6;
+constexpr double kSame_mm = 0.05;
+constexpr double kSliver_mm = 0.06;  // half the width of what is cut at least
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kFloorSlope = 0.84;   // tan 40 degrees
+constexpr double kSlopeOver_mm = 0.1;  // to each side
+constexpr double kLeastFloor_mm2 = 0.1;
+
+/// The frame: mm, z along the path of insertion.
+Eigen::Affine3d frame_from_m(const Eigen::Vector3d& insertion) {
+  const Eigen::Quaterniond turn =
+      Eigen::Quaterniond::FromTwoVectors(insertion, Eigen::Vector3d::UnitZ());
+  return Eigen::Affine3d(Eigen::Scaling(1.0 / kMillimetre) * turn);
+}
+
+TriangleMesh moved(const TriangleMesh& mesh, const Eigen::Affine3d& to) {
+  TriangleMesh result = mesh;
+  transform(to, result);
+  return result;
+}
+
+Eigen::AlignedBox2d box_of(const TriangleMesh& mesh) {
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector3f& p : mesh.positions) box.extend(p.head<2>().cast<double>());
+  return box;
+}
+
+RayLattice lattice_over(const Eigen::AlignedBox2d& box, double pitch_mm) {
+  const Eigen::Vector2d size = box.sizes();
+  const double pitch = std::max(pitch_mm, std::sqrt(size.x() * size.y() / kMostRays));
+  // Between the places of whole tenths, where meshes made by hand have their edges.
+  const Eigen::Vector2d first = box.min() - Eigen::Vector2d(1.93, 1.87) * pitch;
+  const auto count = [&](double length) { return static_cast<int>(length / pitch) + 5; };
+  return {first, pitch, count(size.x()), count(size.y())};
+}
+
+/// The rays on which something was removed, without slivers that two surfaces of one tooth leave
+/// between each other.
+RayMask removed_rays(const RayStack& before, const RayStack& after, const RayLattice& lattice) {
+  RayMask removed(lattice.size());
+  for (std::size_t place = 0; place < lattice.size(); ++place) {
+    removed[place] = !without(before.spans(place), after.spans(place), kSame_mm).empty();
+  }
+  return removed;
+}
+
+class ShapeMeter {
+ public:
+  ShapeMeter(const TriangleMesh& before, const TriangleMesh& after, const RayLattice& lattice,
+             const ShapeSettings& settings)
+      : lattice_(lattice),
+        settings_(settings),
+        before_(before, lattice),
+        after_(after, lattice),
+        after_mesh_(after),
+        m_from_frame_(frame_from_m(settings.insertion).inverse()) {
+    const std::size_t rays = lattice.size();
+    cut_ = opened(removed_rays(before_, after_, lattice), kSliver_mm, lattice);
+    top_.assign(rays, kNone);
+    depth_.assign(rays, kNone);
+    open_.assign(rays, 0);
+    hidden_.assign(rays, 0);
+    for (std::size_t place = 0; place < rays; ++place) look_at(place);
+  }
+
+  std::optional<PreparationShape> shape() {
+    if (std::ranges::find(cut_, char{1}) == cut_.end()) return {};
+    PreparationShape result;
+    result.removed_mm3 = removed_mm3_;
+    measure_floor(result);
+    measure_walls(result);
+    result.undercut_mm2 = undercut();
+    if (settings_.kind == PreparationKind::kCavity) {
+      measure_widths(result);
+    } else {
+      measure_margin(result);
+    }
+    return result;
+  }
+
+ private:
+  void look_at(std::size_t place) {
+    const auto now = after_.spans(place);
+    const double top = now.empty() ? -std::numeric_limits<double>::infinity() : now.back().top_mm;
+    if (!now.empty()) top_[place] = top;
+    if (!cut_[place]) return;
+    for (const RayStack::Span& gone : without(before_.spans(place), now, kSame_mm)) {
+      removed_mm3_ += (gone.top_mm - gone.bottom_mm) * lattice_.pitch_mm * lattice_.pitch_mm;
+      if (gone.top_mm > top) {
+        open_[place] = 1;
+        depth_[place] = before_.spans(place).back().top_mm - top;
+      } else {
+        hidden_[place] = 1;
+      }
+    }
+  }
+
+  Eigen::Vector3d world(const Eigen::Vector3d& p_mm) const { return m_from_frame_ * p_mm; }
+  Eigen::Vector3d world(std::size_t place, double z_mm) const {
+    const Eigen::Vector2d at = lattice_.at_mm(place);
+    return world(Eigen::Vector3d(at.x(), at.y(), z_mm));
+  }
+  double area_mm2(std::size_t rays) const {
+    return static_cast<double>(rays) * lattice_.pitch_mm * lattice_.pitch_mm;
+  }
+  std::size_t rays_of(double mm2) const {
+    return static_cast<std::size_t>(mm2 / (lattice_.pitch_mm * lattice_.pitch_mm));
+  }
+
+  /// Rays on which the tooth now ends in what is hardly steep.
+  RayMask level_rays() const {
+    const int reach = std::max(1, static_cast<int>(std::lround(kSlopeOver_mm / lattice_.pitch_mm)));
+    const double over = 2.0 * reach * lattice_.pitch_mm;
+    RayMask level(lattice_.size());
+    for (std::size_t place = 0; place < lattice_.size(); ++place) {
+      if (!open_[place] || std::isnan(top_[place])) continue;
+      const int x = lattice_.x_of(place), y = lattice_.y_of(place);
+      if (!lattice_.holds(x - reach, y - reach) || !lattice_.holds(x + reach, y + reach)) continue;
+      const double dx = top_[lattice_.place(x + reach, y)] - top_[lattice_.place(x - reach, y)];
+      const double dy = top_[lattice_.place(x, y + reach)] - top_[lattice_.place(x, y - reach)];
+      level[place] = std::hypot(dx, dy) < kFloorSlope * over;  // false where there is no tooth
+    }
+    return level;
+  }
+
+  /// Of a crown: whether a level part is the finish line, which runs along what was not cut.
+  bool is_margin(const RayComponent& part, const std::vector<double>& from_uncut) const {
+    const auto near = std::ranges::count_if(
+        part, [&](std::size_t place) { return from_uncut[place] < 2.5 * kSlopeOver_mm; });
+    return 10 * static_cast<std::size_t>(near) > part.size();
+  }
+
+  void measure_floor(PreparationShape& result) {
+    RayMask uncut(cut_.size());
+    for (std::size_t i = 0; i < cut_.size(); ++i) uncut[i] = !cut_[i];
+    const std::vector<double> from_uncut = distances_to(uncut, lattice_);
+    std::vector<RayComponent> parts = components(level_rays(), rays_of(kLeastFloor_mm2), lattice_);
+    if (settings_.kind == PreparationKind::kCrown) {
+      const auto margins = std::stable_partition(
+          parts.begin(), parts.end(),
+          [&](const RayComponent& part) { return !is_margin(part, from_uncut); });
+      for (auto margin = margins; margin != parts.end(); ++margin) {
+        margin_.insert(margin_.end(), margin->begin(), margin->end());
+      }
+      parts.erase(margins, parts.end());
+    }
+    if (parts.empty()) return;
+    const RayComponent& floor = parts.front();
+    double sum = 0.0;
+    std::size_t deepest = floor.front();
+    for (const std::size_t place : floor) {
+      sum += depth_[place];
+      if (depth_[place] > depth_[deepest]) deepest = place;
+    }
+    const Eigen::Vector3d at = world(deepest, top_[deepest]);
+    result.depth_mm = {sum / static_cast<double>(floor.size()), at};
+    result.greatest_depth_mm = {depth_[deepest], at};
+    result.floor_flatness_um = flatness(floor);
+  }
+
+  PlacedFigure flatness(const RayComponent& floor) const {
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    const auto row = [&](std::size_t place) -> Eigen::Vector3d {
+      const Eigen::Vector2d at = lattice_.at_mm(place);
+      return {at.x(), at.y(), 1.0};
+    };
+    for (const std::size_t place : floor) {
+      normal += row(place) * row(place).transpose();
+      right += top_[place] * row(place);
+    }
+    const Eigen::Vector3d plane = normal.ldlt().solve(right);
+    double squares = 0.0, most = -1.0;
+    std::size_t worst = floor.front();
+    for (const std::size_t place : floor) {
+      const double off = std::abs(top_[place] - plane.dot(row(place)));
+      squares += off * off;
+      if (off > most) most = off, worst = place;
+    }
+    return {1e3 * std::sqrt(squares / static_cast<double>(floor.size())),
+            world(worst, top_[worst])};
+  }
+
+  /// Deeper than what two surfaces of one tooth differ by, to all sides.
+  bool was_inside(const Eigen::Vector3d& p_mm) const {
+    constexpr std::array<std::array<double, 2>, 4> kSides{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+    return std::ranges::all_of(kSides, [&](const std::array<double, 2>& side) {
+      const Eigen::Vector2d at =
+          p_mm.head<2>() + 1.2 * kSame_mm * Eigen::Vector2d(side[0], side[1]);
+      const std::size_t place = lattice_.nearest(at);
+      return before_.contains(place, p_mm.z() - kSame_mm) &&
+             before_.contains(place, p_mm.z() + kSame_mm);
+    });
+  }
+
+  /// Triangles of the walls, without what lies near their foot and their upper edge.
+  std::vector<WallSample> wall_samples() const {
+    constexpr double kSteep = 0.6;  // of the normal's part along the path
+    constexpr double kBeside_mm = 0.3;
+    std::vector<WallSample> samples;
+    for (const auto& triangle : after_mesh_.triangles) {
+      std::array<Eigen::Vector3d, 3> corner;
+      for (std::size_t i = 0; i < 3; ++i) {
+        corner[i] = after_mesh_.positions[triangle[i]].cast<double>();
+      }
+      const Eigen::Vector3d twice = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
+      const double area = 0.5 * twice.norm();
+      if (area == 0.0 || std::abs(twice.z()) > kSteep * 2.0 * area) continue;
+      add_pieces(corner, {Eigen::Vector3d::Zero(), twice.normalized(), area}, kBeside_mm, samples);
+    }
+    return samples;
+  }
+  /// A large triangle counts where each of its pieces lies.
+  void add_pieces(const std::array<Eigen::Vector3d, 3>& corner, WallSample sample, double beside_mm,
+                  std::vector<WallSample>& samples) const {
+    constexpr double kPiece_mm = 0.1;
+    double longest = 0.0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      longest = std::max(longest, (corner[i] - corner[(i + 1) % 3]).norm());
+    }
+    const int n = std::clamp(static_cast<int>(std::ceil(longest / kPiece_mm)), 1, 1000);
+    sample.area_mm2 /= static_cast<double>(n) * n;
+    const Eigen::Vector3d u = (corner[1] - corner[0]) / n, v = (corner[2] - corner[0]) / n;
+    for (int j = 0; j < n; ++j) {
+      for (int i = 0; i + j < n; ++i) {
+        for (int half = 0; half < (i + j + 1 < n ? 2 : 1); ++half) {
+          const double third = (1.0 + half) / 3.0;
+          sample.at_mm = corner[0] + (i + third) * u + (j + third) * v;
+          if (is_of_wall(sample, beside_mm)) samples.push_back(sample);
+        }
+      }
+    }
+  }
+  bool is_of_wall(const WallSample& sample, double beside_mm) const {
+    const Eigen::Vector2d facing = sample.normal.head<2>().normalized();
+    const Eigen::Vector2d at = sample.at_mm.head<2>();
+    const double low = top_[lattice_.nearest(at + beside_mm * facing)];
+    const double high = top_[lattice_.nearest(at - beside_mm * facing)];
+    const double edge = std::max(0.1, 0.15 * (high - low));
+    return sample.at_mm.z() > low + edge && sample.at_mm.z() < high - edge &&
+           was_inside(sample.at_mm);
+  }
+
+  void measure_walls(PreparationShape& result) {
+    patches_ = wall_patches(wall_samples());
+    const std::vector<WallPatch>& patches = patches_;
+    if (patches.empty()) return;
+    const Convergence convergence = convergence_of(patches);
+    if (convergence.worst) {
+      result.convergence_deg = {convergence.mean_deg, world(convergence.worst->at_mm)};
+    }
+    const auto roughest = std::ranges::max_element(patches, {}, &WallPatch::roughness_um);
+    double rough = 0.0, area = 0.0;
+    for (const WallPatch& patch : patches) {
+      rough += patch.area_mm2 * patch.roughness_um;
+      area += patch.area_mm2;
+    }
+    const Eigen::Vector3d at = world(roughest->at_mm);
+    result.roughness_um = {rough / area, at};
+    result.greatest_roughness_um = {roughest->roughness_um, at};
+    if (settings_.kind == PreparationKind::kCavity) result.wall_left_mm = wall_left();
+  }
+
+  /// How thick the tooth stands behind the walls, across the path.
+  std::optional<PlacedFigure> wall_left() const {
+    std::optional<PlacedFigure> least;
+    for (const WallPatch& patch : patches_) {
+      const auto thickness = tooth_behind(patch);
+      if (thickness && (!least || *thickness < least->value)) {
+        least = {*thickness, world(patch.at_mm)};
+      }
+    }
+    return least;
+  }
+  /// None where it stands further than the rays do.
+  std::optional<double> tooth_behind(const WallPatch& patch) const {
+    constexpr double kToTooth_mm = 0.15;  // by which a fit may lie before the wall itself
+    const double step = 0.5 * lattice_.pitch_mm;
+    const Eigen::Vector2d last =
+        (Eigen::Vector2d(lattice_.nx, lattice_.ny) - Eigen::Vector2d::Ones()) * lattice_.pitch_mm;
+    bool entered = false;
+    for (double way = 0.0;; way += step) {
+      const Eigen::Vector2d at = patch.at_mm.head<2>() - way * patch.facing;
+      const Eigen::Array2d inside = at - lattice_.first_mm;
+      if ((inside < 0.0).any() || (inside > last.array()).any()) return {};
+      const bool tooth = after_.contains(lattice_.nearest(at), patch.at_mm.z());
+      entered = entered || tooth;
+      if (entered && !tooth) return way;
+      if (!entered && way > kToTooth_mm) return {};
+    }
+  }
+
+  PlacedFigure undercut() const {
+    // What reaches out from what can be seen; further in than that, it is hidden for sure.
+    RayMask seen(cut_.size());
+    for (std::size_t i = 0; i < cut_.size(); ++i) seen[i] = open_[i] && !hidden_[i];
+    const std::vector<double> from_seen = distances_to(seen, lattice_);
+    RayMask deep(cut_.size());
+    double furthest = 0.0;
+    std::optional<std::size_t> worst;
+    for (std::size_t i = 0; i < cut_.size(); ++i) {
+      deep[i] = hidden_[i] && from_seen[i] >= settings_.least_overhang_mm;
+      if (deep[i] && (!worst || from_seen[i] > furthest)) furthest = from_seen[i], worst = i;
+    }
+    if (!worst) return {};
+    const std::vector<double> from_deep = distances_to(deep, lattice_);
+    std::size_t rays = 0;
+    for (std::size_t i = 0; i < cut_.size(); ++i) {
+      rays += hidden_[i] && from_deep[i] <= 1.5 * settings_.least_overhang_mm ? 1u : 0u;
+    }
+    const auto gone = without(before_.spans(*worst), after_.spans(*worst), kSame_mm);
+    const double z = gone.empty() ? 0.0 : 0.5 * (gone.front().bottom_mm + gone.front().top_mm);
+    return {area_mm2(rays), world(*worst, z)};
+  }
+
+  /// Of a section halfway between the floor and the tooth as it was.
+  void measure_widths(PreparationShape& result) const {
+    if (!result.depth_mm) return;
+    const Eigen::Vector3d deepest = m_from_frame_.inverse() * result.depth_mm->at_m;
+    const double z = deepest.z() + 0.5 * result.depth_mm->value;
+    RayMask inside(cut_.size()), outside(cut_.size());
+    for (std::size_t i = 0; i < cut_.size(); ++i) {
+      inside[i] = cut_[i] && !after_.contains(i, z) && before_.contains(i, z);
+      outside[i] = !inside[i];
+    }
+    const std::vector<double> to_wall = distances_to(outside, lattice_);
+    const std::size_t middle = static_cast<std::size_t>(
+        std::ranges::max_element(to_wall, [](double a, double b) { return a < b; }) -
+        to_wall.begin());
+    const double half = 0.5 * lattice_.pitch_mm;
+    const double widest = to_wall[middle];
+    if (!(widest > 0.0)) return;
+    result.width_mm = {between_walls(middle, z, widest - half), world(middle, z)};
+    // The disc grows until it cannot be everywhere that it was.
+    result.isthmus_mm = result.width_mm;
+    for (double radius = 0.1; radius < widest; radius += half) {
+      RayMask room(cut_.size());
+      for (std::size_t i = 0; i < cut_.size(); ++i) room[i] = to_wall[i] > radius;
+      const std::vector<RayComponent> parts = components(room, 1, lattice_);
+      // A part into which a clearly larger disc would fit is more than a bulge of the wall.
+      const auto counts = [&](const RayComponent& part) {
+        return std::ranges::any_of(
+            part, [&](std::size_t i) { return to_wall[i] > 1.15 * radius + half; });
+      };
+      if (std::ranges::count_if(parts, counts) < 2) continue;
+      const std::size_t at = narrows(parts, to_wall);
+      result.isthmus_mm = {between_walls(at, z, radius - half), world(at, z)};
+      return;
+    }
+  }
+  /// How far apart the walls stand that a disc of this radius touches: by the fits to them where
+  /// there are some, since the disc touches what stands out of the walls.
+  double between_walls(std::size_t place, double z_mm, double radius_mm) const {
+    constexpr double kReach_mm = 0.12;
+    const Eigen::Vector2d middle = lattice_.at_mm(place);
+    double sum = 0.0, area = 0.0;
+    for (const WallPatch& patch : patches_) {
+      const Eigen::Vector2d from = patch.at_mm.head<2>() - middle;
+      if (from.norm() > 1.5 * radius_mm + kReach_mm) continue;
+      const double wider = (z_mm - patch.at_mm.z()) * std::tan(patch.taper_deg * kDegree);
+      const double away = -patch.facing.dot(from) + wider;
+      if (std::abs(away - radius_mm) > kReach_mm) continue;
+      sum += patch.area_mm2 * away;
+      area += patch.area_mm2;
+    }
+    return 2.0 * (area > 0.0 ? sum / area : radius_mm);
+  }
+  /// Between the two largest parts: where the way from one to the other is the shortest.
+  std::size_t narrows(const std::vector<RayComponent>& parts,
+                      const std::vector<double>& to_wall) const {
+    RayMask first(cut_.size()), second(cut_.size());
+    for (const std::size_t i : parts[0]) first[i] = 1;
+    for (const std::size_t i : parts[1]) second[i] = 1;
+    const std::vector<double> a = distances_to(first, lattice_), b = distances_to(second, lattice_);
+    std::size_t best = parts[0].front();
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < cut_.size(); ++i) {
+      const double sum = a[i] + b[i];
+      if (to_wall[i] > 0.0 && sum < least) least = sum, best = i;
+    }
+    return best;
+  }
+
+  /// How far the wall stands from the outer edge of what was cut, a little above the finish line.
+  void measure_margin(PreparationShape& result) const {
+    if (margin_.empty()) return;
+    constexpr double kAbove_mm = 0.25;
+    double height = 0.0;
+    for (const std::size_t place : margin_) height += top_[place];
+    height /= static_cast<double>(margin_.size());
+    const RayMask core = core_above(height + kAbove_mm);
+    const std::vector<double> to_core = distances_to(core, lattice_);
+    const double taper = result.convergence_deg ? 0.5 * result.convergence_deg->value : 0.0;
+    const double lean = kAbove_mm * std::tan(taper * kDegree);
+    std::vector<std::pair<double, std::size_t>> widths;
+    const std::vector<double> from_margin = distances_to(mask_of(margin_), lattice_);
+    for (std::size_t place = 0; place < cut_.size(); ++place) {
+      if (!is_outer_edge(place) || from_margin[place] > 3.0 * kSlopeOver_mm) continue;
+      widths.emplace_back(to_core[place] - lean, place);
+    }
+    if (widths.empty()) return;
+    std::ranges::sort(widths);
+    result.margin_mm = {widths[widths.size() / 2].first, world(widths.front().second, height)};
+  }
+  RayMask mask_of(const RayComponent& part) const {
+    RayMask mask(cut_.size());
+    for (const std::size_t place : part) mask[place] = 1;
+    return mask;
+  }
+  RayMask core_above(double z_mm) const {
+    RayMask core(cut_.size());
+    for (std::size_t i = 0; i < cut_.size(); ++i) core[i] = after_.contains(i, z_mm);
+    return core;
+  }
+  /// Cut, beside what was not.
+  bool is_outer_edge(std::size_t place) const {
+    if (!open_[place]) return false;
+    const int x = lattice_.x_of(place), y = lattice_.y_of(place);
+    constexpr std::array<std::array<int, 2>, 4> kSides{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+    return std::ranges::any_of(kSides, [&](const std::array<int, 2>& side) {
+      return lattice_.holds(x + side[0], y + side[1]) &&
+             !cut_[lattice_.place(x + side[0], y + side[1])];
+    });
+  }
+
+  RayLattice lattice_;
+  ShapeSettings settings_;
+  RayStack before_, after_;
+  const TriangleMesh& after_mesh_;
+  Eigen::Affine3d m_from_frame_;
+  RayMask cut_, open_, hidden_;      // something was removed; to be seen from above; below tooth
+  std::vector<double> top_, depth_;  // where the tooth now ends; below where it did
+  RayComponent margin_;              // of a crown
+  std::vector<WallPatch> patches_;
+  double removed_mm3_ = 0.0;
+};
+
+}  // namespace
+
+double share_outside(const TriangleMesh& before, const TriangleMesh& after,
+                     const Eigen::Vector3d& insertion) {
+  const Eigen::Affine3d frame = frame_from_m(insertion);
+  const TriangleMesh was = moved(before, frame), is = moved(after, frame);
+  const RayLattice lattice = lattice_over(box_of(was).merged(box_of(is)), kCoarsePitch_mm);
+  const RayStack was_solid(was, lattice), is_solid(is, lattice);
+  double outside = 0.0, all = 0.0;
+  for (std::size_t place = 0; place < lattice.size(); ++place) {
+    for (const RayStack::Span& s : is_solid.spans(place)) all += s.top_mm - s.bottom_mm;
+    for (const RayStack::Span& s : without(is_solid.spans(place), was_solid.spans(place), 0.0)) {
+      outside += s.top_mm - s.bottom_mm;
+    }
+  }
+  return all > 0.0 ? outside / all : 0.0;
+}
+
+std::optional<PreparationShape> preparation_shape(const TriangleMesh& before,
+                                                  const TriangleMesh& after,
+                                                  const ShapeSettings& settings) {
+  const Eigen::Affine3d frame = frame_from_m(settings.insertion);
+  const TriangleMesh was = moved(before, frame), is = moved(after, frame);
+  // First roughly, to know where to look.
+  const RayLattice rough = lattice_over(box_of(was).merged(box_of(is)), kCoarsePitch_mm);
+  const RayMask removed = removed_rays(RayStack(was, rough), RayStack(is, rough), rough);
+  Eigen::AlignedBox2d where;
+  for (std::size_t place = 0; place < rough.size(); ++place) {
+    if (removed[place]) where.extend(rough.at_mm(place));
+  }
+  if (where.isEmpty()) return {};
+  // As far beside as the tooth may stand behind a wall.
+  constexpr double kMargin_mm = 3.0;
+  const Eigen::AlignedBox2d all = box_of(was).merged(box_of(is));
+  where.min() = (where.min().array() - kMargin_mm).matrix().cwiseMax(all.min());
+  where.max() = (where.max().array() + kMargin_mm).matrix().cwiseMin(all.max());
+  const RayLattice lattice = lattice_over(where, kPitch_mm);
+  return ShapeMeter(was, is, lattice, settings).shape();
+}
+
+}  // namespace sulcus

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "engine/core/triangle_mesh.hpp"
+
+namespace sulcus {
+
+enum class PreparationKind : std::uint8_t { kCavity, kCrown };
+
+/// A figure of a preparation, and the place where it is decided.
+struct PlacedFigure {
+  double value = 0.0;
+  Eigen::Vector3d at_m{0, 0, 0};  // the space of the meshes
+};
+
+/// The shape of what was cut, as an examiner measures it. Lengths along the path of insertion or
+/// across it. None: the preparation has no such thing.
+struct PreparationShape {
+  double removed_mm3 = 0.0;
+  /// Of the largest floor, or of a crown's occlusal face: how far it lies below the tooth as it
+  /// was; the mean, at its deepest place. Flatness: RMS from its best plane.
+  std::optional<PlacedFigure> depth_mm, greatest_depth_mm, floor_flatness_um;
+  /// Between walls that face each other, above 0 where the shape opens outward; its place is that
+  /// of the wall that is most unlike the others.
+  std::optional<PlacedFigure> convergence_deg;
+  /// Ra of the roughest patch of a wall, and the mean of all.
+  std::optional<PlacedFigure> greatest_roughness_um, roughness_um;
+  /// What is hidden, along the path of insertion, by tooth above it, by area across the path.
+  PlacedFigure undercut_mm2;
+  /// Of a cavity halfway down: the widest disc that fits, and the widest that can be moved through
+  /// all of it.
+  std::optional<PlacedFigure> width_mm, isthmus_mm;
+  /// Of a crown's finish line: the median of its width, at its narrowest place.
+  std::optional<PlacedFigure> margin_mm;
+  /// From a cavity's walls through the tooth to its outside, across the path: the least.
+  std::optional<PlacedFigure> wall_left_mm;
+};
+
+struct ShapeSettings {
+  PreparationKind kind = PreparationKind::kCavity;
+  Eigen::Vector3d insertion{0, 0, 1};  // out of the tooth, a unit vector
+  /// Overhangs that reach out less are roughness.
+  double least_overhang_mm = 0.08;
+};
+
+/// Whether two meshes are of one tooth in one place: the share of the second's volume that lies
+/// outside of the first. What was cut lies in what was there.
+double share_outside(const TriangleMesh& before, const TriangleMesh& after,
+                     const Eigen::Vector3d& insertion);
+
+/// Compares closed surfaces of a tooth before and after, in metres, in one space. They may be of
+/// different resolution; what differs by less than 0.05 mm is taken for the same. None where
+/// nothing was removed. On rays along the path of insertion that stand 0.02 mm apart, or where the
+/// cut is large, so far that there are at most 2 million; walls by fits (cut_walls.hpp).
+std::optional<PreparationShape> preparation_shape(const TriangleMesh& before,
+                                                  const TriangleMesh& after,
+                                                  const ShapeSettings& settings);
+
+}  // namespace sulcus

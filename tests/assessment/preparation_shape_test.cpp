@@ -1,0 +1,169 @@
+#include "engine/assessment/preparation_shape.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "engine/surface/surface_mesh.hpp"
+#include "tests/assessment/turned_solid.hpp"
+
+// Truth by construction: solids of revolution of known taper, depth and width, at five attitudes in
+// the grid.
+
+namespace sulcus {
+namespace {
+
+using test::Profile;
+
+double tan_deg(double degrees) { return std::tan(degrees * std::numbers::pi / 180.0); }
+
+/// A block, as it was.
+Profile block() { return {{0, -3}, {3.5, -3}, {3.5, 3}, {0, 3}}; }
+
+/// With a round cavity in its upper face: radius at the floor, depth, taper of a wall.
+Profile cavity(double radius, double depth, double taper_deg) {
+  const double top = radius + depth * tan_deg(taper_deg);
+  return {{0, -3}, {3.5, -3}, {3.5, 3}, {top, 3}, {radius, 3 - depth}, {0, 3 - depth}};
+}
+
+/// A crown's stump: 1 mm off its top, a shoulder 4 mm below the top of the block.
+Profile crown(double margin, double taper_deg) {
+  const double foot = 3.5 - margin, head = foot - 3.0 * tan_deg(taper_deg);
+  return {{0, -3}, {3.5, -3}, {3.5, -1}, {foot, -1}, {head, 2}, {0, 2}};
+}
+
+struct Attitude {
+  std::string name;
+  Eigen::Affine3d placed;
+};
+std::vector<Attitude> attitudes() {
+  std::vector<Attitude> all;
+  const auto add = [&](const char* name, double degrees, const Eigen::Vector3d& axis) {
+    all.push_back({name, Eigen::Affine3d(Eigen::AngleAxisd(degrees * std::numbers::pi / 180.0,
+                                                           axis.normalized()))});
+  };
+  add("upright", 0, {0, 0, 1});
+  add("on its side", 90, {1, 0, 0});
+  add("leaning", 17, {0, 1, 0});
+  add("askew", 33, {1, 2, 0.5});
+  add("upside down and askew", 160, {1, -0.4, 0.3});
+  return all;
+}
+
+class ShapeOfVoxels : public ::testing::TestWithParam<int> {
+ protected:
+  static constexpr double kVoxel_mm = 0.05;
+  const Attitude at_ = attitudes()[static_cast<std::size_t>(GetParam())];
+
+  TriangleMesh surface(const Profile& profile) const {
+    return closed_surface(test::turned_voxels(profile, kVoxel_mm, 4.8, at_.placed));
+  }
+  std::optional<PreparationShape> shape(const Profile& after, PreparationKind kind) const {
+    return preparation_shape(surface(block()), surface(after),
+                             {.kind = kind, .insertion = at_.placed.linear().col(2)});
+  }
+};
+
+TEST_P(ShapeOfVoxels, ACavityHasItsTaperDepthAndWidth) {
+  double depth = 1.0;
+  for (const double convergence : {0.0, 4.0, 6.0, 10.0, 20.0}) {
+    SCOPED_TRACE(at_.name + ", " + std::to_string(convergence) + " degrees");
+    const auto found = shape(cavity(1.2, depth, 0.5 * convergence), PreparationKind::kCavity);
+    ASSERT_TRUE(found && found->convergence_deg && found->depth_mm && found->isthmus_mm);
+    EXPECT_NEAR(found->convergence_deg->value, convergence, 0.5);
+    EXPECT_NEAR(found->depth_mm->value, depth, 0.5 * kVoxel_mm);
+    const double halfway = 2.4 + depth * tan_deg(0.5 * convergence);
+    EXPECT_NEAR(found->isthmus_mm->value, halfway, 0.5 * kVoxel_mm);
+    EXPECT_EQ(found->undercut_mm2.value, 0.0);
+    const double top = halfway + depth * tan_deg(0.5 * convergence);
+    EXPECT_NEAR(found->removed_mm3,
+                std::numbers::pi * depth / 12.0 * (2.4 * 2.4 + 2.4 * top + top * top), 0.15);
+    depth = depth == 2.0 ? 1.5 : depth + 0.5;
+  }
+}
+
+TEST_P(ShapeOfVoxels, ACrownHasItsTaperDepthAndMargin) {
+  double margin = 0.6;
+  for (const double convergence : {0.0, 6.0, 20.0}) {
+    SCOPED_TRACE(at_.name + ", " + std::to_string(convergence) + " degrees");
+    const auto found = shape(crown(margin, 0.5 * convergence), PreparationKind::kCrown);
+    ASSERT_TRUE(found && found->convergence_deg && found->depth_mm && found->margin_mm);
+    EXPECT_NEAR(found->convergence_deg->value, convergence, 0.5);
+    EXPECT_NEAR(found->depth_mm->value, 1.0, 0.5 * kVoxel_mm);
+    EXPECT_NEAR(found->margin_mm->value, margin, 0.5 * kVoxel_mm);
+    EXPECT_EQ(found->undercut_mm2.value, 0.0);
+    margin += 0.2;
+  }
+}
+
+TEST_P(ShapeOfVoxels, ALedgeIsAnUndercutAndARoughWallIsNone) {
+  SCOPED_TRACE(at_.name);
+  // 0.1 mm further out below a rim.
+  const Profile ledge{{0, -3}, {3.5, -3}, {3.5, 3}, {1.2, 3}, {1.2, 2}, {1.3, 2}, {1.3, 1}, {0, 1}};
+  const auto found = shape(ledge, PreparationKind::kCavity);
+  ASSERT_TRUE(found);
+  const double area = std::numbers::pi * (1.3 * 1.3 - 1.2 * 1.2);
+  EXPECT_NEAR(found->undercut_mm2.value, area, 0.2 * area);
+  // Grooves of 0.05 mm.
+  Profile rough{{0, -3}, {3.5, -3}, {3.5, 3}};
+  for (int i = 0; i < 20; ++i) rough.emplace_back(i % 2 ? 1.2 : 1.25, 3.0 - 0.1 * i);
+  rough.emplace_back(1.2, 1.0);
+  rough.emplace_back(0.0, 1.0);
+  const auto none = shape(rough, PreparationKind::kCavity);
+  ASSERT_TRUE(none);
+  EXPECT_EQ(none->undercut_mm2.value, 0.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Attitudes, ShapeOfVoxels, ::testing::Range(0, 5));
+
+class ShapeOfMeshes : public ::testing::Test {
+ protected:
+  /// Of other corners to the circle before and after.
+  static PreparationShape shape(const Profile& before, const Profile& after, PreparationKind kind,
+                                const Eigen::Affine3d& placed) {
+    return preparation_shape(test::turned_mesh(before, 200, placed),
+                             test::turned_mesh(after, 331, placed),
+                             {.kind = kind, .insertion = placed.linear().col(2)})
+        .value();
+  }
+};
+
+TEST_F(ShapeOfMeshes, AreMeasuredAsTheyAreWhereverTheyStand) {
+  Eigen::Affine3d placed(Eigen::AngleAxisd(1.1, Eigen::Vector3d(0.3, -1, 0.2).normalized()));
+  placed.pretranslate(Eigen::Vector3d(0.01, -0.03, 0.02));
+  const auto found = shape(block(), cavity(1.0, 1.5, 3.0), PreparationKind::kCavity, placed);
+  EXPECT_NEAR(found.convergence_deg->value, 6.0, 0.05);
+  EXPECT_NEAR(found.depth_mm->value, 1.5, 0.005);
+  EXPECT_NEAR(found.isthmus_mm->value, 2.0 + 1.5 * tan_deg(3.0), 0.03);
+  EXPECT_LT(found.roughness_um->value, 2.0);
+  EXPECT_EQ(found.undercut_mm2.value, 0.0);
+  EXPECT_NEAR(found.wall_left_mm->value, 2.5 - 0.75 * tan_deg(3.0), 0.04);
+  // Places are in the meshes' own space: the floor's.
+  const Eigen::Vector3d at = placed.inverse() * found.depth_mm->at_m;
+  EXPECT_NEAR(at.z(), 1.5e-3, 1e-5);
+  const auto stump = shape(block(), crown(0.8, 6.0), PreparationKind::kCrown, placed);
+  EXPECT_NEAR(stump.convergence_deg->value, 12.0, 0.05);
+  EXPECT_NEAR(stump.margin_mm->value, 0.8, 0.03);
+  EXPECT_NEAR(stump.depth_mm->value, 1.0, 0.005);
+}
+
+TEST_F(ShapeOfMeshes, NothingIsRemovedWhereOnlyTheTrianglesDiffer) {
+  const auto none =
+      preparation_shape(test::turned_mesh(block(), 90, Eigen::Affine3d::Identity()),
+                        test::turned_mesh(block(), 331, Eigen::Affine3d::Identity()), {});
+  EXPECT_FALSE(none);
+}
+
+TEST_F(ShapeOfMeshes, WhatDoesNotOverlieIsTold) {
+  const Eigen::Affine3d here = Eigen::Affine3d::Identity();
+  const Eigen::Affine3d there(Eigen::Translation3d(0.4e-3, 0, 0));
+  const TriangleMesh before = test::turned_mesh(block(), 200, here);
+  EXPECT_LT(share_outside(before, test::turned_mesh(cavity(1, 1, 3), 331, here), {0, 0, 1}), 0.005);
+  EXPECT_GT(share_outside(before, test::turned_mesh(cavity(1, 1, 3), 331, there), {0, 0, 1}), 0.03);
+}
+
+}  // namespace
+}  // namespace sulcus

@@ -1,0 +1,165 @@
+// sulcus assess: of recordings and of meshes.
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "engine/import/meshes/mesh_file.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/scratch_folder.hpp"
+
+namespace sulcus {
+namespace {
+
+/// A block into which a flat fissure burr is sunk 1 mm deep at 2 mm/s, and 0.5 mm to a side.
+const std::string kPocket = R"(
+tissue = ["enamel"]
+[workpiece]
+shape = "box"
+voxel_mm = 0.05
+cells = [96, 96, 64]
+[workpiece.box]
+size_mm = [4, 4, 2]
+[burr]
+shape = "fissure"
+diameter_mm = 1.0
+length_mm = 3
+speed_rpm = 300000
+field = [48, 192, 48]
+[trajectory]
+axis = [0, 0, 1]
+points_mm = [[0, 0, 1.2], [0, 0, 0], [0.5, 0, 0], [0, 0, 0], [0, 0, 1.4]]
+speed_mm_per_s = 2
+[cutting]
+[record]
+)";
+
+class Assess : public ::testing::Test {
+ protected:
+  test::CommandResult command(const std::string& arguments) {
+    return test::sulcus_command(arguments, scratch_.path("err"));
+  }
+  std::string run(const std::string& name, const std::string& scene,
+                  const std::string& options = {}) {
+    const auto result = command("run " + scratch_.write(name + ".toml", scene) + " " + options +
+                                " -o " + scratch_.path(name));
+    EXPECT_EQ(result.status, 0) << result.err;
+    return scratch_.path(name) + "/recording.h5";
+  }
+  nlohmann::json assessment(const std::string& arguments) {
+    const auto result = command("assess " + arguments + " -o " + scratch_.path("assessed"));
+    EXPECT_EQ(result.status, 0) << result.err;
+    return nlohmann::json::parse(test::read_file(scratch_.path("assessed/assessment.json")));
+  }
+  static nlohmann::json measure(const nlohmann::json& assessment, const std::string& name) {
+    for (const auto& measure : assessment["measures"]) {
+      if (measure["name"] == name) return measure;
+    }
+    ADD_FAILURE() << name << " was not measured";
+    return {};
+  }
+  const ScratchFolder scratch_;
+};
+
+TEST_F(Assess, AScriptedPocketIsMeasuredAndWhatIsNotMetIsPlacedAndTimed) {
+  const std::string recording =
+      run("pocket", kPocket +
+                        "[assessment]\ndepth_mm = [1.4, 1.6]\nundercut_mm2 = 0\n"
+                        "isthmus_mm = [0.9, 1.1]\nmargin_mm = 1\nforce_N = 1e4\n"
+                        "weights.depth_mm = 2\n");
+  const nlohmann::json found = assessment(recording);
+  const auto depth = measure(found, "depth_mm");
+  EXPECT_NEAR(depth["value"], 1.0, 0.03);
+  EXPECT_EQ(depth["unit"], "mm");
+  EXPECT_EQ(depth["limit"], nlohmann::json::parse("[1.4, 1.6]"));
+  EXPECT_EQ(depth["met"], false);
+  EXPECT_NEAR(depth["position_mm"][2], 0.0, 0.05);
+  EXPECT_GE(depth["time_s"], 0.55);  // the floor is reached 0.6 s after the start
+  EXPECT_LE(depth["time_s"], 1.2);
+  EXPECT_EQ(depth["time_s"].get<double>(), 1e-3 * depth["tick"].get<double>());
+  EXPECT_NEAR(measure(found, "isthmus_mm")["value"], 1.0, 0.05);
+  EXPECT_EQ(measure(found, "isthmus_mm")["met"], true);
+  EXPECT_NEAR(measure(found, "convergence_deg")["value"], 0.0, 1.0);
+  EXPECT_EQ(measure(found, "convergence_deg")["limit"], nullptr);
+  EXPECT_EQ(measure(found, "undercut_mm2")["value"], 0.0);
+  EXPECT_NEAR(measure(found, "wall_left_mm")["value"], 1.0, 0.06);
+  EXPECT_EQ(found["not_measured"], nlohmann::json::parse("[\"margin_mm\"]"));
+  EXPECT_DOUBLE_EQ(found["mark"], 60.0);  // of 2, 1, 1 and 1, all but the depth
+}
+
+TEST_F(Assess, MeshesGiveWhatTheRecordingGives) {
+  const std::string recording = run("pocket", kPocket);
+  const std::string limits = scratch_.write("a.toml", "[assessment]\ndepth_mm = 2\n");
+  const std::string before = scratch_.path("before.stl"), after = scratch_.path("after.ply");
+  ASSERT_EQ(command("export " + recording + " --at 0 --mesh " + before).status, 0);
+  ASSERT_EQ(command("export " + recording + " --mesh " + after).status, 0);
+  const nlohmann::json of_run = assessment(recording + " --assessment " + limits);
+  const nlohmann::json of_meshes =
+      assessment("--before " + before + " --after " + after + " --assessment " + limits);
+  for (const char* name : {"depth_mm", "isthmus_mm", "convergence_deg", "undercut_mm2"}) {
+    EXPECT_NEAR(measure(of_meshes, name)["value"].get<double>(),
+                measure(of_run, name)["value"].get<double>(), 1e-3)
+        << name;
+  }
+  EXPECT_EQ(measure(of_meshes, "depth_mm")["tick"], nullptr);
+  EXPECT_DOUBLE_EQ(of_meshes["mark"], 100.0);
+
+  TriangleMesh moved = read_mesh(after);
+  for (Eigen::Vector3f& p : moved.positions) p.x() += 0.4e-3f;
+  write_mesh(scratch_.path("moved.stl"), moved);
+  const auto refused = command("assess --before " + before + " --after " +
+                               scratch_.path("moved.stl") + " --assessment " + limits);
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find("outside of --before"), std::string::npos) << refused.err;
+}
+
+TEST_F(Assess, AWholeRunCountsHoweverOftenItWasGoneOnFrom) {
+  const std::string scene = kPocket + "[assessment]\npreset = 'class_one'\n";
+  const std::string whole = run("whole", scene);
+  ASSERT_EQ(command("replay " + whole + " --from 0.7 -o " + scratch_.path("on")).status, 0);
+  const nlohmann::json of_whole = assessment(whole),
+                       of_parts = assessment(scratch_.path("on/recording.h5"));
+  for (const auto& expected : of_whole["measures"]) {
+    const auto found = measure(of_parts, expected["name"]);
+    EXPECT_DOUBLE_EQ(found["value"], expected["value"]) << expected["name"];
+    EXPECT_EQ(found["met"], expected["met"]);
+  }
+  EXPECT_EQ(of_parts["mark"], of_whole["mark"]);
+}
+
+TEST_F(Assess, SeveralAttemptsGiveATable) {
+  const std::string scene = kPocket + "[assessment]\ndepth_mm = [0.9, 1.1]\n";
+  const std::string good = run("good", scene);
+  const std::string deep =
+      run("deep", scene,
+          "--set 'trajectory.points_mm=[[0, 0, 1.2], [0, 0, -0.4], [0.5, 0, -0.4], [0, 0, 1.4]]'");
+  const auto result = command("assess " + good + " " + deep + " -o " + scratch_.path("class"));
+  ASSERT_EQ(result.status, 0) << result.err;
+  const std::string table = test::read_file(scratch_.path("class/assessment.csv"));
+  EXPECT_TRUE(table.starts_with("attempt,subject,mark,depth_mm,")) << table;
+  EXPECT_NE(table.find("\n1,\"" + good + "\",100,"), std::string::npos) << table;
+  EXPECT_NE(table.find("\n2,\"" + deep + "\",0,"), std::string::npos) << table;
+  EXPECT_FALSE(test::read_file(scratch_.path("class/2/assessment.json")).empty());
+}
+
+TEST_F(Assess, WhatCannotBeAssessedIsSaidInALine) {
+  const std::string recording = run("none", kPocket, "--set 'trajectory.points_mm=[[0, 0, 3]]'");
+  const std::string limits = scratch_.write("a.toml", "[assessment]\ndepth_mm = 2\n");
+  const auto refused = [&](const std::string& arguments, const std::string& says) {
+    const auto result = command("assess " + arguments);
+    EXPECT_EQ(result.status, 2) << arguments;
+    EXPECT_NE(result.err.find(says), std::string::npos) << result.err;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  };
+  refused("", "nothing to assess");
+  refused(recording, "--assessment FILE.toml");
+  refused(recording + " --assessment " + limits, "nothing removed");
+  refused(recording + " --assessment " + scratch_.path("none.toml"), "no readable file");
+  refused("--before a.stl --assessment " + limits, "one of --before and --after");
+  refused("--before a.stl --after b.stl", "no --assessment");
+}
+
+}  // namespace
+}  // namespace sulcus
