@@ -4,10 +4,7 @@
 #include <array>
 #include <utility>
 
-#include <toml++/toml.h>
-
-#include "engine/core/error.hpp"
-#include "engine/scene/toml_table.hpp"
+#include "engine/scene/table_readers.hpp"
 
 namespace sulcus {
 
@@ -99,17 +96,7 @@ AssessmentSettings read_assessment(SceneTable& table) {
 }
 
 std::optional<AssessmentSettings> assessment_of(const std::string& text, const std::string& file) {
-  check_toml_depth(text, file);
-  toml::table parsed;
-  try {
-    parsed = toml::parse(text, file);
-  } catch (const toml::parse_error& error) {
-    const toml::source_region& at = error.source();
-    throw InputError(
-        file,
-        "line " + std::to_string(at.begin.line) + ", column " + std::to_string(at.begin.column),
-        "what is no TOML (" + std::string(error.description()) + ")", "an [assessment]");
-  }
+  const toml::table parsed = parse_toml(text, file, "an [assessment]");
   SceneTable root(TomlTable(parsed, file, ""), "");
   auto table = root.table("assessment");
   if (!table) return {};

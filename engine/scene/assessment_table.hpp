@@ -10,8 +10,6 @@
 
 #include <Eigen/Core>
 
-#include "engine/scene/scene_table.hpp"
-
 namespace sulcus {
 
 /// What a preparation can be measured by, once: its names are the keys of [assessment] and what
@@ -40,9 +38,6 @@ struct AssessmentSettings {
   Eigen::Vector3d insertion{0, 0, 1};  // out of the tooth, a unit vector
   std::vector<MeasureLimit> limits;    // in the order of measure_names()
 };
-
-/// InputError as TomlTable.
-AssessmentSettings read_assessment(SceneTable& table);
 
 /// Of a scene's text, or a file's with nothing but [assessment]; none where the table is absent.
 /// `file` is for messages. InputError where it is not as `sulcus help scene` says.

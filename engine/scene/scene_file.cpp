@@ -9,7 +9,6 @@
 #include "engine/core/input_limits.hpp"
 #include "engine/core/units.hpp"
 #include "engine/normals/normal_choice.hpp"
-#include "engine/scene/assessment_table.hpp"
 #include "engine/scene/burr_number.hpp"
 #include "engine/scene/handpiece_presets.hpp"
 #include "engine/scene/table_readers.hpp"
@@ -349,17 +348,7 @@ Scene load_scene(const std::string& file, std::span<const std::string> overrides
 
 Scene parse_scene(const std::string& text, const std::string& file,
                   std::span<const std::string> overrides, const InputLimits& limits) {
-  check_toml_depth(text, file);
-  toml::table parsed;
-  try {
-    parsed = toml::parse(text, file);
-  } catch (const toml::parse_error& error) {
-    const toml::source_region& at = error.source();
-    throw InputError(
-        file,
-        "line " + std::to_string(at.begin.line) + ", column " + std::to_string(at.begin.column),
-        "what is no TOML (" + std::string(error.description()) + ")", "a scene");
-  }
+  toml::table parsed = parse_toml(text, file, "a scene");
   for (const std::string& override_text : overrides) apply_override(parsed, override_text);
 
   Scene scene;

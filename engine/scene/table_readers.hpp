@@ -3,6 +3,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/scene/assessment_table.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/scene/scene_table.hpp"
 
@@ -18,6 +19,9 @@ std::vector<BodySettings> read_bodies(SceneTable& root, const std::vector<Tissue
 
 /// [goal].
 GoalSettings read_goal(SceneTable& table);
+
+/// [assessment].
+AssessmentSettings read_assessment(SceneTable& table);
 
 /// Text of assets/tissues.toml, built into the program.
 std::string_view tissue_table_toml();

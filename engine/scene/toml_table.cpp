@@ -245,4 +245,18 @@ void TomlTable::finish() const {
   }
 }
 
+toml::table parse_toml(const std::string& text, const std::string& file,
+                       std::string_view expected) {
+  check_toml_depth(text, file);
+  try {
+    return toml::parse(text, file);
+  } catch (const toml::parse_error& error) {
+    const toml::source_region& at = error.source();
+    throw InputError(
+        file,
+        "line " + std::to_string(at.begin.line) + ", column " + std::to_string(at.begin.column),
+        "what is no TOML (" + std::string(error.description()) + ")", expected);
+  }
+}
+
 }  // namespace sulcus

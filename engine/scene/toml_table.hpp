@@ -82,6 +82,10 @@ std::string describe(const toml::node& node);
 /// @throws InputError with line and column.
 void check_toml_depth(std::string_view text, const std::string& file);
 
+/// The tables of a text. InputError with line and column where it is no TOML, or as
+/// check_toml_depth; `expected` says what it was to be.
+toml::table parse_toml(const std::string& text, const std::string& file, std::string_view expected);
+
 /// Applies one `--set TABLE.KEY=VALUE` to a scene: the value is read as TOML, else taken as a
 /// string; tables that are not there are made; `tissue.NAME.KEY` addresses a [[tissue]] by its
 /// name, and a workpiece's file takes the place of its shape. The nodes carry that they came from

@@ -156,7 +156,7 @@ TEST_F(Assess, WhatCannotBeAssessedIsSaidInALine) {
   refused("", "nothing to assess");
   refused(recording, "--assessment FILE.toml");
   refused(recording + " --assessment " + limits, "nothing removed");
-  refused(recording + " --assessment " + scratch_.path("none.toml"), "no readable file");
+  refused(recording + " --assessment " + scratch_.path("absent.toml"), "no readable file");
   refused("--before a.stl --assessment " + limits, "one of --before and --after");
   refused("--before a.stl --after b.stl", "no --assessment");
 }
