@@ -29,9 +29,9 @@ VoxelModel tooth() {
 }
 
 /// Ticks of a run in which a voxel goes in every tenth, at 20 mW unless said otherwise.
-class Run {
+class HotRun {
  public:
-  explicit Run(std::uint64_t first_tick = 0) : tick_(first_tick) {}
+  explicit HotRun(std::uint64_t first_tick = 0) : tick_(first_tick) {}
 
   template <class Heat>
   void go_on(Heat&& add, int ticks, double work_J = 2e-5) {
@@ -65,7 +65,7 @@ TEST(LiveHeat, SaysWhatTheSummaryWillSay) {
   const Scene scene = hot_scene();
   LiveHeat live(scene, tooth(), 0);
   HeatLog log(1000.0, 0);
-  Run run;
+  HotRun run;
   std::vector<OutcomeLine> lines;
   for (const int ticks : {7, 33, 1, 400, 59, 1000, 1}) {
     run.go_on(
@@ -87,7 +87,7 @@ TEST(LiveHeat, SaysWhatTheSummaryWillSay) {
 TEST(LiveHeat, WarnsOnceThePulpIsTooWarmAndFromThenOn) {
   const Scene scene = hot_scene();
   LiveHeat live(scene, tooth(), 500);
-  Run run(500);
+  HotRun run(500);
   const auto add = [&](const TickReport& report, const Edit* edit) {
     if (edit) live.add(*edit);
     live.add(report);
@@ -106,7 +106,7 @@ TEST(LiveHeat, OfAToothWithoutPulpNothingIsSaid) {
       scene,
       test::block(Eigen::Vector3i::Constant(64), 0.05e-3, Cell::Constant(8), Cell::Constant(56)),
       0);
-  Run run;
+  HotRun run;
   run.go_on([&](const TickReport& report, const Edit*) { live.add(report); }, 50);
   EXPECT_TRUE(live.lines().empty());
 }
