@@ -122,7 +122,7 @@ class PatchFit {
 
 std::size_t sector_of(const Eigen::Vector2d& facing) {
   const double turn = std::atan2(facing.y(), facing.x()) / (2.0 * std::numbers::pi) + 1.0;
-  return static_cast<std::size_t>(turn * kSectors + 0.5) % kSectors;
+  return static_cast<std::size_t>(std::lround(turn * kSectors)) % kSectors;
 }
 
 }  // namespace
