@@ -21,8 +21,8 @@ class Sound : public ::testing::Test {
   test::CommandResult command(const std::string& arguments) {
     return test::sulcus_command(arguments, scratch_.path("err"));
   }
-  /// A bar that is cut on its side under a load, by a spindle that sags under it. It is heavy enough
-  /// to have one speed, and no band of them, for as long as a line of the spectrum takes.
+  /// A bar that is cut on its side under a load, by a spindle that sags under it. It is heavy
+  /// enough to have one speed, and no band of them, for as long as a line of the spectrum takes.
   void cut(const std::string& load_N) {
     const auto result = command(
         "run " + std::string(SULCUS_SOURCE_DIR) +
