@@ -82,11 +82,7 @@ class Collector {
 };
 
 ShapeSettings shape_settings(const AssessmentSettings& settings) {
-  ShapeSettings shape;
-  shape.kind =
-      settings.kind == AssessedKind::kCrown ? PreparationKind::kCrown : PreparationKind::kCavity;
-  shape.insertion = settings.insertion;
-  return shape;
+  return {.kind = settings.kind, .insertion = settings.insertion};
 }
 
 /// All that a run did, in its order, with what came before it.

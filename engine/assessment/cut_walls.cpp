@@ -10,6 +10,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "engine/core/units.hpp"
+
 namespace sulcus {
 
 namespace {
@@ -89,7 +91,7 @@ class PatchFit {
     const Eigen::Vector2d at = seed.at_mm.head<2>() + fitted[0] * facing_;
     patch = {.at_mm = {at.x(), at.y(), middle},
              .facing = facing_,
-             .taper_deg = std::atan(-fitted[2]) * 180.0 / std::numbers::pi,
+             .taper_deg = std::atan(-fitted[2]) / kDegree,
              .roughness_um = 1e3 * off / area,
              .area_mm2 = area};
     return true;

@@ -53,8 +53,8 @@ RayLattice lattice_over(const Eigen::AlignedBox2d& box, double pitch_mm) {
   return {first, pitch, count(size.x()), count(size.y())};
 }
 
-/// The rays on which something was removed, without slivers that two surfaces of one tooth leave
-/// between each other.
+/// The rays on which something was removed, slivers that two surfaces of one tooth leave between
+/// each other among them.
 RayMask removed_rays(const RayStack& before, const RayStack& after, const RayLattice& lattice) {
   RayMask removed(lattice.size());
   for (std::size_t place = 0; place < lattice.size(); ++place) {
@@ -89,7 +89,7 @@ class ShapeMeter {
     measure_floor(result);
     measure_walls(result);
     result.undercut_mm2 = undercut();
-    if (settings_.kind == PreparationKind::kCavity) {
+    if (settings_.kind == AssessedKind::kCavity) {
       measure_widths(result);
     } else {
       measure_margin(result);
@@ -154,7 +154,7 @@ class ShapeMeter {
     for (std::size_t i = 0; i < cut_.size(); ++i) uncut[i] = !cut_[i];
     const std::vector<double> from_uncut = distances_to(uncut, lattice_);
     std::vector<RayComponent> parts = components(level_rays(), rays_of(kLeastFloor_mm2), lattice_);
-    if (settings_.kind == PreparationKind::kCrown) {
+    if (settings_.kind == AssessedKind::kCrown) {
       const auto margins = std::stable_partition(
           parts.begin(), parts.end(),
           [&](const RayComponent& part) { return !is_margin(part, from_uncut); });
@@ -274,10 +274,8 @@ class ShapeMeter {
       rough += patch.area_mm2 * patch.roughness_um;
       area += patch.area_mm2;
     }
-    const Eigen::Vector3d at = world(roughest->at_mm);
-    result.roughness_um = {rough / area, at};
-    result.greatest_roughness_um = {roughest->roughness_um, at};
-    if (settings_.kind == PreparationKind::kCavity) result.wall_left_mm = wall_left();
+    result.roughness_um = {rough / area, world(roughest->at_mm)};
+    if (settings_.kind == AssessedKind::kCavity) result.wall_left_mm = wall_left();
   }
 
   /// How thick the tooth stands behind the walls, across the path.

@@ -1,16 +1,14 @@
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 #include "engine/core/triangle_mesh.hpp"
+#include "engine/scene/assessment_table.hpp"
 
 namespace sulcus {
-
-enum class PreparationKind : std::uint8_t { kCavity, kCrown };
 
 /// A figure of a preparation, and the place where it is decided.
 struct PlacedFigure {
@@ -28,8 +26,8 @@ struct PreparationShape {
   /// Between walls that face each other, above 0 where the shape opens outward; its place is that
   /// of the wall that is most unlike the others.
   std::optional<PlacedFigure> convergence_deg;
-  /// Ra of the roughest patch of a wall, and the mean of all.
-  std::optional<PlacedFigure> greatest_roughness_um, roughness_um;
+  /// Ra of the walls, the mean; at the roughest patch.
+  std::optional<PlacedFigure> roughness_um;
   /// What is hidden, along the path of insertion, by tooth above it, by area across the path.
   PlacedFigure undercut_mm2;
   /// Of a cavity halfway down: the widest disc that fits, and the widest that can be moved through
@@ -42,7 +40,7 @@ struct PreparationShape {
 };
 
 struct ShapeSettings {
-  PreparationKind kind = PreparationKind::kCavity;
+  AssessedKind kind = AssessedKind::kCavity;
   Eigen::Vector3d insertion{0, 0, 1};  // out of the tooth, a unit vector
   /// Overhangs that reach out less are roughness.
   double least_overhang_mm = 0.08;

@@ -61,7 +61,7 @@ class ShapeOfVoxels : public ::testing::TestWithParam<int> {
   TriangleMesh surface(const Profile& profile) const {
     return closed_surface(test::turned_voxels(profile, kVoxel_mm, 4.8, at_.placed));
   }
-  std::optional<PreparationShape> shape(const Profile& after, PreparationKind kind) const {
+  std::optional<PreparationShape> shape(const Profile& after, AssessedKind kind) const {
     return preparation_shape(surface(block()), surface(after),
                              {.kind = kind, .insertion = at_.placed.linear().col(2)});
   }
@@ -71,7 +71,7 @@ TEST_P(ShapeOfVoxels, ACavityHasItsTaperDepthAndWidth) {
   double depth = 1.0;
   for (const double convergence : {0.0, 4.0, 6.0, 10.0, 20.0}) {
     SCOPED_TRACE(at_.name + ", " + std::to_string(convergence) + " degrees");
-    const auto found = shape(cavity(1.2, depth, 0.5 * convergence), PreparationKind::kCavity);
+    const auto found = shape(cavity(1.2, depth, 0.5 * convergence), AssessedKind::kCavity);
     ASSERT_TRUE(found && found->convergence_deg && found->depth_mm && found->isthmus_mm);
     EXPECT_NEAR(found->convergence_deg->value, convergence, 0.5);
     EXPECT_NEAR(found->depth_mm->value, depth, 0.5 * kVoxel_mm);
@@ -89,7 +89,7 @@ TEST_P(ShapeOfVoxels, ACrownHasItsTaperDepthAndMargin) {
   double margin = 0.6;
   for (const double convergence : {0.0, 6.0, 20.0}) {
     SCOPED_TRACE(at_.name + ", " + std::to_string(convergence) + " degrees");
-    const auto found = shape(crown(margin, 0.5 * convergence), PreparationKind::kCrown);
+    const auto found = shape(crown(margin, 0.5 * convergence), AssessedKind::kCrown);
     ASSERT_TRUE(found && found->convergence_deg && found->depth_mm && found->margin_mm);
     EXPECT_NEAR(found->convergence_deg->value, convergence, 0.5);
     EXPECT_NEAR(found->depth_mm->value, 1.0, 0.5 * kVoxel_mm);
@@ -103,7 +103,7 @@ TEST_P(ShapeOfVoxels, ALedgeIsAnUndercutAndARoughWallIsNone) {
   SCOPED_TRACE(at_.name);
   // 0.1 mm further out below a rim.
   const Profile ledge{{0, -3}, {3.5, -3}, {3.5, 3}, {1.2, 3}, {1.2, 2}, {1.3, 2}, {1.3, 1}, {0, 1}};
-  const auto found = shape(ledge, PreparationKind::kCavity);
+  const auto found = shape(ledge, AssessedKind::kCavity);
   ASSERT_TRUE(found);
   const double area = std::numbers::pi * (1.3 * 1.3 - 1.2 * 1.2);
   EXPECT_NEAR(found->undercut_mm2.value, area, 0.2 * area);
@@ -112,7 +112,7 @@ TEST_P(ShapeOfVoxels, ALedgeIsAnUndercutAndARoughWallIsNone) {
   for (int i = 0; i < 20; ++i) rough.emplace_back(i % 2 ? 1.2 : 1.25, 3.0 - 0.1 * i);
   rough.emplace_back(1.2, 1.0);
   rough.emplace_back(0.0, 1.0);
-  const auto none = shape(rough, PreparationKind::kCavity);
+  const auto none = shape(rough, AssessedKind::kCavity);
   ASSERT_TRUE(none);
   EXPECT_EQ(none->undercut_mm2.value, 0.0);
 }
@@ -122,7 +122,7 @@ INSTANTIATE_TEST_SUITE_P(Attitudes, ShapeOfVoxels, ::testing::Range(0, 5));
 class ShapeOfMeshes : public ::testing::Test {
  protected:
   /// Of other corners to the circle before and after.
-  static PreparationShape shape(const Profile& before, const Profile& after, PreparationKind kind,
+  static PreparationShape shape(const Profile& before, const Profile& after, AssessedKind kind,
                                 const Eigen::Affine3d& placed) {
     return preparation_shape(test::turned_mesh(before, 200, placed),
                              test::turned_mesh(after, 331, placed),
@@ -134,7 +134,7 @@ class ShapeOfMeshes : public ::testing::Test {
 TEST_F(ShapeOfMeshes, AreMeasuredAsTheyAreWhereverTheyStand) {
   Eigen::Affine3d placed(Eigen::AngleAxisd(1.1, Eigen::Vector3d(0.3, -1, 0.2).normalized()));
   placed.pretranslate(Eigen::Vector3d(0.01, -0.03, 0.02));
-  const auto found = shape(block(), cavity(1.0, 1.5, 3.0), PreparationKind::kCavity, placed);
+  const auto found = shape(block(), cavity(1.0, 1.5, 3.0), AssessedKind::kCavity, placed);
   EXPECT_NEAR(found.convergence_deg->value, 6.0, 0.05);
   EXPECT_NEAR(found.depth_mm->value, 1.5, 0.005);
   EXPECT_NEAR(found.isthmus_mm->value, 2.0 + 1.5 * tan_deg(3.0), 0.03);
@@ -144,7 +144,7 @@ TEST_F(ShapeOfMeshes, AreMeasuredAsTheyAreWhereverTheyStand) {
   // Places are in the meshes' own space: the floor's.
   const Eigen::Vector3d at = placed.inverse() * found.depth_mm->at_m;
   EXPECT_NEAR(at.z(), 1.5e-3, 1e-5);
-  const auto stump = shape(block(), crown(0.8, 6.0), PreparationKind::kCrown, placed);
+  const auto stump = shape(block(), crown(0.8, 6.0), AssessedKind::kCrown, placed);
   EXPECT_NEAR(stump.convergence_deg->value, 12.0, 0.05);
   EXPECT_NEAR(stump.margin_mm->value, 0.8, 0.03);
   EXPECT_NEAR(stump.depth_mm->value, 1.0, 0.005);
