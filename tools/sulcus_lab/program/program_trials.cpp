@@ -154,7 +154,8 @@ ProgramFigures jaw(const ProgramBuild& build) {
   std::ostringstream text;
   text << std::ifstream(kCutSulcus).rdbuf();
   for (int i = 1; i <= kOthers; ++i) {
-    const double x_mm = (i % 2 == 0 ? 1 : -1) * ((i + 1) / 2) * kApart_mm;
+    const int place = (i + 1) / 2;  // to the left and the right in turn
+    const double x_mm = (i % 2 == 0 ? place : -place) * kApart_mm;
     text << "\n[[body]]\nname = \"tooth " << i << "\"\nshape = \"molar\"\nvoxel_mm = 0.07\n"
          << "cells = [256, 256, 256]\nposition_mm = [" << x_mm << ", 0, 0]\n";
   }
