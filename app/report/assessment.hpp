@@ -15,6 +15,13 @@
 
 namespace sulcus {
 
+/// What the hand did at the tick that decided a measure.
+struct AssessedMoment {
+  double force_N = 0.0;
+  double burr_angle_deg = 0.0;  // against the path of insertion
+  Eigen::Vector3d tip_m{0, 0, 0};
+};
+
 /// One figure of a preparation, as assessment.json has it.
 struct AssessedMeasure {
   std::string name, unit;
@@ -23,6 +30,8 @@ struct AssessedMeasure {
   std::optional<Eigen::Vector3d> position_m;  // where it is decided, world space
   std::optional<std::uint64_t> tick;          // which made it so
   std::optional<double> time_s;
+  std::optional<AssessedMoment> moment;  // where the tick is among those that are known
+  std::string picture, film;             // of that moment: files, where they were drawn
 
   bool met() const { return !limit || limit->met(value); }
 };
@@ -34,8 +43,9 @@ struct Assessment {
   std::optional<double> mark;             // 0 to 100: the share of the weights that is met
 };
 
-/// Of a recording, from the first tooth on, also where it goes on from another. InputError where
-/// nothing was removed, or where the recording does not hold its run.
+/// Of a recording, from the first tooth on, also where it goes on from another: what the hand did
+/// there needs that other one. InputError where nothing was removed, or where the recording does
+/// not hold its run.
 Assessment assess_recording(const RecordingReader& reader, const std::string& path,
                             const AssessmentSettings& settings);
 

@@ -16,7 +16,7 @@ namespace sulcus {
 
 namespace {
 
-constexpr double kPitch_mm = 0.02, kCoarsePitch_mm = 0.1;
+constexpr double kCoarsePitch_mm = 0.1;
 constexpr double kMostRays = 2e6;
 constexpr double kSame_mm = 0.05;
 constexpr double kSliver_mm = 0.06;  // half the width of what is cut at least
@@ -166,14 +166,16 @@ class ShapeMeter {
     if (parts.empty()) return;
     const RayComponent& floor = parts.front();
     double sum = 0.0;
-    std::size_t deepest = floor.front();
+    std::size_t deepest = floor.front(), shallowest = floor.front();
     for (const std::size_t place : floor) {
       sum += depth_[place];
       if (depth_[place] > depth_[deepest]) deepest = place;
+      if (depth_[place] < depth_[shallowest]) shallowest = place;
     }
     const Eigen::Vector3d at = world(deepest, top_[deepest]);
     result.depth_mm = {sum / static_cast<double>(floor.size()), at};
     result.greatest_depth_mm = {depth_[deepest], at};
+    result.least_depth_mm = {depth_[shallowest], world(shallowest, top_[shallowest])};
     result.floor_flatness_um = flatness(floor);
   }
 
@@ -274,7 +276,8 @@ class ShapeMeter {
       rough += patch.area_mm2 * patch.roughness_um;
       area += patch.area_mm2;
     }
-    result.roughness_um = {rough / area, world(roughest->at_mm)};
+    result.greatest_roughness_um = {roughest->roughness_um, world(roughest->at_mm)};
+    result.roughness_um = {rough / area, result.greatest_roughness_um->at_m};
     if (settings_.kind == AssessedKind::kCavity) result.wall_left_mm = wall_left();
   }
 
@@ -488,7 +491,7 @@ std::optional<PreparationShape> preparation_shape(const TriangleMesh& before,
   const Eigen::AlignedBox2d all = box_of(was).merged(box_of(is));
   where.min() = (where.min().array() - kMargin_mm).matrix().cwiseMax(all.min());
   where.max() = (where.max().array() + kMargin_mm).matrix().cwiseMin(all.max());
-  const RayLattice lattice = lattice_over(where, kPitch_mm);
+  const RayLattice lattice = lattice_over(where, settings.pitch_mm);
   return ShapeMeter(was, is, lattice, settings).shape();
 }
 

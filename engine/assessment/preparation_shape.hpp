@@ -21,13 +21,13 @@ struct PlacedFigure {
 struct PreparationShape {
   double removed_mm3 = 0.0;
   /// Of the largest floor, or of a crown's occlusal face: how far it lies below the tooth as it
-  /// was; the mean, at its deepest place. Flatness: RMS from its best plane.
-  std::optional<PlacedFigure> depth_mm, greatest_depth_mm, floor_flatness_um;
+  /// was; the mean, at its deepest place and its shallowest. Flatness: RMS from its best plane.
+  std::optional<PlacedFigure> depth_mm, greatest_depth_mm, least_depth_mm, floor_flatness_um;
   /// Between walls that face each other, above 0 where the shape opens outward; its place is that
   /// of the wall that is most unlike the others.
   std::optional<PlacedFigure> convergence_deg;
-  /// Ra of the walls, the mean; at the roughest patch.
-  std::optional<PlacedFigure> roughness_um;
+  /// Ra of the walls, the mean, and that of the roughest patch, at it.
+  std::optional<PlacedFigure> roughness_um, greatest_roughness_um;
   /// What is hidden, along the path of insertion, by tooth above it, by area across the path.
   PlacedFigure undercut_mm2;
   /// Of a cavity halfway down: the widest disc that fits, and the widest that can be moved through
@@ -44,7 +44,12 @@ struct ShapeSettings {
   Eigen::Vector3d insertion{0, 0, 1};  // out of the tooth, a unit vector
   /// Overhangs that reach out less are roughness.
   double least_overhang_mm = 0.08;
+  double pitch_mm = 0.02;  // between rays
 };
+
+inline ShapeSettings shape_settings(const AssessmentSettings& settings) {
+  return {.kind = settings.kind, .insertion = settings.insertion, .pitch_mm = settings.voxel_mm};
+}
 
 /// Whether two meshes are of one tooth in one place: the share of the second's volume that lies
 /// outside of the first. What was cut lies in what was there.
@@ -53,8 +58,8 @@ double share_outside(const TriangleMesh& before, const TriangleMesh& after,
 
 /// Compares closed surfaces of a tooth before and after, in metres, in one space. They may be of
 /// different resolution; what differs by less than 0.05 mm is taken for the same. None where
-/// nothing was removed. On rays along the path of insertion that stand 0.02 mm apart, or where the
-/// cut is large, so far that there are at most 2 million; walls by fits (cut_walls.hpp).
+/// nothing was removed. On rays along the path of insertion that stand `pitch_mm` apart, or where
+/// the cut is large, so far that there are at most 2 million; walls by fits (cut_walls.hpp).
 std::optional<PreparationShape> preparation_shape(const TriangleMesh& before,
                                                   const TriangleMesh& after,
                                                   const ShapeSettings& settings);

@@ -36,6 +36,8 @@ inline constexpr std::array<std::string_view, 2> kAssessedKindNames{"cavity", "c
 struct AssessmentSettings {
   AssessedKind kind = AssessedKind::kCavity;
   Eigen::Vector3d insertion{0, 0, 1};  // out of the tooth, a unit vector
+  double tolerance_mm = 0.3;           // of a comparison with a goal
+  double voxel_mm = 0.02;              // between the rays that surfaces are measured on, at least
   std::vector<MeasureLimit> limits;    // in the order of measure_names()
 };
 

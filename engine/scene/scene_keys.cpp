@@ -1,5 +1,6 @@
 #include "engine/scene/scene_keys.hpp"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -291,41 +292,73 @@ constexpr std::array kRecord{
 };
 
 // Lengths along the path of insertion or across it. At most, unless a range or "at least" is said.
-constexpr std::array<MeasureName, 22> kMeasures{{
-    {"depth_mm", "mm", "of the floor below the tooth as it was, mean; of a crown: of its top",
-     false},
-    {"greatest_depth_mm", "mm", "where the floor is deepest", false},
-    {"floor_flatness_um", "um", "RMS of the floor from its best plane", false},
-    {"convergence_deg", "deg", "between opposite walls; above 0: it opens outward", false},
-    {"undercut_mm2", "mm2", "hidden by tooth above it, by area across the insertion", false},
-    {"isthmus_mm", "mm", "of a cavity halfway down: what goes through all of it", false},
-    {"width_mm", "mm", "of a cavity halfway down, where it is widest", false},
-    {"margin_mm", "mm", "of a crown's finish line, median", false},
-    {"roughness_um", "um", "Ra of the walls, mean", false},
-    {"wall_left_mm", "mm", "from a cavity to the tooth's outside, across; at least", true},
-    {"dentine_over_pulp_mm", "mm", "left over the pulp; at least", true},
-    {"pulp_removed_mm3", "mm3", "of the pulp", false},
-    {"caries_left_mm3", "mm3", "of the caries", false},
-    {"sound_removed_mm3", "mm3", "of all tissues but caries and pulp", false},
-    {"neighbour_removed_mm3", "mm3", "of other bodies", false},
-    {"over_mm", "mm", "greatest cut beyond the scene's [goal]", false},
-    {"under_mm", "mm", "greatest that is missing of it", false},
-    {"dice", "", "of what was removed and the goal; at least", true},
-    {"force_N", "N", "greatest", false},
-    {"mean_force_N", "N", "while in contact", false},
-    {"time_s", "s", "of the run", false},
-    {"contact_s", "s", "in contact", false},
-}};
+constexpr std::array kMeasures{
+    MeasureName{"depth_mm", "mm",
+                "of the floor below the tooth as it was, mean; of a crown: of its top", false},
+    MeasureName{"greatest_depth_mm", "mm", "where the floor is deepest", false},
+    MeasureName{"floor_flatness_um", "um", "RMS of the floor from its best plane", false},
+    MeasureName{"convergence_deg", "deg", "between opposite walls; above 0: it opens outward",
+                false},
+    MeasureName{"undercut_mm2", "mm2", "hidden by tooth above it, by area across the insertion",
+                false},
+    MeasureName{"isthmus_mm", "mm", "of a cavity halfway down: what goes through all of it", false},
+    MeasureName{"width_mm", "mm", "of a cavity halfway down, where it is widest", false},
+    MeasureName{"margin_mm", "mm", "of a crown's finish line, median", false},
+    MeasureName{"roughness_um", "um", "Ra of the walls, mean", false},
+    MeasureName{"greatest_roughness_um", "um", "Ra of the walls, where they are roughest", false},
+    MeasureName{"wall_left_mm", "mm", "from a cavity to the tooth's outside, across; at least",
+                true},
+    MeasureName{"dentine_over_pulp_mm", "mm", "left over the pulp; at least", true},
+    MeasureName{"pulp_removed_mm3", "mm3", "of the pulp", false},
+    MeasureName{"caries_left_mm3", "mm3", "of the caries", false},
+    MeasureName{"sound_removed_mm3", "mm3", "of all tissues but caries and pulp", false},
+    MeasureName{"neighbour_removed_mm3", "mm3", "of other bodies", false},
+    MeasureName{"over_mm", "mm", "greatest cut beyond the goal", false},
+    MeasureName{"under_mm", "mm", "greatest that is missing of the goal", false},
+    MeasureName{"goal_error_mm", "mm", "of the cut from the goal's wall, mean", false},
+    MeasureName{"goal_error_95_mm", "mm", "what 95 % of the cut lies within", false},
+    MeasureName{"within_tolerance", "", "share of the cut within tolerance_mm; at least", true},
+    MeasureName{"dice", "", "of what was removed and the goal; at least", true},
+    MeasureName{"time_s", "s", "of the run", false},
+    MeasureName{"contact_s", "s", "in contact", false},
+    MeasureName{"strokes", "", "contacts of 0.05 s and more", false},
+    MeasureName{"stroke_s", "s", "of a stroke, mean", false},
+    MeasureName{"stroke_mm", "mm", "way of the tip in a stroke, mean", false},
+    MeasureName{"strokes_per_s", "/s", "from the first contact to the last", false},
+    MeasureName{"path_mm", "mm", "way of the tip", false},
+    MeasureName{"pauses", "", "of a second and more without contact, between contacts", false},
+    MeasureName{"longest_pause_s", "s", "of the pauses", false},
+    MeasureName{"smoothness", "", "log dimensionless jerk of the strokes, mean; at least", true},
+    MeasureName{"force_N", "N", "greatest", false},
+    MeasureName{"mean_force_N", "N", "while in contact", false},
+    MeasureName{"median_force_N", "N", "while in contact", false},
+    MeasureName{"p95_force_N", "N", "what 95 % of the contact does not exceed", false},
+    MeasureName{"over_force_s", "s", "of force above that of force_N", false},
+    MeasureName{"burr_angle_deg", "deg", "of the burr against the insertion in contact, mean",
+                false},
+    MeasureName{"greatest_burr_angle_deg", "deg", "of the burr against the insertion in contact",
+                false},
+    MeasureName{"enamel_mm3_per_s", "mm3/s", "of enamel, in the time spent on it", false},
+    MeasureName{"dentine_mm3_per_s", "mm3/s", "of dentine, in the time spent on it", false},
+    MeasureName{"caries_mm3_per_s", "mm3/s", "of caries, in the time spent on it", false},
+    MeasureName{"burrs", "", "that were used", false},
+};
 
 constexpr std::array<Text, 4> kAssessmentPresets{"class_one", "class_two", "access", "crown"};
 
 /// Its own keys, and a limit for each measure.
 constexpr auto kAssessment = [] {
-  std::array<SceneKey, 3 + kMeasures.size()> keys{
+  constexpr std::array kOwn{
       choice("preset", kAssessmentPresets, "", "limits of a school; keys beside it go before them"),
       choice("kind", kAssessedKindNames, "(of the preset, else \"cavity\")", "what was prepared"),
-      direction("insertion", "[0, 0, 1]", "path of insertion, out of the tooth")};
-  for (std::size_t i = 0; i < kMeasures.size(); ++i) keys[3 + i] = limit(kMeasures[i]);
+      direction("insertion", "[0, 0, 1]", "path of insertion, out of the tooth"),
+      number("tolerance_mm", {1e-3, 10}, "0.3", "of a comparison with a goal [Dai 2024]"),
+      number(
+          "voxel_mm", {1e-3, 1}, "0.02",
+          "between the rays that surfaces are measured on; at least as far as 2 million of them")};
+  std::array<SceneKey, kOwn.size() + kMeasures.size()> keys{};
+  std::ranges::copy(kOwn, keys.begin());
+  for (std::size_t i = 0; i < kMeasures.size(); ++i) keys[kOwn.size() + i] = limit(kMeasures[i]);
   return keys;
 }();
 constexpr auto kWeights = [] {
@@ -366,15 +399,17 @@ constexpr std::array<SceneTableKeys, 24> kTables{{
 }};
 
 // Longest first: the first that fits is taken.
-constexpr std::array<std::pair<Text, Text>, 27> kUnits{{{"_mNm_s_per_rad", "mN m s/rad"},
+constexpr std::array<std::pair<Text, Text>, 29> kUnits{{{"_mNm_s_per_rad", "mN m s/rad"},
                                                         {"_mNm_per_rad", "mN m/rad"},
                                                         {"_Nm_per_rad", "N m/rad"},
                                                         {"_J_per_mm3", "J/mm3"},
+                                                        {"_mm3_per_s", "mm3/s"},
                                                         {"_N_s_per_m", "N s/m"},
                                                         {"_mm_per_s", "mm/s"},
                                                         {"_N_per_mm", "N/mm"},
                                                         {"_N_per_m", "N/m"},
                                                         {"_ml_min", "ml/min"},
+                                                        {"_per_s", "/s"},
                                                         {"_g_mm2", "g mm2"},
                                                         {"_s_mm", "s, mm"},
                                                         {"_mm3", "mm3"},
