@@ -24,6 +24,7 @@ namespace {
 struct AssessOptions {
   std::vector<std::string> recordings;
   std::string assessment, before, after, folder;
+  bool no_render = false;
 };
 
 AssessmentSettings settings_of(const std::string& text, const std::string& file) {
@@ -146,6 +147,8 @@ void add_assess_command(CLI::App& program) {
   add_option(*command, "-o", options->folder, "DIR",
              "Folder for assessment.json (out/NAME-assessment); of several in 1/, 2/, ...,\n"
              "with a table of all, assessment.csv");
+  command->add_flag("--no-render", options->no_render,
+                    "Draw no pictures and films of what is not met");
   command->callback([options] { assess(*options); });
 }
 

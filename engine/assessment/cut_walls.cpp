@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <utility>
@@ -19,6 +20,7 @@ namespace {
 constexpr double kHalfWidth_mm = 0.4;
 constexpr double kApart_mm = 0.25;
 constexpr double kLeastHeight_mm = 0.25;
+constexpr double kOneSurface_mm = 0.15, kStep_mm = 0.25, kTall_mm = 0.6;
 constexpr std::size_t kLeastSamples = 12;
 constexpr double kAlike = 0.5;  // cosine: normals of one wall
 constexpr std::size_t kSectors = 24;
@@ -68,25 +70,15 @@ class PatchFit {
   }
 
   bool fit(const WallSample& seed, WallPatch& patch) {
-    if (members_.size() < kLeastSamples) return false;
+    if (!keep_the_seeds_surface(seed) || members_.size() < kLeastSamples) return false;
     const auto [low, high] = std::ranges::minmax(members_, {}, &Member::z);
     if (high.z - low.z < kLeastHeight_mm) return false;
     const double middle = 0.5 * (low.z + high.z);
-    Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
-    Row right = Row::Zero();
-    double area = 0.0;
-    for (const Member& m : members_) {
-      const Row row = row_of(m, middle);
-      normal += m.area * row * row.transpose();
-      right += m.area * m.w * row;
-      area += m.area;
-    }
-    // So little that it only decides what the samples leave open.
-    normal.diagonal().array() += 1e-9 * area;
-    const Row fitted = normal.ldlt().solve(right);
-    double off = 0.0;
+    const Row fitted = fit_of(members_, middle, 6);
+    double off = 0.0, area = 0.0;
     for (const Member& m : members_) {
       off += m.area * std::abs(m.w - fitted.dot(row_of(m, middle)));
+      area += m.area;
     }
     const Eigen::Vector2d at = seed.at_mm.head<2>() + fitted[0] * facing_;
     patch = {.at_mm = {at.x(), at.y(), middle},
@@ -104,6 +96,47 @@ class PatchFit {
   static Row row_of(const Member& m, double middle) {
     const double z = m.z - middle;
     return Row(1.0, m.t, z, m.t * m.t, m.t * z, m.t * m.t * z);
+  }
+  /// Least squares over area; of the terms only the first so many.
+  static Row fit_of(const std::vector<Member>& members, double middle, int terms) {
+    Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
+    Row right = Row::Zero();
+    double area = 0.0;
+    for (const Member& m : members) {
+      const Row row = row_of(m, middle);
+      normal += m.area * row * row.transpose();
+      right += m.area * m.w * row;
+      area += m.area;
+    }
+    // So little that it only decides what the samples leave open.
+    normal.diagonal().array() += 1e-9 * area;
+    Row fitted = Row::Zero();
+    fitted.head(terms) = normal.topLeftCorner(terms, terms).ldlt().solve(right.head(terms));
+    return fitted;
+  }
+  /// Leaves out what stands before or behind the wall of the seed, such as that of a pit or a step
+  /// below it: from what is as high as the seed, up and down as far as the same surface goes on.
+  bool keep_the_seeds_surface(const WallSample& seed) {
+    const std::vector<Member> all = std::move(members_);
+    const double level = seed.at_mm.z();
+    members_.clear();
+    std::ranges::copy_if(all, std::back_inserter(members_), [&](const Member& m) {
+      return std::abs(m.z - level) < kStep_mm && std::abs(m.w) < kOneSurface_mm;
+    });
+    double low = level, high = level;
+    while (!members_.empty()) {
+      const auto [lowest, highest] = std::ranges::minmax(members_, {}, &Member::z);
+      if (lowest.z >= low && highest.z <= high) return true;
+      low = std::min(low, lowest.z);
+      high = std::max(high, highest.z);
+      const Row fitted = fit_of(members_, level, high - low < kTall_mm ? 4 : 6);
+      members_.clear();
+      std::ranges::copy_if(all, std::back_inserter(members_), [&](const Member& m) {
+        return m.z > low - kStep_mm && m.z < high + kStep_mm &&
+               std::abs(m.w - fitted.dot(row_of(m, level))) < kOneSurface_mm;
+      });
+    }
+    return false;
   }
   /// Not on the other side of a thin wall, nor round a corner.
   bool is_of_wall(const WallSample& sample, const Eigen::Vector2d& from) const {
@@ -125,6 +158,17 @@ class PatchFit {
 std::size_t sector_of(const Eigen::Vector2d& facing) {
   const double turn = std::atan2(facing.y(), facing.x()) / (2.0 * std::numbers::pi) + 1.0;
   return static_cast<std::size_t>(std::lround(turn * kSectors)) % kSectors;
+}
+
+/// A patch that fits so much worse than the others lies over an edge, where it has no taper.
+double ragged_above_um(const std::vector<WallPatch>& patches) {
+  if (patches.empty()) return 0.0;
+  std::vector<double> roughness;
+  roughness.reserve(patches.size());
+  for (const WallPatch& patch : patches) roughness.push_back(patch.roughness_um);
+  const auto middle = roughness.begin() + static_cast<std::ptrdiff_t>(roughness.size() / 2);
+  std::nth_element(roughness.begin(), middle, roughness.end());
+  return std::max(3.0 * *middle, 20.0);
 }
 
 }  // namespace
@@ -150,7 +194,9 @@ std::vector<WallPatch> wall_patches(const std::vector<WallSample>& samples) {
 
 Convergence convergence_of(const std::vector<WallPatch>& patches) {
   std::array<double, kSectors> area{}, taper{};
+  const double ragged_um = ragged_above_um(patches);
   for (const WallPatch& patch : patches) {
+    if (patch.roughness_um > ragged_um) continue;
     const std::size_t sector = sector_of(patch.facing);
     area[sector] += patch.area_mm2;
     taper[sector] += patch.area_mm2 * patch.taper_deg;
@@ -167,8 +213,9 @@ Convergence convergence_of(const std::vector<WallPatch>& patches) {
   if (weights == 0.0) return result;
   result.mean_deg = sum / weights;
   const double wanted = 0.5 * result.mean_deg;
-  result.worst = &*std::ranges::max_element(
-      patches, {}, [&](const WallPatch& p) { return std::abs(p.taper_deg - wanted); });
+  result.worst = &*std::ranges::max_element(patches, {}, [&](const WallPatch& p) {
+    return p.roughness_um > ragged_um ? -1.0 : std::abs(p.taper_deg - wanted);
+  });
   return result;
 }
 

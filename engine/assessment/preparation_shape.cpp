@@ -174,7 +174,12 @@ class ShapeMeter {
     }
     const Eigen::Vector3d at = world(deepest, top_[deepest]);
     result.depth_mm = {sum / static_cast<double>(floor.size()), at};
-    result.greatest_depth_mm = {depth_[deepest], at};
+    for (const RayComponent& part : parts) {  // a pit has a floor of its own
+      for (const std::size_t place : part) {
+        if (depth_[place] > depth_[deepest]) deepest = place;
+      }
+    }
+    result.greatest_depth_mm = {depth_[deepest], world(deepest, top_[deepest])};
     result.least_depth_mm = {depth_[shallowest], world(shallowest, top_[shallowest])};
     result.floor_flatness_um = flatness(floor);
   }
@@ -351,11 +356,35 @@ class ShapeMeter {
     const double widest = to_wall[middle];
     if (!(widest > 0.0)) return;
     result.width_mm = {between_walls(middle, z, widest - half), world(middle, z)};
-    // The disc grows until it cannot be everywhere that it was.
-    result.isthmus_mm = result.width_mm;
-    for (double radius = 0.1; radius < widest; radius += half) {
+    result.isthmus_mm = isthmus(inside, to_wall, widest, z).value_or(*result.width_mm);
+  }
+  /// The disc grows until it cannot be everywhere that it was: where its room falls apart, or where
+  /// it no longer comes near to a part of the cavity. None where that is not before it fills it.
+  std::optional<PlacedFigure> isthmus(const RayMask& inside, const std::vector<double>& to_wall,
+                                      double widest, double z) const {
+    const double half = 0.5 * lattice_.pitch_mm;
+    const auto room_of = [&](double radius) {
       RayMask room(cut_.size());
       for (std::size_t i = 0; i < cut_.size(); ++i) room[i] = to_wall[i] > radius;
+      return room;
+    };
+    const auto far_from = [&](const RayMask& room, double radius) {
+      RayMask far(cut_.size());
+      const std::vector<double> to_room = distances_to(room, lattice_);
+      for (std::size_t i = 0; i < cut_.size(); ++i) far[i] = inside[i] && to_room[i] > 2.0 * radius;
+      return far;
+    };
+    const auto is_everywhere = [&](double radius) {
+      const RayMask far = far_from(room_of(radius), radius);
+      return std::ranges::find(far, char{1}) == far.end();
+    };
+    double reaches = 0.1, too_wide = widest;  // by halving: distances to all take a while
+    while (too_wide - reaches > half) {
+      const double radius = 0.5 * (reaches + too_wide);
+      (is_everywhere(radius) ? reaches : too_wide) = radius;
+    }
+    for (double radius = 0.1; radius < too_wide; radius += half) {
+      const RayMask room = room_of(radius);
       const std::vector<RayComponent> parts = components(room, 1, lattice_);
       // A part into which a clearly larger disc would fit is more than a bulge of the wall.
       const auto counts = [&](const RayComponent& part) {
@@ -363,15 +392,18 @@ class ShapeMeter {
             part, [&](std::size_t i) { return to_wall[i] > 1.15 * radius + half; });
       };
       if (std::ranges::count_if(parts, counts) < 2) continue;
-      const std::size_t at = narrows(parts, to_wall);
-      result.isthmus_mm = {between_walls(at, z, radius - half), world(at, z)};
-      return;
+      const std::size_t at = narrows(mask_of(parts[0]), mask_of(parts[1]), to_wall, radius);
+      return PlacedFigure{between_walls(at, z, radius - half), world(at, z)};
     }
+    if (too_wide >= widest) return {};
+    const RayMask room = room_of(too_wide);
+    const std::size_t at = narrows(room, far_from(room, too_wide), to_wall, reaches);
+    return PlacedFigure{between_walls(at, z, reaches), world(at, z)};
   }
   /// How far apart the walls stand that a disc of this radius touches: by the fits to them where
   /// there are some, since the disc touches what stands out of the walls.
   double between_walls(std::size_t place, double z_mm, double radius_mm) const {
-    constexpr double kReach_mm = 0.12;
+    constexpr double kReach_mm = 0.06;
     const Eigen::Vector2d middle = lattice_.at_mm(place);
     double sum = 0.0, area = 0.0;
     for (const WallPatch& patch : patches_) {
@@ -385,18 +417,16 @@ class ShapeMeter {
     }
     return 2.0 * (area > 0.0 ? sum / area : radius_mm);
   }
-  /// Between the two largest parts: where the way from one to the other is the shortest.
-  std::size_t narrows(const std::vector<RayComponent>& parts,
-                      const std::vector<double>& to_wall) const {
-    RayMask first(cut_.size()), second(cut_.size());
-    for (const std::size_t i : parts[0]) first[i] = 1;
-    for (const std::size_t i : parts[1]) second[i] = 1;
+  /// Between two parts: where the way from one to the other is the shortest, of the places where a
+  /// disc of the radius fits.
+  std::size_t narrows(const RayMask& first, const RayMask& second,
+                      const std::vector<double>& to_wall, double radius) const {
     const std::vector<double> a = distances_to(first, lattice_), b = distances_to(second, lattice_);
-    std::size_t best = parts[0].front();
+    std::size_t best = 0;
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < cut_.size(); ++i) {
       const double sum = a[i] + b[i];
-      if (to_wall[i] > 0.0 && sum < least) least = sum, best = i;
+      if (to_wall[i] > radius - lattice_.pitch_mm && sum < least) least = sum, best = i;
     }
     return best;
   }
