@@ -8,6 +8,7 @@
 #include "app/commands/common_options.hpp"
 #include "app/playback/recorded_run.hpp"
 #include "app/report/assessment.hpp"
+#include "app/report/moment_pictures.hpp"
 #include "app/report/output_file.hpp"
 #include "app/report/results.hpp"
 #include "app/terminal/progress.hpp"
@@ -49,7 +50,6 @@ void say_assessment(const Assessment& assessment) {
 }
 
 void write_json(const std::string& folder, const Assessment& assessment) {
-  make_output_folder("-o", folder);
   const std::string file = folder + "/assessment.json";
   write_whole_file(file, assessment_json(assessment));
   say("%s\n", file.c_str());
@@ -103,9 +103,10 @@ void assess_pair(const AssessOptions& options) {
   const TriangleMesh before = read_mesh(options.before), after = read_mesh(options.after);
   const Assessment result = assess_meshes(before, after, {options.before, options.after}, settings);
   say_assessment(result);
-  write_json(
-      options.folder.empty() ? folder_of_recording(options.after, "-assessment") : options.folder,
-      result);
+  const std::string folder =
+      options.folder.empty() ? folder_of_recording(options.after, "-assessment") : options.folder;
+  make_output_folder("-o", folder);
+  write_json(folder, result);
 }
 
 void assess(const AssessOptions& options) {
@@ -126,11 +127,17 @@ void assess(const AssessOptions& options) {
   const std::string folder = options.folder.empty()
                                  ? folder_of_recording(options.recordings.front(), "-assessment")
                                  : options.folder;
-  if (attempts.size() == 1) return write_json(folder, attempts.front());
   for (std::size_t i = 0; i < attempts.size(); ++i) {
-    write_json(folder + "/" + std::to_string(i + 1), attempts[i]);
+    const std::string own = attempts.size() == 1 ? folder : folder + "/" + std::to_string(i + 1);
+    make_output_folder("-o", own);
+    if (!options.no_render) {
+      const Progress progress("drawing");
+      const RecordingReader reader(options.recordings[i]);
+      draw_moments(reader, options.recordings[i], own, attempts[i]);
+    }
+    write_json(own, attempts[i]);
   }
-  write_table(folder, attempts);
+  if (attempts.size() > 1) write_table(folder, attempts);
 }
 
 }  // namespace
@@ -145,8 +152,9 @@ void add_assess_command(CLI::App& program) {
              "Without a recording: the tooth as it was, .stl, .obj or .ply, mm");
   add_option(*command, "--after", options->after, "FILE", "And as it is, in the same space");
   add_option(*command, "-o", options->folder, "DIR",
-             "Folder for assessment.json (out/NAME-assessment); of several in 1/, 2/, ...,\n"
-             "with a table of all, assessment.csv");
+             "Folder for assessment.json, with a picture and a film of the moment of each\n"
+             "limit that is not met (out/NAME-assessment); of several in 1/, 2/, ..., with\n"
+             "a table of all, assessment.csv");
   command->add_flag("--no-render", options->no_render,
                     "Draw no pictures and films of what is not met");
   command->callback([options] { assess(*options); });

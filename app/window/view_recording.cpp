@@ -5,11 +5,16 @@
 #include <exception>
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "app/playback/recorded_film.hpp"
+#include "app/report/assessment.hpp"
 #include "app/report/results.hpp"
 #include "app/report/run_key.hpp"
 #include "app/session/session.hpp"
+#include "app/terminal/progress.hpp"
 #include "app/terminal/terminal.hpp"
 #include "app/window/view_windows.hpp"
 #include "engine/core/realtime.hpp"
@@ -17,6 +22,7 @@
 #include "engine/graphics/panels.hpp"
 #include "engine/graphics/window.hpp"
 #include "engine/import/meshes/mesh_file.hpp"
+#include "engine/scene/assessment_table.hpp"
 #include "engine/surface/surface_mesh.hpp"
 
 namespace sulcus {
@@ -40,12 +46,34 @@ void take_keys(const WindowInput& input, double tick_s, PlayerControls& player) 
   }
 }
 
+/// Where the scene has an [assessment]: the moments of what is not met.
+std::vector<PlayerControls::Mark> assessed_marks(const RecordingReader& reader,
+                                                 const std::string& recording) {
+  std::vector<PlayerControls::Mark> marks;
+  const auto settings = assessment_of(reader.header().scene_toml, recording);
+  if (!settings || reader.edit_count() == 0) return marks;
+  const Progress progress("assessing");
+  for (const AssessedMeasure& measure : assess_recording(reader, recording, *settings).measures) {
+    if (measure.met() || !measure.time_s) continue;
+    // As it is spoken: "dentine over pulp 0.32 mm".
+    std::string name = measure.name.ends_with("_" + measure.unit)
+                           ? measure.name.substr(0, measure.name.size() - measure.unit.size() - 1)
+                           : measure.name;
+    std::ranges::replace(name, '_', ' ');
+    marks.push_back({static_cast<float>(*measure.time_s),
+                     formatted("%s %.2f %s, %.1f s", name.c_str(), measure.value,
+                               measure.unit.c_str(), *measure.time_s)});
+  }
+  return marks;
+}
+
 }  // namespace
 
 void view_recording(const ViewOptions& options) {
   const RecordingReader reader(options.file);
   RecordedFilm film(reader, options.file);
   say_what_is_missing(reader);
+  std::vector<PlayerControls::Mark> marks = assessed_marks(reader, options.file);
   std::optional<ResultsFolder> folder;  // once something is to be written
   RenderSettings settings = film.scene().render.value_or(RenderSettings{});
   settings.width = options.width;
@@ -54,6 +82,7 @@ void view_recording(const ViewOptions& options) {
   GlScene drawing(settings, film.bodies(), film.burr().mesh_tool, film.burr().head_length_m);
   ViewCamera camera(settings.camera);
   PlayerControls player;
+  player.marks = std::move(marks);
   player.picture.arrows = settings.arrows;
   const double tick_s = 1.0 / film.scene().haptics.rate_hz;  // a float's time may lie before it
   player.first_s = player.time_s = static_cast<float>(film.rows().front().time_s);

@@ -304,14 +304,19 @@ class ShapeMeter {
     const Eigen::Vector2d last =
         (Eigen::Vector2d(lattice_.nx, lattice_.ny) - Eigen::Vector2d::Ones()) * lattice_.pitch_mm;
     bool entered = false;
+    std::optional<double> left_at;
     for (double way = 0.0;; way += step) {
       const Eigen::Vector2d at = patch.at_mm.head<2>() - way * patch.facing;
       const Eigen::Array2d inside = at - lattice_.first_mm;
       if ((inside < 0.0).any() || (inside > last.array()).any()) return {};
       const bool tooth = after_.contains(lattice_.nearest(at), patch.at_mm.z());
-      entered = entered || tooth;
-      if (entered && !tooth) return way;
-      if (!entered && way > kToTooth_mm) return {};
+      if (entered && !tooth) {
+        left_at = way;
+        if (way > kToTooth_mm) return left_at;
+      }
+      entered = tooth;
+      // By now it is behind the wall, or that is thinner than the fit is uncertain.
+      if (!entered && way > kToTooth_mm) return left_at;
     }
   }
 

@@ -39,6 +39,30 @@ void draw_picture_controls(PictureControls& picture) {
   }
 }
 
+void draw_mark_list(PlayerControls& controls) {
+  if (controls.marks.empty()) return;
+  ImGui::Separator();
+  ImGui::TextUnformatted("not met");
+  for (const PlayerControls::Mark& mark : controls.marks) {
+    if (ImGui::SmallButton(mark.what.c_str())) {
+      controls.time_s = mark.time_s;
+      controls.playing = false;
+    }
+  }
+}
+
+/// On the item that was drawn last, which shows the time.
+void draw_marks_on_timeline(const PlayerControls& controls) {
+  const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+  const float grab = ImGui::GetStyle().GrabMinSize + 4.0f;  // whose middle stands for the time
+  const float lasts_s = std::max(controls.end_s - controls.first_s, 1e-6f);
+  for (const PlayerControls::Mark& mark : controls.marks) {
+    const float part = (mark.time_s - controls.first_s) / lasts_s;
+    const float x = low.x + 0.5f * grab + part * (high.x - low.x - grab);
+    ImGui::GetWindowDrawList()->AddLine({x, low.y}, {x, high.y}, IM_COL32(200, 40, 40, 255), 2.0f);
+  }
+}
+
 }  // namespace
 
 std::optional<Section> PictureControls::section() const {
@@ -54,6 +78,7 @@ void draw_panels(PlayerControls& controls) {
   if (!controls.said.empty()) ImGui::TextWrapped("%s", controls.said.c_str());
   ImGui::TextDisabled("drag: turn, shift: move, wheel: near");
   ImGui::TextDisabled("1-5 cameras, space plays, < > steps");
+  draw_mark_list(controls);
   end_panel();
 
   const ImVec2 size = ImGui::GetIO().DisplaySize;
@@ -70,6 +95,7 @@ void draw_panels(PlayerControls& controls) {
   ImGui::PushItemWidth(-1.0f);
   ImGui::SliderFloat("##time", &controls.time_s, controls.first_s, controls.end_s, "%.3f s",
                      ImGuiSliderFlags_AlwaysClamp);
+  draw_marks_on_timeline(controls);
   end_panel();
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engine/scene/section.hpp"
 
@@ -23,6 +24,12 @@ struct PictureControls {
 
 /// Of a recording.
 struct PlayerControls {
+  /// A moment that is marked on the timeline, and can be gone to.
+  struct Mark {
+    float time_s = 0.0f;
+    std::string what;
+  };
+  std::vector<Mark> marks;
   PictureControls picture;
   float first_s = 0.0f, time_s = 0.0f, end_s = 0.0f;
   float speed = 1.0f;  // seconds a second, below 0: backward

@@ -1,7 +1,10 @@
 // sulcus assess: of recordings and of meshes.
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -30,8 +33,11 @@ speed_rpm = 300000
 field = [48, 192, 48]
 [trajectory]
 axis = [0, 0, 1]
-points_mm = [[0, 0, 1.2], [0, 0, 0], [0.5, 0, 0], [0, 0, 0], [0, 0, 1.4]]
+points_mm = [
+  [0, 0, 1.2], [0, 0, 0], [0.5, 0, 0], [0.5, 0, 0.2], [0.5, 0, 0], [0, 0, 0], [0, 0, 1.4]]
 speed_mm_per_s = 2
+[haptics]
+normals = "ldm_fast"
 [cutting]
 [record]
 )";
@@ -48,8 +54,10 @@ class Assess : public ::testing::Test {
     EXPECT_EQ(result.status, 0) << result.err;
     return scratch_.path(name) + "/recording.h5";
   }
-  nlohmann::json assessment(const std::string& arguments) {
-    const auto result = command("assess " + arguments + " -o " + scratch_.path("assessed"));
+  nlohmann::json assessment(const std::string& arguments,
+                            const std::string& drawn = "--no-render") {
+    const auto result =
+        command("assess " + arguments + " " + drawn + " -o " + scratch_.path("assessed"));
     EXPECT_EQ(result.status, 0) << result.err;
     return nlohmann::json::parse(test::read_file(scratch_.path("assessed/assessment.json")));
   }
@@ -87,6 +95,36 @@ TEST_F(Assess, AScriptedPocketIsMeasuredAndWhatIsNotMetIsPlacedAndTimed) {
   EXPECT_NEAR(measure(found, "wall_left_mm")["value"], 1.0, 0.06);
   EXPECT_EQ(found["not_measured"], nlohmann::json::parse("[\"margin_mm\"]"));
   EXPECT_DOUBLE_EQ(found["mark"], 60.0);  // of 2, 1, 1 and 1, all but the depth
+}
+
+TEST_F(Assess, TheMomentOfWhatIsNotMetIsDrawn) {
+  const std::string recording =
+      run("pocket", kPocket + "[assessment]\ndepth_mm = [1.4, 1.6]\nundercut_mm2 = 0\n");
+  const nlohmann::json found = assessment(recording, "");
+  const auto depth = measure(found, "depth_mm");
+  EXPECT_EQ(depth["picture"], "depth_mm.png");
+  EXPECT_EQ(depth["film"], "depth_mm.mp4");
+  EXPECT_NEAR(depth["moment"]["burr_angle_deg"], 0.0, 1e-9);
+  ASSERT_EQ(command("export " + recording + " --csv " + scratch_.path("ticks.csv")).status, 0);
+  std::ifstream rows(scratch_.path("ticks.csv"));
+  std::string row;
+  for (int line = -1; line <= depth["tick"].get<int>(); ++line) std::getline(rows, row);
+  std::istringstream cells(row);
+  std::vector<double> values;
+  for (std::string cell; std::getline(cells, cell, ',');) values.push_back(std::stod(cell));
+  EXPECT_EQ(values.at(0), depth["tick"].get<double>());
+  EXPECT_NEAR(depth["moment"]["tip_mm"][2], values.at(4), 1e-6);
+  EXPECT_NEAR(depth["moment"]["force_N"], std::hypot(values.at(9), values.at(10), values.at(11)),
+              1e-6);
+  EXPECT_FALSE(measure(found, "undercut_mm2").contains("picture"));  // it is met
+  // Two seconds of 30 pictures, as ffmpeg itself counts them.
+  const auto frames = test::program_command(
+      "ffprobe",
+      "-v error -count_frames -select_streams v -show_entries stream=nb_read_frames -of csv=p=0 " +
+          scratch_.path("assessed/depth_mm.mp4"),
+      scratch_.path("err"));
+  EXPECT_EQ(frames.out.substr(0, 2), "60") << frames.err;
+  EXPECT_GT(test::read_file(scratch_.path("assessed/depth_mm.png")).size(), 10'000u);
 }
 
 TEST_F(Assess, MeshesGiveWhatTheRecordingGives) {
@@ -135,7 +173,8 @@ TEST_F(Assess, SeveralAttemptsGiveATable) {
   const std::string deep =
       run("deep", scene,
           "--set 'trajectory.points_mm=[[0, 0, 1.2], [0, 0, -0.4], [0.5, 0, -0.4], [0, 0, 1.4]]'");
-  const auto result = command("assess " + good + " " + deep + " -o " + scratch_.path("class"));
+  const auto result =
+      command("assess " + good + " " + deep + " --no-render -o " + scratch_.path("class"));
   ASSERT_EQ(result.status, 0) << result.err;
   const std::string table = test::read_file(scratch_.path("class/assessment.csv"));
   EXPECT_TRUE(table.starts_with("attempt,subject,mark,depth_mm,")) << table;
