@@ -3,13 +3,16 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/commands/common_options.hpp"
 #include "app/playback/recorded_run.hpp"
 #include "app/report/assessment.hpp"
+#include "app/report/comparison_page.hpp"
 #include "app/report/moment_pictures.hpp"
 #include "app/report/output_file.hpp"
+#include "app/report/page/page_html.hpp"
 #include "app/report/results.hpp"
 #include "app/terminal/progress.hpp"
 #include "app/terminal/terminal.hpp"
@@ -88,6 +91,24 @@ void write_table(const std::string& folder, const std::vector<Assessment>& attem
   say("%s\n", file.c_str());
 }
 
+/// Side by side, where there is room for all of them and what draws it is installed.
+void write_comparison(const std::string& folder, const std::vector<ComparedAttempt>& attempts) {
+  const std::string file = folder + "/comparison.html";
+  if (attempts.size() > kMostCompared) {
+    say_error("comparison.html was not written: it shows %zu attempts at most\n", kMostCompared);
+    return;
+  }
+  try {
+    three_js();
+  } catch (const InputError& missing) {
+    say_error("comparison.html was not written: %s\n", missing.what());
+    return;
+  }
+  const Progress progress("drawing");
+  write_comparison_page(attempts, file);
+  say("%s\n", file.c_str());
+}
+
 void assess_pair(const AssessOptions& options) {
   if (options.before.empty() || options.after.empty()) {
     throw InputError("", "assess", "one of --before and --after", "both, or a recording");
@@ -116,12 +137,14 @@ void assess(const AssessOptions& options) {
     throw InputError("", "assess", "nothing to assess", "RECORDING..., or --before and --after");
   }
   std::vector<Assessment> attempts;
+  std::vector<ComparedAttempt> compared;
   for (const std::string& recording : options.recordings) {
     const Progress progress("assessing");
     const RecordingReader reader(recording);
     say_what_is_missing(reader);
-    attempts.push_back(
-        assess_recording(reader, recording, settings_for(options, reader, recording)));
+    AssessmentSettings settings = settings_for(options, reader, recording);
+    attempts.push_back(assess_recording(reader, recording, settings));
+    compared.push_back({recording, attempts.back(), std::move(settings)});
   }
   for (const Assessment& attempt : attempts) say_assessment(attempt);
   const std::string folder = options.folder.empty()
@@ -137,7 +160,9 @@ void assess(const AssessOptions& options) {
     }
     write_json(own, attempts[i]);
   }
-  if (attempts.size() > 1) write_table(folder, attempts);
+  if (attempts.size() == 1) return;
+  write_table(folder, attempts);
+  write_comparison(folder, compared);
 }
 
 }  // namespace
@@ -154,7 +179,8 @@ void add_assess_command(CLI::App& program) {
   add_option(*command, "-o", options->folder, "DIR",
              "Folder for assessment.json, with a picture and a film of the moment of each\n"
              "limit that is not met (out/NAME-assessment); of several in 1/, 2/, ..., with\n"
-             "a table of all, assessment.csv");
+             "a table of all, assessment.csv, and a page that shows them side by side,\n"
+             "comparison.html");
   command->add_flag("--no-render", options->no_render,
                     "Draw no pictures and films of what is not met");
   command->callback([options] { assess(*options); });

@@ -18,6 +18,12 @@
 #include "app/playback/recorded_film.hpp"
 #include "app/playback/recorded_heat.hpp"
 #include "app/playback/recorded_sound.hpp"
+#include "app/report/assessment.hpp"
+#include "app/report/measures_table.hpp"
+#include "app/report/page/curves.hpp"
+#include "app/report/page/page_html.hpp"
+#include "app/report/page/web_files.hpp"
+#include "app/report/page_attempt.hpp"
 #include "app/report/summary.hpp"
 #include "app/report/video_writer.hpp"
 #include "app/session/run_marks.hpp"
@@ -27,6 +33,7 @@
 #include "engine/core/user_text.hpp"
 #include "engine/core/whole_file.hpp"
 #include "engine/graphics/renderer.hpp"
+#include "engine/scene/assessment_table.hpp"
 #include "engine/scene/section.hpp"
 
 namespace sulcus {
@@ -34,9 +41,8 @@ namespace sulcus {
 namespace {
 
 constexpr int kWide = 800, kTall = 500;            // pixels of a picture
-constexpr int kStripWide = 384, kStripTall = 240;  // of the way there
+constexpr int kStripWide = 640, kStripTall = 400;  // of the way there, shown small
 constexpr std::size_t kStrip = 8;
-constexpr double kChartWide = 900.0, kChartTall = 150.0;
 
 std::string picture(const Image& image, const std::string& words) {
   return "<figure><img alt=\"" + for_html(words) + "\" src=\"data:image/png;base64," +
@@ -44,58 +50,19 @@ std::string picture(const Image& image, const std::string& words) {
          "</figcaption></figure>\n";
 }
 
-/// A curve over the whole run: of the rows that fall on a pixel the largest is drawn, from 0 or
-/// from the lowest below.
+/// A curve over the whole run of what `value(row)` gives.
 template <class Value>
 std::string curve(const std::string& name, const std::string& unit, const char* colour,
                   std::span<const TickRecord> rows, const Value& value) {
-  constexpr double kLeft = 52.0, kBottom = 20.0;
-  const double end_s = std::max(rows.back().time_s, 1e-9);
-  const auto columns = static_cast<std::size_t>(kChartWide - kLeft);
-  constexpr double kNone = -std::numeric_limits<double>::infinity();
-  std::vector<double> largest(columns, kNone);
-  double top = 0.0, bottom = 0.0;
+  Curve line{.name = name, .unit = unit, .colour = colour};
+  std::vector<double> times_s;
+  times_s.reserve(rows.size());
+  line.values.reserve(rows.size());
   for (const TickRecord& row : rows) {
-    const double v = value(row);
-    if (!std::isfinite(v)) continue;
-    const auto at = static_cast<std::size_t>(row.time_s / end_s * static_cast<double>(columns - 1));
-    double& there = largest[std::min(at, columns - 1)];
-    there = std::max(there, v);
-    top = std::max(top, v);
+    times_s.push_back(row.time_s);
+    line.values.push_back(value(row));
   }
-  for (const double v : largest) {
-    if (v != kNone) bottom = std::min(bottom, v);
-  }
-  if (top <= bottom) top = bottom + 1.0;
-  std::ostringstream svg;
-  svg.precision(6);
-  svg << "<figure><svg viewBox=\"0 0 " << kChartWide << ' ' << kChartTall << "\" role=\"img\">"
-      << "<title>" << for_html(name) << "</title>";
-  for (const double part : {0.0, 0.5, 1.0}) {
-    const double y = kChartTall - kBottom - part * (kChartTall - kBottom - 8.0);
-    svg << "<path class=\"grid\" d=\"M" << kLeft << ' ' << y << "H" << kChartWide
-        << "\"/><text x=\"" << kLeft - 6 << "\" y=\"" << y + 4 << "\" text-anchor=\"end\">"
-        << formatted("%.3g", bottom + part * (top - bottom)) << "</text>";
-  }
-  for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-    svg << "<text x=\"" << kLeft + part * (kChartWide - kLeft) << "\" y=\"" << kChartTall - 4
-        << "\" text-anchor=\""
-        << (part == 0.0   ? "start"
-            : part == 1.0 ? "end"
-                          : "middle")
-        << "\">" << formatted("%.3g s", part * end_s) << "</text>";
-  }
-  svg << "<polyline fill=\"none\" stroke=\"" << colour << "\" points=\"";
-  for (std::size_t c = 0; c < columns; ++c) {
-    if (largest[c] == kNone) continue;
-    svg << kLeft + static_cast<double>(c) << ','
-        << kChartTall - kBottom -
-               (largest[c] - bottom) / (top - bottom) * (kChartTall - kBottom - 8.0)
-        << ' ';
-  }
-  svg << "\"/></svg><figcaption>" << for_html(name) << ", " << for_html(unit)
-      << "</figcaption></figure>\n";
-  return svg.str();
+  return curve_figure(line, times_s);
 }
 
 double norm(const double (&v)[3]) { return std::hypot(v[0], v[1], v[2]); }
@@ -111,13 +78,9 @@ void add_rows(const nlohmann::ordered_json& value, const std::string& name, std:
         << for_html(value.is_string() ? value.get<std::string>() : value.dump()) << "</td></tr>\n";
 }
 
-std::string row_of(const std::string& name, const std::string& value) {
-  return "<tr><th>" + for_html(name) + "</th><td>" + for_html(value) + "</td></tr>\n";
-}
-
 /// What came of `ticks` ticks.
 std::string outcome_table(const FrameState& end, std::uint64_t ticks, double rate_hz) {
-  std::string table = "<table>\n";
+  std::string table = "<table class=\"facts\">\n";
   table += row_of("Lasted", formatted("%.3f s, %ju ticks", static_cast<double>(ticks) / rate_hz,
                                       std::uintmax_t{ticks}));
   table += row_of("Removed", formatted("%.3f mm\xC2\xB3", end.removed_mm3));
@@ -156,8 +119,7 @@ nlohmann::ordered_json marks_of_rows(const RecordingReader& reader, const Record
   return figures;
 }
 
-/// What came of it: of the whole, of its own part where that is less, and all figures. The film is
-/// at its end.
+/// What came of it: of the whole, and of its own part where that is less. The film is at its end.
 std::string outcome_section(const RecordingReader& reader, const RecordedFilm& film,
                             const FrameState& end) {
   const double rate_hz = film.scene().haptics.rate_hz;
@@ -178,21 +140,42 @@ std::string outcome_section(const RecordingReader& reader, const RecordedFilm& f
     }
     html << outcome_table(end, own, rate_hz);
   }
+  return html.str();
+}
+
+/// All figures of the run as the program wrote them, and what made it.
+std::string figures_section(const RecordingReader& reader, const RecordedFilm& film) {
+  std::ostringstream html;
   nlohmann::ordered_json figures;
   if (reader.summary()) {
     figures = nlohmann::ordered_json::parse(*reader.summary(), nullptr, false);
   }
-  std::string title = "summary.json";
+  std::string title = "All figures, summary.json";
   if (!figures.is_object()) {
     html << "<p>The recording holds no summary of its run, which was not ended, or was recorded "
             "before they were kept: these figures are from its rows alone.</p>\n";
-    title = "From the rows";
+    title = "All figures, from the rows";
     figures = marks_of_rows(reader, film);
   }
-  html << "<details><summary>" << title << "</summary><table>\n";
+  html << "<details><summary>" << title << "</summary><table class=\"facts\">\n";
   add_rows(figures, "", html);
-  html << "</table></details>\n";
+  html << "</table>\n<p>"
+       << for_html("scene_sha256 " + reader.header().scene_sha256 + ", recorded by " +
+                   reader.header().build)
+       << "</p></details>\n";
   return html.str();
+}
+
+/// None where nothing was cut, which cannot be assessed.
+std::optional<Assessment> assessment_if_cut(const RecordingReader& reader,
+                                            const std::string& recording,
+                                            const AssessmentSettings& wanted) {
+  const auto gone = [](const Edit& edit) { return edit.body == 0 && edit.is_gone(); };
+  const std::optional<EarlierRun> earlier = reader.earlier();
+  const bool cut = std::ranges::any_of(reader.edits(), gone) ||
+                   (earlier && std::ranges::any_of(earlier->edits, gone));
+  if (!cut) return {};
+  return assess_recording(reader, recording, wanted);
 }
 
 /// A plane across y through the middle of what was cut; none where nothing was.
@@ -208,19 +191,6 @@ std::optional<Section> section_of_cut(const RecordedFilm& film, std::span<const 
   if (count == 0) return {};
   return Section{1, sum / static_cast<double>(count)};
 }
-
-constexpr const char* kHead = R"(<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
-<style>
-body{font:15px/1.5 "DejaVu Sans",Verdana,sans-serif;color:#222831;background:#eef0f2;margin:0 auto;max-width:1240px;padding:24px}
-h1{font-size:24px;margin:0}h2{font-size:18px;margin:32px 0 8px}p{color:#5b6470;margin:4px 0}
-figure{margin:0;background:#fff;border-radius:6px;overflow:hidden}figcaption{padding:4px 10px;color:#5b6470;font-size:13px}
-img,svg{width:100%;display:block}svg text{font-size:11px;fill:#5b6470}.grid{stroke:#d5d9de}
-.two{display:grid;grid-template-columns:1fr 1fr;gap:10px}.four{display:grid;grid-template-columns:repeat(4,1fr);gap:10px}
-table{border-collapse:collapse;background:#fff;border-radius:6px}th,td{text-align:left;padding:3px 14px;font-weight:normal;border-bottom:1px solid #eef0f2;white-space:pre}
-td{font-variant-numeric:tabular-nums}details{margin-top:10px}
-</style>
-)";
 
 constexpr std::array<Camera, 4> kSides{Camera::kOcclusal, Camera::kReview, Camera::kBuccal,
                                        Camera::kMesial};
@@ -286,19 +256,6 @@ Pictures draw_pictures(RecordedFilm& film, const RenderSettings& settings) {
                 formatted("cut open at y = %.2f mm, from buccal", section->at_m / kMillimetre));
   }
   return pictures;
-}
-
-/// From above, coloured by when it was cut.
-std::string draw_by_time(const RecordingReader& reader, const std::string& recording,
-                         const RenderSettings& settings) {
-  RecordedFilm film(reader, recording);
-  Renderer renderer(settings, film.bodies(), film.burr().mesh_tool, film.burr().head_length_m);
-  renderer.set_hud(kNoHud);
-  renderer.set_viewpoint(Camera::kOcclusal);
-  renderer.colour_by_time(film.rows().back().time_s);
-  FrameState state = film.seek_row(film.rows().size() - 1, renderer);
-  state.burr_shown = false;
-  return picture(renderer.draw(state), "when it was cut: early yellow, late dark");
 }
 
 /// The pulp's wall over the run: of the warmest place, then of the coldest.
@@ -430,7 +387,7 @@ std::string curves(const RecordedFilm& film) {
                [](const TickRecord& row) { return norm(row.force_N); }) +
          curve("Torque", "mN m", "#c45e12", rows,
                [](const TickRecord& row) { return 1e3 * norm(row.torque_Nm); }) +
-         curve("Voxels in contact", "1", "#6b4aa0", rows,
+         curve("In contact", "voxels", "#6b4aa0", rows,
                [](const TickRecord& row) { return static_cast<double>(row.contacts); }) +
          curve("Cut", "mm\xC2\xB3", "#8a6d1c", rows,
                [&](const TickRecord& row) {
@@ -445,39 +402,48 @@ std::string curves(const RecordedFilm& film) {
 
 void write_review_page(const RecordingReader& reader, const std::string& recording,
                        const std::string& file, ReviewVideo video) {
+  const std::string three = three_js();
   RecordedFilm film(reader, recording);
   RenderSettings settings = film.scene().render.value_or(RenderSettings{});
   settings.width = kWide;
   settings.height = kTall;
   settings.section.reset();
-  const std::string title = for_html(film.scene().title);
+  const std::optional<AssessmentSettings> wanted = assessment_of(film.scene().text, recording);
+  const std::optional<Assessment> assessment =
+      wanted ? assessment_if_cut(reader, recording, *wanted) : std::nullopt;
+  const std::string& title = film.scene().title;
   std::ostringstream page;
-  page << kHead << "<title>" << title << "</title></head><body>\n<h1>" << title << "</h1>\n<p>"
-       << for_html("scene_sha256 " + reader.header().scene_sha256 + ", recorded by " +
-                   reader.header().build)
-       << "</p>\n";
+  page << "<h1>" << for_html(title) << "</h1>\n";
   if (!reader.missing().empty()) page << "<p>" << for_html(reader.missing()) << "</p>\n";
+  page << viewer_html();
   const Pictures pictures = draw_pictures(film, settings);
-  page << "<h2>Outcome</h2>\n" << outcome_section(reader, film, pictures.end);
-  page << "<h2>Before and after</h2>\n<div class=\"two\">\n";
-  for (std::size_t side = 0; side < kSides.size(); ++side) {
-    page << pictures.before[side] << pictures.after[side];
+  page << "<div class=\"columns\">\n";
+  if (assessment) {
+    page << "<div><h2>Assessment</h2>\n" << assessment_table(*assessment) << "</div>\n";
   }
-  page << "</div>\n";
-  if (!pictures.cut_open.empty()) {
-    page << "<h2>What was cut</h2>\n<div class=\"two\">\n"
-         << pictures.cut_open << draw_by_time(reader, recording, settings) << "</div>\n";
-  }
-  if (film.scene().heat) {
-    page << "<h2>How warm it became</h2>\n" << heat_part(reader, recording, settings);
-  }
+  page << "<div><h2>Outcome</h2>\n"
+       << outcome_section(reader, film, pictures.end) << "</div></div>\n";
+  page << "<h2>Curves</h2>\n" << curves(film) << optional_curves(reader, film);
   if (video == ReviewVideo::kWithSound) {
     page << "<h2>How it looked and sounded</h2>\n" << video_part(reader, recording, file, settings);
   }
   page << "<h2>The way there, cut open at the burr</h2>\n<div class=\"four\">\n"
-       << pictures.way << "</div>\n<h2>Curves</h2>\n"
-       << curves(film) << optional_curves(reader, film) << "</body></html>\n";
-  write_whole_file(file, page.str());
+       << pictures.way << "</div>\n";
+  if (!pictures.cut_open.empty()) {
+    page << "<h2>What was cut</h2>\n<div class=\"two\">\n" << pictures.cut_open << "</div>\n";
+  }
+  if (film.scene().heat) {
+    page << "<h2>How warm it became</h2>\n" << heat_part(reader, recording, settings);
+  }
+  page << "<h2>Before and after</h2>\n<div class=\"two\">\n";
+  for (std::size_t side = 0; side < kSides.size(); ++side) {
+    page << pictures.before[side] << pictures.after[side];
+  }
+  page << "</div>\n" << figures_section(reader, film);
+  const nlohmann::ordered_json attempt =
+      page_attempt(reader, recording, assessment ? &*assessment : nullptr,
+                   wanted.value_or(AssessmentSettings{}));
+  write_whole_file(file, page_html(title, page.str(), {{"attempts", {attempt}}}, three));
 }
 
 }  // namespace sulcus

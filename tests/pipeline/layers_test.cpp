@@ -123,10 +123,12 @@ TEST(Layers, OnlyDrawingAndAppKnowDrawing) {
 //   report                   results of a run: folder, summary, pages, log
 //   playback                 recordings run again
 //   session                  a run and its threads
+//   report/page              what pages in a browser are made of
 //   terminal                 what is said, other programs
 TEST(Layers, AFolderOfAppSeesThoseBelowIt) {
   const auto height = [](std::string_view file) {
-    constexpr std::array<std::pair<std::string_view, int>, 7> kHeights{{{"app/terminal/", 1},
+    constexpr std::array<std::pair<std::string_view, int>, 8> kHeights{{{"app/terminal/", 1},
+                                                                        {"app/report/page/", 2},
                                                                         {"app/session/", 2},
                                                                         {"app/playback/", 3},
                                                                         {"app/report/", 4},
@@ -190,6 +192,12 @@ TEST(Layers, NothingIncludesTests) {
 TEST(Layers, OnlyImportNamesItk) {
   expect_none("volumes come in through engine/import", [](const Include& i) {
     return is_of(i.header, {"itk", "vnl/"}) && !is_in(i.file, "engine/import/");
+  });
+}
+
+TEST(Layers, OnlyPagesNameMeshoptimizer) {
+  expect_none("what is felt, exported and measured is not simplified", [](const Include& i) {
+    return is_of(i.header, {"meshoptimizer"}) && !is_in(i.file, "app/report/page/");
   });
 }
 
