@@ -6,18 +6,22 @@
 #include <set>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/commands/common_options.hpp"
 #include "app/playback/recorded_run.hpp"
 #include "app/playback/recorded_sound.hpp"
 #include "app/report/output_file.hpp"
+#include "app/report/page/page_mesh.hpp"
 #include "app/terminal/progress.hpp"
 #include "app/terminal/terminal.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/whole_file.hpp"
 #include "engine/import/meshes/mesh_file.hpp"
+#include "engine/import/meshes/write_glb.hpp"
 #include "engine/import/volumes/write_volume.hpp"
+#include "engine/surface/surface_colour.hpp"
 #include "engine/surface/surface_mesh.hpp"
 
 namespace sulcus {
@@ -85,6 +89,31 @@ void export_volume(const std::string& file, const ExportOptions& options, const 
   }
 }
 
+/// In the format that the file's name asks for; .glb with the colours of the tissues. `mesh`: of
+/// the model, in world space, which `space_from_world` moves where it is written.
+void write_surface(const std::string& file, TriangleMesh mesh, const VoxelModel& model,
+                   std::span<const TissueSettings> tissues,
+                   const Eigen::Affine3d& space_from_world) {
+  if (lower_extension(file) != ".glb") {
+    transform(space_from_world, mesh);
+    return write_mesh(file, mesh);
+  }
+  std::vector<TissueLook> looks;
+  for (const TissueSettings& tissue : tissues) looks.push_back({tissue.name, tissue.colour});
+  const SurfaceColour surface(std::move(looks));
+  const std::vector<Eigen::Vector3f> normals = smoothed_normals(mesh);
+  std::vector<Eigen::Vector3f> colours;
+  colours.reserve(mesh.positions.size());
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const Eigen::Vector3d p = model.grid.index_from_world(mesh.positions[v].cast<double>());
+    const auto packed = surface.at(model, {}, p.cast<float>(), normals[v], false);
+    const Eigen::Vector3f root = Eigen::Vector3f(packed[0], packed[1], packed[2]) / 255.0f;
+    colours.emplace_back(root.cwiseProduct(root));
+  }
+  transform(space_from_world, mesh);
+  write_glb(file, mesh, colours);
+}
+
 /// A tissue's name as a part of a file's: a scene from elsewhere must name no other folder.
 std::string file_part(std::string name) {
   constexpr std::size_t kLongest = 64;
@@ -112,9 +141,9 @@ void write_tissue_meshes(const std::string& file, const VoxelModel& model,
     }
     std::filesystem::path one = path;
     one.replace_filename(path.stem().string() + "_" + name + path.extension().string());
-    transform(space_from_world, meshes[t]);
-    write_mesh(one.string(), meshes[t]);
-    say("%s: %zu triangles\n", one.string().c_str(), meshes[t].triangles.size());
+    const std::size_t triangles = meshes[t].triangles.size();
+    write_surface(one.string(), std::move(meshes[t]), model, tissues, space_from_world);
+    say("%s: %zu triangles\n", one.string().c_str(), triangles);
   }
 }
 
@@ -135,7 +164,7 @@ void export_recording(const ExportOptions& options) {
     throw InputError("", "export", "nothing to write",
                      "--mesh, --volume, --fills, --csv or --sound");
   }
-  check_output("--mesh", options.mesh, {".stl", ".obj", ".ply"});
+  check_output("--mesh", options.mesh, {".stl", ".obj", ".ply", ".glb"});
   check_output("--volume", options.volume, {".nrrd", ".mha", ".nii.gz"});
   check_output("--fills", options.fills, {".nrrd", ".mha", ".nii.gz"});
   check_output("--csv", options.csv, {".csv"});
@@ -148,7 +177,8 @@ void export_recording(const ExportOptions& options) {
   say_what_is_missing(reader);
   if (!options.sound.empty()) export_sound(options.sound, reader, options.recording);
   std::optional<Scene> scene;  // knows the tissues by name
-  if (options.per_tissue) scene = recorded_scene(reader, options.recording);
+  const bool coloured = lower_extension(options.mesh) == ".glb";
+  if (options.per_tissue || coloured) scene = recorded_scene(reader, options.recording);
   RecordedShape shape(reader, scene ? recorded_workpiece(reader, *scene) : reader.workpiece());
   const std::size_t row = options.at_s
                               ? asked_row(shape.rows(), *options.at_s, "--at", options.recording)
@@ -158,13 +188,15 @@ void export_recording(const ExportOptions& options) {
   const std::optional<InputGeometry> space = wanted_space(options, reader);
   const Eigen::Affine3d space_from_world =
       space ? space->file_from_world : Eigen::Affine3d::Identity();
-  if (scene) {
+  if (options.per_tissue) {
     write_tissue_meshes(options.mesh, model, scene->tissues, space_from_world);
   } else if (!options.mesh.empty()) {
     TriangleMesh mesh = closed_surface(model);
-    transform(space_from_world, mesh);
-    write_mesh(options.mesh, mesh);
-    say("%s: %zu triangles\n", options.mesh.c_str(), mesh.triangles.size());
+    const std::size_t triangles = mesh.triangles.size();
+    const auto tissues =
+        scene ? std::span<const TissueSettings>(scene->tissues) : std::span<const TissueSettings>();
+    write_surface(options.mesh, std::move(mesh), model, tissues, space_from_world);
+    say("%s: %zu triangles\n", options.mesh.c_str(), triangles);
   }
   if (!options.volume.empty()) {
     export_volume(options.volume, options, model,
@@ -191,8 +223,9 @@ void add_export_command(CLI::App& program) {
       program.add_subcommand("export", "Write the cut tooth, the curves or the sound");
   add_recording_argument(*command, options->recording);
   add_option(*command, "--at", options->at_s, "S", "Time, s (the end)");
-  CLI::Option* mesh = add_option(*command, "--mesh", options->mesh, "FILE",
-                                 "Closed surface, .stl, .obj or .ply, mm");
+  CLI::Option* mesh = add_option(
+      *command, "--mesh", options->mesh, "FILE",
+      "Closed surface, .stl, .obj or .ply, mm; .glb, m, +y up, with the tissues' colours");
   command
       ->add_flag("--per-tissue", options->per_tissue,
                  "One closed mesh for each tissue, FILE_TISSUE.stl, with shared borders")

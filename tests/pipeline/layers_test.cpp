@@ -195,6 +195,12 @@ TEST(Layers, OnlyImportNamesItk) {
   });
 }
 
+TEST(Layers, OnlyImportNamesAssimp) {
+  expect_none("assimp writes mesh files", [](const Include& i) {
+    return is_of(i.header, {"assimp/"}) && !is_in(i.file, "engine/import/");
+  });
+}
+
 TEST(Layers, OnlyPagesNameMeshoptimizer) {
   expect_none("what is felt, exported and measured is not simplified", [](const Include& i) {
     return is_of(i.header, {"meshoptimizer"}) && !is_in(i.file, "app/report/page/");
