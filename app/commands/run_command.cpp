@@ -1,4 +1,3 @@
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -82,8 +81,7 @@ void run(const RunOptions& options) {
   session.goal = std::move(loaded.goal);
   session.input = loaded.notes.input;
   const double duration_s = options.duration_s > 0.0 ? options.duration_s : trajectory.duration_s();
-  session.ticks = static_cast<std::uint64_t>(
-      std::max(1.0, std::ceil(duration_s * scene.haptics.rate_hz - 1e-6)));
+  session.ticks = ticks_in(duration_s, scene.haptics.rate_hz);
 
   ResultsPlace place{options.folder, folder_of_scene(file), options.force};
   if (!plugin) {  // a hand does not do the same again

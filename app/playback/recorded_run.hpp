@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "app/playback/edit_cursor.hpp"
-#include "app/session/loose_schedule.hpp"
 #include "app/session/simulation.hpp"
 #include "engine/recording/recording_reader.hpp"
 #include "engine/volume/edit.hpp"
+#include "haptics/loose_schedule.hpp"
 
 namespace sulcus {
 

@@ -13,12 +13,7 @@ namespace sulcus {
 
 Trajectory scene_trajectory(const Scene& scene, const InputLimits& limits) {
   const TrajectorySettings& settings = scene.trajectory;
-  if (settings.recording.empty()) {
-    TrajectorySettings with_last = settings;
-    // The last row of a table has its tick as well.
-    if (!settings.file.empty()) with_last.hold_s += 1.0 / scene.haptics.rate_hz;
-    return make_trajectory(with_last, limits);
-  }
+  if (settings.recording.empty()) return scene_path(scene, limits);
   const RecordingReader reader(settings.recording);
   say_what_is_missing(reader);
   if (reader.tick_count() > limits.poses()) {

@@ -11,11 +11,11 @@
 
 #include <readerwriterqueue/readerwriterqueue.h>
 
-#include "app/session/loose_schedule.hpp"
 #include "engine/core/pose.hpp"
 #include "engine/recording/recording_header.hpp"
 #include "engine/recording/tick_record.hpp"
 #include "engine/volume/edit.hpp"
+#include "haptics/loose_schedule.hpp"
 #include "haptics/stage_clock.hpp"
 
 namespace sulcus {

@@ -9,13 +9,13 @@
 
 #include "app/session/feed.hpp"
 #include "app/session/feed_thread.hpp"
-#include "app/session/loose_schedule.hpp"
 #include "app/session/pacer.hpp"
 #include "app/session/pieces_thread.hpp"
 #include "app/session/session.hpp"
 #include "app/session/simulation.hpp"
 #include "app/terminal/progress.hpp"
 #include "haptics/device/device.hpp"
+#include "haptics/loose_schedule.hpp"
 
 namespace sulcus {
 

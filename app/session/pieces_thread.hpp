@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "app/session/feed_thread.hpp"
-#include "app/session/loose_schedule.hpp"
 #include "app/session/simulation.hpp"
 #include "engine/bodies/debris_world.hpp"
 #include "engine/volume/level_changes.hpp"
+#include "haptics/loose_schedule.hpp"
 
 namespace sulcus {
 

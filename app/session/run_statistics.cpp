@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/core/hash.hpp"
 #include "engine/core/units.hpp"
+#include "haptics/force_hash.hpp"
 
 namespace sulcus {
 
@@ -59,8 +59,7 @@ void RunStatistics::add(const TickReport& report) {
   commanded_force_max_N = std::max(commanded_force_max_N, length(port.asked_force_N));
   evaluations_sum += static_cast<double>(port.evaluations);
   evaluations_max = std::max(evaluations_max, port.evaluations);
-  force_hash = hash_bytes(force, sizeof(force), force_hash);
-  force_hash = hash_bytes(torque, sizeof(torque), force_hash);
+  force_hash = force_hash_after(force_hash, force, torque);
   tick_us.add(r.step_us);
   late_us.add(r.late_us);
   for (int s = 0; s < kStageCount; ++s) stage_us[s].add(report.stage_us[s]);

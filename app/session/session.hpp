@@ -11,12 +11,12 @@
 #include <vector>
 
 #include "app/session/feed.hpp"
-#include "app/session/loose_schedule.hpp"
 #include "app/session/run_marks.hpp"
 #include "app/session/run_statistics.hpp"
 #include "app/session/simulation.hpp"
 #include "engine/heat/tooth_heat.hpp"
 #include "engine/volume/input_geometry.hpp"
+#include "haptics/loose_schedule.hpp"
 
 namespace sulcus {
 

@@ -9,6 +9,7 @@
 #include "engine/volume/edits.hpp"
 #include "engine/volume/workpiece.hpp"
 #include "haptics/saved_state.hpp"
+#include "haptics/start_place.hpp"
 #include "haptics/tick.hpp"
 
 namespace sulcus {
@@ -84,10 +85,5 @@ class Simulation {
   TickResult last_;
   TickContext context_;
 };
-
-/// Refuses a tool that starts with its head's middle inside the workpiece or another body: only
-/// surface voxels are tested, so it would feel nothing.
-void check_start(const Scene& scene, const VoxelModel& model, std::span<const VoxelModel> bodies,
-                 const Burr& burr, const Pose& start);
 
 }  // namespace sulcus

@@ -180,4 +180,15 @@ Trajectory make_trajectory(const TrajectorySettings& settings, const InputLimits
   return Trajectory(hold(std::move(poses), settings.hold_s));
 }
 
+Trajectory scene_path(const Scene& scene, const InputLimits& limits) {
+  TrajectorySettings settings = scene.trajectory;
+  if (!settings.file.empty()) settings.hold_s += 1.0 / scene.haptics.rate_hz;
+  return make_trajectory(settings, limits);
+}
+
+std::uint64_t ticks_in(double duration_s, double rate_hz) {
+  constexpr double kRounding = 1e-6;  // of a tick
+  return static_cast<std::uint64_t>(std::max(1.0, std::ceil(duration_s * rate_hz - kRounding)));
+}
+
 }  // namespace sulcus

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,12 @@ class Trajectory {
 /// form, time running backward, values that are not finite or beyond 1 km, more than 10^6 s, a
 /// quaternion that is not a rotation, more rows than the limits allow.
 Trajectory make_trajectory(const TrajectorySettings& settings, const InputLimits& limits = {});
+
+/// That of a scene which names no recording: the last row of a table has its tick as well.
+Trajectory scene_path(const Scene& scene, const InputLimits& limits = {});
+
+/// Ticks that a run of so many seconds has, one at least.
+std::uint64_t ticks_in(double duration_s, double rate_hz);
 
 /// `poses` with the last of them a second time, `hold_s` later.
 std::vector<TimedPose> hold(std::vector<TimedPose> poses, double hold_s);

@@ -11,11 +11,11 @@
 
 #include <Eigen/Geometry>
 
-#include "app/session/loose_schedule.hpp"
 #include "engine/bodies/debris_world.hpp"
 #include "engine/core/realtime.hpp"
 #include "engine/core/units.hpp"
 #include "engine/scene/trajectory.hpp"
+#include "haptics/loose_schedule.hpp"
 #include "haptics/tool_motion.hpp"
 #include "tools/sulcus_lab/stability/cases/case_solids.hpp"
 #include "tools/sulcus_lab/stability/cases/cases.hpp"

@@ -1,4 +1,4 @@
-#include "app/session/loose_schedule.hpp"
+#include "haptics/loose_schedule.hpp"
 
 #include <gtest/gtest.h>
 
