@@ -5,7 +5,9 @@
 #include <new>
 #include <vector>
 
+#ifdef __linux__
 #include <sys/mman.h>
+#endif
 
 namespace sulcus {
 
@@ -27,7 +29,9 @@ struct HugePageAllocator {
     const std::size_t bytes = count * sizeof(T);
     if (bytes < kHugePage) return std::allocator<T>().allocate(count);
     void* const memory = ::operator new (bytes, std::align_val_t{kHugePage});
+#ifdef __linux__
     madvise(memory, bytes, MADV_HUGEPAGE);  // what it returns changes nothing
+#endif
     return static_cast<T*>(memory);
   }
   void deallocate(T* memory, std::size_t count) noexcept {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include <tbb/parallel_for.h>
+#include "engine/core/parallel.hpp"
 
 namespace sulcus {
 
@@ -79,7 +79,7 @@ void Conduction::advance(double seconds, std::span<const HeatExchange> exchanges
 }
 
 void Conduction::step(double dt_s, std::span<const HeatExchange> exchanges) {
-  tbb::parallel_for(0, cells_.z(), [&](int z) {
+  parallel_for(0, cells_.z(), [&](int z) {
     for (int y = 0; y < cells_.y(); ++y) {
       const std::size_t first = place(Cell(0, y, z));
       const double* const t = now_C_.data() + first;

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include <Eigen/Geometry>
-#include <oneapi/tbb/parallel_for.h>
 
+#include "engine/core/parallel.hpp"
 #include "engine/normals/exact.hpp"
 #include "engine/normals/normal_method.hpp"
 
@@ -47,9 +47,8 @@ VoxelValues normal_errors(const Workpiece& workpiece, const NormalSettings& sett
     if (any(workpiece.surface(leaf))) leaves.push_back(leaf);
   }
   std::vector<VoxelValues::Block> blocks(leaves.size());
-  tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t n) {
-    blocks[n] = errors_of_leaf(workpiece, settings, leaves[n]);
-  });
+  parallel_for(std::size_t{0}, leaves.size(),
+               [&](std::size_t n) { blocks[n] = errors_of_leaf(workpiece, settings, leaves[n]); });
   VoxelValues errors(workpiece.grid());
   for (std::size_t n = 0; n < leaves.size(); ++n) errors.set_block(leaves[n], blocks[n]);
   return errors;

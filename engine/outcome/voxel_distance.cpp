@@ -3,9 +3,9 @@
 #include <limits>
 
 #include <Eigen/Geometry>
-#include <oneapi/tbb/parallel_for.h>
 #include <unsupported/Eigen/BVH>
 
+#include "engine/core/parallel.hpp"
 #include "engine/outcome/voxel_set.hpp"
 
 namespace sulcus {
@@ -88,7 +88,7 @@ std::vector<std::uint32_t> squared_distances(const VoxelSet& from, const VoxelSe
     begin.push_back(begin.back() + static_cast<std::size_t>(count_voxels(from.voxels(leaf))));
   }
   std::vector<std::uint32_t> distances(begin.back());
-  tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t n) {
+  parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t n) {
     const Cell first = from.grid().leaf_origin(leaves[n]);
     std::size_t at = begin[n];
     for_each_voxel(from.voxels(leaves[n]), [&](int place) {

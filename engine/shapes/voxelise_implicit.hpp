@@ -10,9 +10,9 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <oneapi/tbb/parallel_for.h>
 
 #include "engine/core/error.hpp"
+#include "engine/core/parallel.hpp"
 #include "engine/core/pose.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/shapes/cell_coverage.hpp"
@@ -236,7 +236,7 @@ VoxelModel voxelise_implicit(const S& shape, const VoxelGrid& grid,
   constexpr int kChunk = 64;
   const Eigen::Vector3i chunks = (grid.cells.array() + (kChunk - 1)) / kChunk;
   std::vector<std::vector<LeafLevels>> pages(static_cast<std::size_t>(chunks.prod()));
-  tbb::parallel_for(0, chunks.prod(), [&](int n) {
+  parallel_for(0, chunks.prod(), [&](int n) {
     const Cell chunk(n % chunks.x(), n / chunks.x() % chunks.y(), n / (chunks.x() * chunks.y()));
     pages[static_cast<std::size_t>(n)] = descent.fill_blocks(chunk * kChunk, kChunk);
   });

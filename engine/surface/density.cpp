@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include <tbb/parallel_for.h>
+#include "engine/core/parallel.hpp"
 
 namespace sulcus {
 namespace {
@@ -80,7 +80,7 @@ void DensityBlock::reshape(const Eigen::Vector3i& first_sample,
 Density::Density(const VoxelModel& model)
     : quarter_dims_(model.grid.cells / 4), quarter_(model.grid.cell_count() / 64) {
   const std::uint32_t plane = static_cast<std::uint32_t>(model.grid.leaf_dims().head<2>().prod());
-  tbb::parallel_for(std::uint32_t{0}, model.grid.leaf_count() / plane, [&](std::uint32_t layer) {
+  parallel_for(std::uint32_t{0}, model.grid.leaf_count() / plane, [&](std::uint32_t layer) {
     for (std::uint32_t l = layer * plane; l < (layer + 1) * plane; ++l) update(model, l);
   });
 }

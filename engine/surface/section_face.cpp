@@ -5,7 +5,8 @@
 #include <cstddef>
 
 #include <Eigen/Geometry>
-#include <tbb/parallel_for.h>
+
+#include "engine/core/parallel.hpp"
 
 namespace sulcus {
 
@@ -18,7 +19,7 @@ void smooth(SectionFace& face, Edge edge) {
   const std::vector<std::array<std::uint8_t, 4>> sharp = face.pixels;
   const int count = along ? face.width : face.height, lines = along ? face.height : face.width;
   const int step = along ? 1 : face.width, next_line = along ? face.width : 1;
-  tbb::parallel_for(0, lines, [&](int line) {
+  parallel_for(0, lines, [&](int line) {
     for (int i = 0; i < count; ++i) {
       std::array<int, 4> sum{};
       for (int tap = -2; tap <= 2; ++tap) {
@@ -81,7 +82,7 @@ SectionFace section_face(const DrawnSurface& body, const Pose& world_from_grid,
     colours.push_back(packed(Eigen::Vector3f(look.colour.data())));
   }
   const bool by_values = body.values() && body.colour_scale()->inside;
-  tbb::parallel_for(0, face.height, [&](int row) {
+  parallel_for(0, face.height, [&](int row) {
     for (int column = 0; column < face.width; ++column) {
       const Eigen::Vector3d p_world =
           face.corner_world + (column + 0.5) * step_u + (row + 0.5) * step_v;

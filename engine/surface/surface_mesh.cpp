@@ -6,8 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include <tbb/parallel_for.h>
-
+#include "engine/core/parallel.hpp"
 #include "engine/surface/surface_nets.hpp"
 
 namespace sulcus {
@@ -43,13 +42,13 @@ void relax(VoxelNet& net, std::span<const float> steps) {
 TriangleMesh triangles_of(const VoxelNet& net, const VoxelGrid& grid) {
   TriangleMesh mesh;
   mesh.positions.resize(net.cells.size());
-  tbb::parallel_for(std::size_t{0}, net.cells.size(), [&](std::size_t v) {
+  parallel_for(std::size_t{0}, net.cells.size(), [&](std::size_t v) {
     mesh.positions[v] =
         grid.world_from_index(net.cells[v].cast<double>() + net.offsets[v].cast<double>())
             .cast<float>();
   });
   mesh.triangles.resize(2 * net.quads.size());
-  tbb::parallel_for(std::size_t{0}, net.quads.size(), [&](std::size_t q) {
+  parallel_for(std::size_t{0}, net.quads.size(), [&](std::size_t q) {
     const auto& quad = net.quads[q];
     const auto& p = mesh.positions;
     const auto halves = split_quad(quad, p[quad[0]], p[quad[1]], p[quad[2]], p[quad[3]]);

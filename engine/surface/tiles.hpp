@@ -1,7 +1,6 @@
 #pragma once
 
-#include <tbb/parallel_for.h>
-
+#include "engine/core/parallel.hpp"
 #include "engine/volume/grid.hpp"
 
 namespace sulcus {
@@ -11,7 +10,7 @@ namespace sulcus {
 template <class Visit>
 void for_each_tile(const Cell& low, const Cell& high, int edge, const Visit& visit) {
   const Cell tiles = (high - low + Cell::Constant(edge - 1)).cwiseMax(0) / edge;
-  tbb::parallel_for(0, tiles.prod(), [&](int t) {
+  parallel_for(0, tiles.prod(), [&](int t) {
     const Cell at(t % tiles.x(), t / tiles.x() % tiles.y(), t / tiles.x() / tiles.y());
     const Cell first = low + at * edge;
     visit(first, Cell((first + Cell::Constant(edge)).cwiseMin(high)));

@@ -3,8 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "engine/core/parallel.hpp"
 
 namespace sulcus {
 
@@ -21,8 +20,8 @@ DistanceField field_from_profile(const BurrProfile& profile, const FieldGrid& gr
       radii[static_cast<std::size_t>(i + k * half_x)] = std::sqrt(p.x() * p.x() + p.z() * p.z());
     }
   }
-  tbb::parallel_for(tbb::blocked_range<int>(0, n.y()), [&](const tbb::blocked_range<int>& range) {
-    for (int j = range.begin(); j < range.end(); ++j) {
+  parallel_ranges(0, n.y(), 1, [&](int low, int high) {
+    for (int j = low; j < high; ++j) {
       const double y = grid.tool_from_field(Eigen::Vector3d(0, j, 0)).y();
       for (int k = 0; k < half_z; ++k) {
         for (int i = 0; i < half_x; ++i) {

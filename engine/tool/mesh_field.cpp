@@ -12,10 +12,9 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include "engine/core/error.hpp"
+#include "engine/core/parallel.hpp"
 
 namespace sulcus {
 namespace {
@@ -99,9 +98,9 @@ class NearestGrid {
   /// Exact distances around every triangle. Slices are independent, so threads change nothing.
   void fill_band() {
     constexpr int kSlab = 4;
-    tbb::parallel_for(tbb::blocked_range<int>(0, samples_.z(), kSlab), [this](const auto& slab) {
+    parallel_ranges(0, samples_.z(), kSlab, [this](int low, int high) {
       for (std::size_t t = 0; t < triangles_.size(); ++t) {
-        fill_around(static_cast<std::int32_t>(t), slab.begin(), slab.end() - 1);
+        fill_around(static_cast<std::int32_t>(t), low, high - 1);
       }
     });
   }
@@ -113,12 +112,12 @@ class NearestGrid {
     changed_.assign(static_cast<std::size_t>(ny) * nz, 0);
     for (int pass = 0; pass < kSweeps; ++pass) {
       const int along_x = 1 + pass * kPhases;
-      tbb::parallel_for(0, nz, [=, this](int k) {
+      parallel_for(0, nz, [=, this](int k) {
         for (int j = 0; j < ny; ++j) sweep_row(j, k, along_x);
         for (int j = 1; j < ny; ++j) relax_row(j, k, j - 1, k, along_x + 1);
         for (int j = ny - 2; j >= 0; --j) relax_row(j, k, j + 1, k, along_x + 2);
       });
-      tbb::parallel_for(0, ny, [=, this](int j) {
+      parallel_for(0, ny, [=, this](int j) {
         for (int k = 1; k < nz; ++k) relax_row(j, k, j, k - 1, along_x + 3);
         for (int k = nz - 2; k >= 0; --k) relax_row(j, k, j, k + 1, along_x + 4);
       });
@@ -356,7 +355,7 @@ DistanceField field_from_mesh(const TriangleMesh& mesh_tool, const FieldGrid& gr
   nearest.sweep();
 
   DistanceField field(grid);
-  tbb::parallel_for(0, n.z(), [&](int k) {
+  parallel_for(0, n.z(), [&](int k) {
     for (int j = 0; j < n.y(); ++j) {
       for (int i = 0; i < n.x(); ++i) {
         const std::size_t s = nearest.index(i, j, k);

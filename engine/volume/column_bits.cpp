@@ -1,10 +1,9 @@
 #include "engine/volume/column_bits.hpp"
 
 #include <algorithm>
+#include <vector>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
+#include "engine/core/parallel.hpp"
 
 namespace sulcus {
 namespace {
@@ -19,26 +18,24 @@ struct LeafBox {
 LeafBox solid_leaves(const VoxelModel& model) {
   const Eigen::Vector3i n = model.grid.leaf_dims();
   const LeafBox none{n, Eigen::Vector3i::Zero()};
-  const LeafBox box = tbb::parallel_reduce(
-      tbb::blocked_range<int>(0, n.z()), none,
-      [&](const tbb::blocked_range<int>& range, LeafBox sum) {
-        for (int z = range.begin(); z < range.end(); ++z) {
-          for (int y = 0; y < n.y(); ++y) {
-            const LeafBits* row =
-                model.leaves.data() + static_cast<std::ptrdiff_t>(n.x()) * (y + n.y() * z);
-            int first = 0, end = n.x();
-            while (first < end && row[first] == LeafBits{}) ++first;
-            if (first == end) continue;
-            while (row[end - 1] == LeafBits{}) --end;
-            sum.lower = sum.lower.cwiseMin(Eigen::Vector3i(first, y, z));
-            sum.upper = sum.upper.cwiseMax(Eigen::Vector3i(end, y + 1, z + 1));
-          }
-        }
-        return sum;
-      },
-      [](const LeafBox& a, const LeafBox& b) {
-        return LeafBox{a.lower.cwiseMin(b.lower), a.upper.cwiseMax(b.upper)};
-      });
+  std::vector<LeafBox> layers(static_cast<std::size_t>(n.z()), none);
+  parallel_for(0, n.z(), [&](int z) {
+    LeafBox& layer = layers[static_cast<std::size_t>(z)];
+    for (int y = 0; y < n.y(); ++y) {
+      const LeafBits* row =
+          model.leaves.data() + static_cast<std::ptrdiff_t>(n.x()) * (y + n.y() * z);
+      int first = 0, end = n.x();
+      while (first < end && row[first] == LeafBits{}) ++first;
+      if (first == end) continue;
+      while (row[end - 1] == LeafBits{}) --end;
+      layer.lower = layer.lower.cwiseMin(Eigen::Vector3i(first, y, z));
+      layer.upper = layer.upper.cwiseMax(Eigen::Vector3i(end, y + 1, z + 1));
+    }
+  });
+  LeafBox box = none;
+  for (const LeafBox& layer : layers) {
+    box = {box.lower.cwiseMin(layer.lower), box.upper.cwiseMax(layer.upper)};
+  }
   if ((box.upper.array() <= box.lower.array()).any()) {
     return {Eigen::Vector3i::Zero(), Eigen::Vector3i::Zero()};
   }
@@ -66,7 +63,7 @@ ColumnBits::ColumnBits(const VoxelModel& model) {
   lower_ = box.lower * kLeafEdge;
   upper_ = box.upper * kLeafEdge;
   const Eigen::Vector3i n = upper_ - lower_;
-  tbb::parallel_for(0, 3, [&](int axis) {
+  parallel_for(0, 3, [&](int axis) {
     Axis& a = axes_[axis];
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     a.row = n[u] + 2 * kBorder;
@@ -82,7 +79,7 @@ ColumnBits::ColumnBits(const VoxelModel& model) {
   const Eigen::Vector3i dims = model.grid.leaf_dims();
   const int slabs =
       (box.upper.z() - box.lower.z() + kLeavesBelow + kLeavesOfWord - 1) / kLeavesOfWord;
-  tbb::parallel_for(0, slabs, [&](int slab) {
+  parallel_for(0, slabs, [&](int slab) {
     const int z_begin = box.lower.z() + slab * kLeavesOfWord - kLeavesBelow;
     const int z_end = std::min(z_begin + kLeavesOfWord, box.upper.z());
     for (int lz = std::max(z_begin, box.lower.z()); lz < z_end; ++lz) {

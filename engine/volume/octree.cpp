@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "engine/core/parallel.hpp"
 
 namespace sulcus {
 
@@ -54,15 +53,15 @@ Octree::Octree(const VoxelModel& model) {
   }
   nodes_.resize(total);
 
-  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, model.grid.leaf_count(), 4096),
-                    [&](const auto& range) {
-                      for (std::uint32_t leaf = range.begin(); leaf != range.end(); ++leaf) {
-                        nodes_[begin_.back() + leaf] =
-                            leaf_node(model.leaves[leaf], model.grid.leaf_origin(leaf));
-                      }
-                    });
+  parallel_ranges<std::uint32_t>(
+      0, model.grid.leaf_count(), 4096, [&](std::uint32_t low, std::uint32_t high) {
+        for (std::uint32_t leaf = low; leaf != high; ++leaf) {
+          nodes_[begin_.back() + leaf] =
+              leaf_node(model.leaves[leaf], model.grid.leaf_origin(leaf));
+        }
+      });
   for (int level = levels() - 2; level >= 0; --level) {
-    tbb::parallel_for(0, dims_[level].z(), [&](int z) { join_children(level, z); });
+    parallel_for(0, dims_[level].z(), [&](int z) { join_children(level, z); });
   }
 }
 

@@ -5,8 +5,7 @@
 #include <iterator>
 #include <utility>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "engine/core/parallel.hpp"
 
 namespace sulcus {
 
@@ -50,15 +49,15 @@ VoxelModel unpack(const PackedModel& packed) {
   model.leaves.resize(packed.grid.leaf_count());
   std::shared_ptr<TissueMap> tissues;
   if (packed.labelled) tissues = std::make_shared<TissueMap>(packed.grid.leaf_count());
-  using Range = tbb::blocked_range<std::size_t>;
-  tbb::parallel_for(Range(0, packed.leaves.size(), 4096), [&](const Range& rows) {
-    for (std::size_t row = rows.begin(); row != rows.end(); ++row) {
-      model.leaves[packed.leaves[row]] = packed.words[row];
-      if (tissues) tissues->set_uniform(packed.leaves[row], packed.leaf_labels[row]);
-    }
-  });
-  tbb::parallel_for(Range(0, packed.mixed.size(), 256), [&](const Range& range) {
-    for (std::size_t m = range.begin(); m != range.end(); ++m) {
+  parallel_ranges<std::size_t>(
+      0, packed.leaves.size(), 4096, [&](std::size_t low, std::size_t high) {
+        for (std::size_t row = low; row != high; ++row) {
+          model.leaves[packed.leaves[row]] = packed.words[row];
+          if (tissues) tissues->set_uniform(packed.leaves[row], packed.leaf_labels[row]);
+        }
+      });
+  parallel_ranges<std::size_t>(0, packed.mixed.size(), 256, [&](std::size_t low, std::size_t high) {
+    for (std::size_t m = low; m != high; ++m) {
       const std::uint32_t row = packed.mixed[m];
       tissues->set_block(packed.leaves[row], packed.mixed_labels[m], packed.words[row]);
     }

@@ -1,11 +1,10 @@
 #include "engine/volume/workpiece.hpp"
 
 #include <algorithm>
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
+#include <vector>
 
 #include "engine/core/hash.hpp"
+#include "engine/core/parallel.hpp"
 
 namespace sulcus {
 
@@ -53,26 +52,26 @@ Workpiece::Workpiece(VoxelModel model)
   struct Sums {
     std::uint64_t solid = 0, surface = 0, hash = 0;
   };
-  using Range = tbb::blocked_range<std::uint32_t>;
-  const Sums sums = tbb::parallel_reduce(
-      Range(0, grid().leaf_count(), 4096), Sums{},
-      [&](const Range& range, Sums sum) {
-        for (std::uint32_t leaf = range.begin(); leaf != range.end(); ++leaf) {
-          if (model_.leaves[leaf] == kEmptyLeaf) continue;
-          surface_[leaf] = surface_of_leaf(model_, leaf);
-          sum.solid += static_cast<std::uint64_t>(count_voxels(model_.leaves[leaf]));
-          sum.surface += static_cast<std::uint64_t>(count_voxels(surface_[leaf]));
-          sum.hash ^= leaf_hash(leaf);
-        }
-        return sum;
-      },
-      // Whole numbers, so that the order of adding does not matter.
-      [](const Sums& a, const Sums& b) {
-        return Sums{a.solid + b.solid, a.surface + b.surface, a.hash ^ b.hash};
-      });
-  solid_voxels_ = sums.solid;
-  surface_voxels_ = sums.surface;
-  hash_ = sums.hash ^ fills_hash();
+  constexpr std::uint32_t kBlock = 4096;  // leaves
+  std::vector<Sums> blocks((grid().leaf_count() + kBlock - 1) / kBlock);
+  parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t block) {
+    Sums& sum = blocks[block];
+    const auto first = static_cast<std::uint32_t>(block) * kBlock;
+    const std::uint32_t end = std::min(first + kBlock, grid().leaf_count());
+    for (std::uint32_t leaf = first; leaf != end; ++leaf) {
+      if (model_.leaves[leaf] == kEmptyLeaf) continue;
+      surface_[leaf] = surface_of_leaf(model_, leaf);
+      sum.solid += static_cast<std::uint64_t>(count_voxels(model_.leaves[leaf]));
+      sum.surface += static_cast<std::uint64_t>(count_voxels(surface_[leaf]));
+      sum.hash ^= leaf_hash(leaf);
+    }
+  });
+  hash_ = fills_hash();
+  for (const Sums& sum : blocks) {
+    solid_voxels_ += sum.solid;
+    surface_voxels_ += sum.surface;
+    hash_ ^= sum.hash;
+  }
 }
 
 std::uint64_t Workpiece::fills_hash() const noexcept {
