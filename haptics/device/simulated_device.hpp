@@ -64,6 +64,8 @@ class SimulatedDevice final : public Device {
   void apply(const Wrench& wrench) noexcept override;
 
   const SimulatedDeviceState& state() const noexcept { return state_; }
+  /// Goes on from a state that a device of the same settings had.
+  void set_state(const SimulatedDeviceState& state) noexcept { state_ = state; }
 
  private:
   Pose hand_at(std::uint64_t tick) const noexcept;

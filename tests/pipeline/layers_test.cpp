@@ -59,6 +59,8 @@ bool is_drawing(std::string_view file) {
   return is_in(file, "engine/graphics/") || is_in(file, "engine/surface/");
 }
 
+bool is_face(std::string_view file) { return is_in(file, "haptics/c/"); }
+
 /// Whether `header` belongs to a library, told by how its headers begin (any case).
 bool is_of(std::string header, std::initializer_list<std::string_view> beginnings) {
   std::transform(header.begin(), header.end(), header.begin(),
@@ -102,16 +104,32 @@ TEST(Layers, EngineKnowsNeitherHapticsNorApp) {
 
 TEST(Layers, HapticsKnowsNeitherGraphicsNorApp) {
   expect_none("haptics sees no picture and no program", [](const Include& i) {
-    return is_in(i.file, "haptics/") && (is_drawing(i.header) || is_in(i.header, "app/"));
+    const bool draws = is_drawing(i.header) && !is_face(i.file);
+    return is_in(i.file, "haptics/") && (draws || is_in(i.header, "app/"));
   });
   expect_none("a tick's result is made into rows by app", [](const Include& i) {
     return is_in(i.file, "haptics/") && is_in(i.header, "engine/recording/");
   });
 }
 
+// What other programs take Sulcus by stands over haptics and engine, beside app; it draws nothing
+// itself, but hands out the surface.
+TEST(Layers, TheFaceStandsAboveHaptics) {
+  expect_none("haptics does not know who takes it in", [](const Include& i) {
+    return is_face(i.header) && !is_face(i.file) && !is_in(i.file, "app/");
+  });
+  expect_none("the face needs no graphics library", [](const Include& i) {
+    return is_face(i.file) && is_in(i.header, "engine/graphics/");
+  });
+  expect_none("the interface stands on C alone", [](const Include& i) {
+    return i.file == "haptics/c/sulcus.h" && i.header != "stddef.h" && i.header != "stdint.h";
+  });
+}
+
 TEST(Layers, OnlyDrawingAndAppKnowDrawing) {
   expect_none("the rest of engine needs no picture", [](const Include& i) {
-    return is_drawing(i.header) && !is_drawing(i.file) && !is_in(i.file, "app/");
+    return is_drawing(i.header) && !is_drawing(i.file) && !is_in(i.file, "app/") &&
+           !is_face(i.file);
   });
   expect_none("the surface does not know how it is drawn", [](const Include& i) {
     return is_in(i.file, "engine/surface/") && is_in(i.header, "engine/graphics/");
