@@ -163,7 +163,7 @@ SULCUS_API int sulcus_step(SulcusSimulation* simulation, const double pose[7], d
 SULCUS_API int sulcus_step_scene(SulcusSimulation* simulation, double wrench[6]);
 /* Steps that the scene's trajectory has. */
 SULCUS_API int sulcus_scene_ticks(const SulcusSimulation* simulation, uint64_t* ticks);
-/* Where that has the tip at a time. */
+/* Where that has the tip at a time: tick n is at n * (1.0 / rate_hz). */
 SULCUS_API int sulcus_scene_pose(const SulcusSimulation* simulation, double time_s, double pose[7]);
 SULCUS_API int sulcus_rate_hz(const SulcusSimulation* simulation, double* rate_hz);
 

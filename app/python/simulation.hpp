@@ -1,0 +1,60 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <pybind11/numpy.h>
+
+#include "engine/graphics/camera.hpp"
+#include "haptics/c/scene_run.hpp"
+#include "haptics/c/sulcus.h"
+
+namespace sulcus::python {
+
+namespace py = pybind11;
+
+using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Voxels = py::array_t<std::uint8_t, py::array::c_style | py::array::forcecast>;
+
+/// `sulcus.Simulation`. Its calls let the interpreter's lock go; two threads in one of them at a
+/// time are refused (std::runtime_error).
+class PythonSimulation {
+ public:
+  /// `scene`: a file, or, with a line break in it, the text of one. InputError as the importers.
+  PythonSimulation(const std::string& scene, const std::vector<std::string>& overrides,
+                   const std::optional<Voxels>& voxels);
+
+  Numbers step(const std::optional<Numbers>& pose);
+  py::dict run(const py::object& what);
+
+  const SceneRun& scene_run() const { return *run_; }
+  Numbers scene_pose(double time_s) const;
+  py::array_t<SulcusContact> contacts() const;
+  py::array_t<SulcusEdit> edits() const;
+  py::array_t<bool> volume() const;
+  py::array_t<std::uint8_t> packed_volume() const;
+  py::array_t<std::uint8_t> render(const py::object& camera, int width, int height) const;
+  py::bytes save() const;
+  void restore(const py::bytes& bytes);
+
+ private:
+  class Turn;
+  template <class Call>
+  auto alone(const Call& call) const;
+  void tick(const Pose* pose);
+
+  std::unique_ptr<SceneRun> run_;
+  std::vector<SulcusEdit> edits_;  // all of the run
+  std::uint64_t edits_seen_ = 0;   // of the run's log
+  mutable std::atomic_flag taken_ = ATOMIC_FLAG_INIT;
+};
+
+/// A camera by its name, or by azimuth and elevation in degrees.
+Viewpoint viewpoint_of(const py::object& camera);
+
+}  // namespace sulcus::python
