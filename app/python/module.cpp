@@ -40,7 +40,7 @@ Numbers wrench_array(const double (&force)[3], const double (&torque)[3]) {
 void define_simulation(py::module_& module) {
   py::class_<PythonSimulation>(module, "Simulation", R"(A scene run tick by tick.
 
-The same bits as `sulcus run`. One thread at a time; the interpreter's lock is let go in all calls.
+The same bits as `sulcus run`. One thread at a time; the interpreter's lock is free during all calls.
 
 scene: path of a scene, or, with a line break in it, the text of one.
 set: texts KEY=VALUE that change the scene, as --set.

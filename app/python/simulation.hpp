@@ -21,8 +21,8 @@ namespace py = pybind11;
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Voxels = py::array_t<std::uint8_t, py::array::c_style | py::array::forcecast>;
 
-/// `sulcus.Simulation`. Its calls let the interpreter's lock go; two threads in one of them at a
-/// time are refused (std::runtime_error).
+/// `sulcus.Simulation`. The interpreter's lock is free during its calls; two threads in one of them
+/// at a time are refused (std::runtime_error).
 class PythonSimulation {
  public:
   /// `scene`: a file, or, with a line break in it, the text of one. InputError as the importers.

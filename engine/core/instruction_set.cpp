@@ -5,6 +5,8 @@
 
 namespace sulcus {
 
+#if defined(__x86_64__)
+
 bool has(InstructionSet set) noexcept {
   switch (set) {
     case InstructionSet::kAvx512:
@@ -19,6 +21,13 @@ bool has(InstructionSet set) noexcept {
   }
   return true;
 }
+
+#else
+
+/// The plain kernels are vectors of GCC's, which it makes into what the processor has.
+bool has(InstructionSet set) noexcept { return set == InstructionSet::kPlain; }
+
+#endif
 
 InstructionSet instruction_set() noexcept {
   static const InstructionSet used = [] {

@@ -22,10 +22,9 @@ struct SceneParts {
   Trajectory trajectory;
 };
 
-/// Builds them; `own`: the workpiece's voxels, where they do not come from the scene; `cache`: where
-/// what loading makes is kept. InputError as
-/// the importers, and where the trajectory is a recording's. In a build without import, where the
-/// scene names a file of a volume or mesh.
+/// Builds them; `own`: the workpiece's voxels, where they do not come from the scene; `cache`:
+/// where what loading makes is kept. InputError as the importers, and where the trajectory is a
+/// recording's. In a build without import, where the scene names a file of a volume or mesh.
 SceneParts load_parts(const Scene& scene, std::optional<VoxelModel> own = {},
                       LoadCache* cache = nullptr);
 

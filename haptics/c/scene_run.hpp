@@ -20,7 +20,7 @@
 
 namespace sulcus {
 
-/// A voxel in contact, as it is told outside.
+/// A voxel in contact, as others get it.
 struct FeltContact {
   Eigen::Vector3d position_world;  // m, of the voxel's centre
   Eigen::Vector3f normal_world;    // unit, out of the tooth; zero: none
