@@ -29,6 +29,8 @@ constexpr std::array kNotRun{
     NotRun{"tools/run", "builds what is being tested; tools/test runs it first"},
     NotRun{"tools/test", "runs this"},
     NotRun{"tools/lab", "installs PCL; lab/documented_lab_commands_test.cpp runs what it runs"},
+    NotRun{"tools/everywhere",
+           "builds for other systems, which takes minutes and packages of its own"},
     NotRun{"tools/package", "packs what is being tested; tools/test runs it first"},
 };
 
