@@ -37,38 +37,9 @@ Numbers wrench_array(const double (&force)[3], const double (&torque)[3]) {
   return wrench;
 }
 
-void define_simulation(py::module_& module) {
-  py::class_<PythonSimulation>(module, "Simulation", R"(A scene run tick by tick.
-
-The same bits as `sulcus run`. One thread at a time; the interpreter's lock is free during all calls.
-
-scene: path of a scene, or, with a line break in it, the text of one.
-set: texts KEY=VALUE that change the scene, as --set.
-voxels: (nx * ny * nz,) uint8, x fastest; the workpiece instead of the scene's, on its grid:
-    0 empty, else 1 + the number of the tissue.
-
-ValueError, in one line, where the scene or a file of it cannot be used.)")
-      .def(py::init([](const py::object& scene, const std::vector<std::string>& set,
-                       const std::optional<Voxels>& voxels) {
-             return std::make_unique<PythonSimulation>(text_of(scene), set, voxels);
-           }),
-           py::arg("scene"), py::kw_only(), py::arg("set") = std::vector<std::string>{},
-           py::arg("voxels") = py::none())
-      .def("step", &PythonSimulation::step, py::arg("pose") = py::none(),
-           R"(One tick: a pose in, the wrench for the hand out.
-
-pose: (7,) x, y, z of the burr's tip, m, then the orientation w, x, y, z, world from tool (its +y is
-    the axis from tip to shank); None: the scene's own device.
-Returns (6,): force, N, and torque about the burr's reference point, N m, world axes.)")
-      .def(
-          "run", &PythonSimulation::run, py::arg("ticks_or_poses") = py::none(),
-          R"(Many ticks: the rest of the scene's trajectory (None), so many (an int), or one for each
-of poses (n, 7). Ctrl-C ends it; what was done stays done.
-
-Returns a dict of arrays by tick: tick, time_s (n,), device_pose, tool_pose (n, 7), wrench (n, 6) sent,
-contact_wrench (n, 6) before limits and coupling, contacts, removed (voxels), faults (bits) (n,).)")
-      .def("scene_pose", &PythonSimulation::scene_pose, py::arg("time_s"),
-           "(7,) where the scene's trajectory has the tip at a time.")
+/// What a run is asked for between ticks.
+void add_what_there_is(py::class_<PythonSimulation>& simulation) {
+  simulation
       .def_property_readonly(
           "volume_hash", [](const PythonSimulation& s) { return hex(s.scene_run().volume_hash()); },
           "Of the workpiece's voxels as they are: the text of summary.json.")
@@ -109,7 +80,43 @@ tooth), depth_m, force_N along it, voxel (x + y nx + z nx ny), body (0: the work
             const Eigen::Vector3d p = s.scene_run().workpiece().grid().centre_world(Cell::Zero());
             return array_of(std::vector<double>{p.x(), p.y(), p.z()});
           },
-          "(3,) centre of voxel (0, 0, 0), world.")
+          "(3,) centre of voxel (0, 0, 0), world.");
+}
+
+void define_simulation(py::module_& module) {
+  py::class_<PythonSimulation> simulation(module, "Simulation", R"(A scene run tick by tick.
+
+The same bits as `sulcus run`. One thread at a time; the interpreter's lock is free during all calls.
+
+scene: path of a scene, or, with a line break in it, the text of one.
+set: texts KEY=VALUE that change the scene, as --set.
+voxels: (nx * ny * nz,) uint8, x fastest; the workpiece instead of the scene's, on its grid:
+    0 empty, else 1 + the number of the tissue.
+
+ValueError, in one line, where the scene or a file of it cannot be used.)");
+  add_what_there_is(simulation);
+  simulation
+      .def(py::init([](const py::object& scene, const std::vector<std::string>& set,
+                       const std::optional<Voxels>& voxels) {
+             return std::make_unique<PythonSimulation>(text_of(scene), set, voxels);
+           }),
+           py::arg("scene"), py::kw_only(), py::arg("set") = std::vector<std::string>{},
+           py::arg("voxels") = py::none())
+      .def("step", &PythonSimulation::step, py::arg("pose") = py::none(),
+           R"(One tick: a pose in, the wrench for the hand out.
+
+pose: (7,) x, y, z of the burr's tip, m, then the orientation w, x, y, z, world from tool (its +y is
+    the axis from tip to shank); None: the scene's own device.
+Returns (6,): force, N, and torque about the burr's reference point, N m, world axes.)")
+      .def(
+          "run", &PythonSimulation::run, py::arg("ticks_or_poses") = py::none(),
+          R"(Many ticks: the rest of the scene's trajectory (None), so many (an int), or one for each
+of poses (n, 7). Ctrl-C ends it; what was done stays done.
+
+Returns a dict of arrays by tick: tick, time_s (n,), device_pose, tool_pose (n, 7), wrench (n, 6) sent,
+contact_wrench (n, 6) before limits and coupling, contacts, removed (voxels), faults (bits) (n,).)")
+      .def("scene_pose", &PythonSimulation::scene_pose, py::arg("time_s"),
+           "(7,) where the scene's trajectory has the tip at a time.")
       .def("render", &PythonSimulation::render, py::arg("camera") = "review",
            py::arg("width") = 1280, py::arg("height") = 720,
            R"(A picture of now: (height, width, 3) uint8, sRGB. camera: review, occlusal, buccal,

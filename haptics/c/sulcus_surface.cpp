@@ -43,8 +43,7 @@ void add_changed(SulcusSurface& of) {
   const std::vector<int> more = of.surface.take_changed();
   of.changed.insert(of.changed.end(), more.begin(), more.end());
   std::ranges::sort(of.changed, std::greater<>());
-  const auto [first, last] = std::ranges::unique(of.changed);
-  of.changed.erase(first, last);
+  of.changed.erase(std::unique(of.changed.begin(), of.changed.end()), of.changed.end());
   of.is_behind = false;
 }
 
