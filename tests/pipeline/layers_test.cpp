@@ -145,13 +145,14 @@ TEST(Layers, OnlyDrawingAndAppKnowDrawing) {
 //   terminal                 what is said, other programs
 TEST(Layers, AFolderOfAppSeesThoseBelowIt) {
   const auto height = [](std::string_view file) {
-    constexpr std::array<std::pair<std::string_view, int>, 8> kHeights{{{"app/terminal/", 1},
+    constexpr std::array<std::pair<std::string_view, int>, 9> kHeights{{{"app/terminal/", 1},
                                                                         {"app/report/page/", 2},
                                                                         {"app/session/", 2},
                                                                         {"app/playback/", 3},
                                                                         {"app/report/", 4},
                                                                         {"app/inspect/", 5},
                                                                         {"app/window/", 5},
+                                                                        {"app/python/", 6},
                                                                         {"app/commands/", 6}}};
     for (const auto& [below, level] : kHeights) {
       if (is_in(file, below)) return level;
