@@ -97,7 +97,7 @@ class MeshPacker {
 };
 
 /// As three.js has a matrix, by columns, mm.
-Json matrix_of(const Pose& pose) {
+Json matrix_json(const Pose& pose) {
   const Eigen::Matrix3d r = pose.orientation.toRotationMatrix();
   const Eigen::Vector3d p = pose.position / kMillimetre;
   return Json::array({r(0, 0), r(1, 0), r(2, 0), 0, r(0, 1), r(1, 1), r(2, 1), 0, r(0, 2), r(1, 2),
@@ -281,7 +281,7 @@ class AttemptMaker {
     }
     return {{"low", packer.low()},
             {"step", packer.step_mm()},
-            {"matrix", matrix_of(rendered.world_from_grid)},
+            {"matrix", matrix_json(rendered.world_from_grid)},
             {"still", still},
             {"moving", moving},
             {"shown", solid.shown},

@@ -1,26 +1,32 @@
 /* Sulcus for programs of any language: a scene is opened, stepped with a pose to a wrench, and what
  * it did is asked for. One header, C11, of libsulcus; link with -lsulcus.
  *
- * Units     SI: metres, seconds, newtons, newton metres. A pose is 7 numbers: x, y, z of the burr's
- *           tip in the world, then the orientation (w, x, y, z), world from tool, of length 1. A
- *           wrench is 6: force, then torque about the burr's reference point, both on the hand, in
- *           world axes. World: the scene's, its origin the centre of the tooth's grid, +z up. Tool:
- *           +y is the burr's axis, from tip to shank.
- * Errors    Functions return SULCUS_DONE or what was wrong (sulcus_error_text says it in words),
- * and what they were to fill in is then as it was. Where a file or text may be at fault, one line
- * of text says what, in the caller's `error` of `error_size` bytes; both may be 0. No exception, no
- * signal, no message on the terminal. Threads   A handle is used by one thread at a time, which may
- * change from call to call; a second one that comes meanwhile gets SULCUS_BUSY, at once. Different
- * handles know nothing of each other: there are no globals. Opening uses all cores for a while.
- * Time      sulcus_step neither waits, locks, reads a clock nor takes memory, but in a scene with
- *           [loose_pieces], where every tenth step looks for pieces. Everything is sized when a
- * scene opens. A step is 1 / rate_hz seconds of the scene, however long it takes. Results   Same
- * scene, same poses: the same bits, on every system and processor. Life      sulcus_close gives a
- * run's memory back; the handle then answers SULCUS_CLOSED to everything. sulcus_free takes the
- * handle itself away and sets it to NULL. One that is NULL gets SULCUS_NULL. (A copy of a handle
- * that was freed is as any freed pointer.) Versions  Functions, codes and structures stay, but
- * those with a `struct_size`, which grow at their ends: the caller sets it to what sizeof says to
- * it.
+ * Units: SI. A pose is 7 numbers: x, y, z of the burr's tip in the world, then the orientation (w,
+ * x, y, z), world from tool, of length 1. A wrench is 6: force, then torque about the burr's
+ * reference point, both on the hand, in world axes. World: the scene's, its origin the centre of
+ * the tooth's grid, +z up. Tool: +y is the burr's axis, from tip to shank.
+ *
+ * Errors: functions return SULCUS_DONE or what was wrong (sulcus_error_text says it in words), and
+ * what they were to fill in is then as it was. Where a file or text may be at fault, one line of
+ * text says what, in the caller's `error` of `error_size` bytes; both may be 0. No exception, no
+ * signal, no message on the terminal.
+ *
+ * Threads: a handle is used by one thread at a time, which may change from call to call; a second
+ * one that comes meanwhile gets SULCUS_BUSY, at once. Different handles know nothing of each other:
+ * there are no globals. Opening uses all cores for a while.
+ *
+ * Time: sulcus_step neither waits, locks, reads a clock nor takes memory, but in a scene with
+ * [loose_pieces], where every tenth step looks for pieces. Everything is sized when a scene opens.
+ * A step is 1 / rate_hz seconds of the scene, however long it takes.
+ *
+ * Results: same scene, same poses: the same bits.
+ *
+ * Life: sulcus_close gives a run's memory back; the handle then answers SULCUS_CLOSED to
+ * everything. sulcus_free takes the handle itself away and sets it to NULL. One that is NULL gets
+ * SULCUS_NULL. (A copy of a handle that was freed is as any freed pointer.)
+ *
+ * Versions: functions, codes and structures stay, but those with a `struct_size`, which grow at
+ * their ends: the caller sets it to what sizeof says to it.
  *
  * Licence: MIT, as the rest. */
 #ifndef SULCUS_H

@@ -35,7 +35,8 @@ TEST(CGolden, PosesFromOutsideAreAsGoodAsThePath) {
   ASSERT_EQ(sulcus_rate_hz(run, &rate_hz), SULCUS_DONE);
   for (std::uint64_t tick = 0; tick < run.ticks(); ++tick) {
     double pose[7];
-    ASSERT_EQ(sulcus_scene_pose(run, static_cast<double>(tick) * (1.0 / rate_hz), pose), SULCUS_DONE);
+    ASSERT_EQ(sulcus_scene_pose(run, static_cast<double>(tick) * (1.0 / rate_hz), pose),
+              SULCUS_DONE);
     ASSERT_EQ(sulcus_step(run, pose, nullptr), SULCUS_DONE);
   }
   EXPECT_EQ(run.force_hash(), golden_results("cut_load")["force_hash"]);
