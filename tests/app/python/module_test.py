@@ -243,7 +243,7 @@ class Recordings(unittest.TestCase):
         limits.write_text('[assessment]\npreset = "class_one"\n')
         out = pathlib.Path(self.folder.name, "assessed")
         recording = pathlib.Path(self.folder.name, "out", "recording.h5")
-        subprocess.run([PROGRAM, "assess", recording, "--assessment", limits, "-o", out], check=True,
+        subprocess.run([PROGRAM, "assess", "--no-render", recording, "--assessment", limits, "-o", out], check=True,
                        capture_output=True)
         by_program = json.loads((out / "assessment.json").read_text())
         self.assertEqual(self.recording.assess(limits)["measures"], by_program["measures"])
