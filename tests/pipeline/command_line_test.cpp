@@ -51,7 +51,7 @@ TEST_F(CommandLine, NamesAreLookedAtBeforeTheRecordingIs) {
        {std::tuple{"render", "--video", ".mp4, .mov, .mkv or .avi"},
         {"render", "--sheet", "expected .png"},
         {"render", "--review", ".html or .htm"},
-        {"export", "--mesh", ".stl, .obj or .ply"},
+        {"export", "--mesh", ".stl, .obj, .ply or .glb"},
         {"export", "--volume", ".nrrd, .mha or .nii.gz"},
         {"export", "--csv", "expected .csv"},
         {"repair", "-o", ".h5 or .hdf5"}}) {
