@@ -119,8 +119,7 @@ class AttemptMaker {
  public:
   AttemptMaker(const RecordingReader& reader, const std::string& path, const Assessment* assessment,
                const AssessmentSettings& settings, std::size_t moments)
-      : reader_(reader),
-        film_(reader, path),
+      : film_(reader, path),
         assessment_(assessment),
         settings_(settings),
         rate_hz_(film_.scene().haptics.rate_hz) {
@@ -322,7 +321,6 @@ class AttemptMaker {
     return json;
   }
 
-  const RecordingReader& reader_;
   RecordedFilm film_;
   const Assessment* assessment_;
   const AssessmentSettings& settings_;
