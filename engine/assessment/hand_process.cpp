@@ -49,8 +49,7 @@ double path_m(std::span<const HandTick> ticks) {
 
 /// The value that a part of them does not exceed.
 double quantile(std::vector<double>& values, double part) {
-  const auto rank = static_cast<std::size_t>(part * static_cast<double>(values.size() - 1) + 0.5);
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(rank);
+  const auto at = values.begin() + std::lround(part * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }

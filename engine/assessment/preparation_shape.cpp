@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "engine/assessment/cavity_widths.hpp"
 #include "engine/assessment/cut_walls.hpp"
 #include "engine/assessment/ray_mask.hpp"
 #include "engine/assessment/ray_stack.hpp"
@@ -348,92 +349,18 @@ class ShapeMeter {
     if (!result.depth_mm) return;
     const Eigen::Vector3d deepest = m_from_frame_.inverse() * result.depth_mm->at_m;
     const double z = deepest.z() + 0.5 * result.depth_mm->value;
-    RayMask inside(cut_.size()), outside(cut_.size());
+    RayMask inside(cut_.size());
     for (std::size_t i = 0; i < cut_.size(); ++i) {
       inside[i] = cut_[i] && !after_.contains(i, z) && before_.contains(i, z);
-      outside[i] = !inside[i];
     }
-    const std::vector<double> to_wall = distances_to(outside, lattice_);
-    const std::size_t middle = static_cast<std::size_t>(
-        std::ranges::max_element(to_wall, [](double a, double b) { return a < b; }) -
-        to_wall.begin());
-    const double half = 0.5 * lattice_.pitch_mm;
-    const double widest = to_wall[middle];
-    if (!(widest > 0.0)) return;
-    result.width_mm = {between_walls(middle, z, widest - half), world(middle, z)};
-    result.isthmus_mm = isthmus(inside, to_wall, widest, z).value_or(*result.width_mm);
-  }
-  /// The disc grows until it cannot be everywhere that it was: where its room falls apart, or where
-  /// it no longer comes near to a part of the cavity. None where that is not before it fills it.
-  std::optional<PlacedFigure> isthmus(const RayMask& inside, const std::vector<double>& to_wall,
-                                      double widest, double z) const {
-    const double half = 0.5 * lattice_.pitch_mm;
-    const auto room_of = [&](double radius) {
-      RayMask room(cut_.size());
-      for (std::size_t i = 0; i < cut_.size(); ++i) room[i] = to_wall[i] > radius;
-      return room;
+    const CavityWidths widths(lattice_, inside, patches_, z);
+    const auto placed = [&](const CavityWidth& width) {
+      return PlacedFigure{width.mm, world(width.place, z)};
     };
-    const auto far_from = [&](const RayMask& room, double radius) {
-      RayMask far(cut_.size());
-      const std::vector<double> to_room = distances_to(room, lattice_);
-      for (std::size_t i = 0; i < cut_.size(); ++i) far[i] = inside[i] && to_room[i] > 2.0 * radius;
-      return far;
-    };
-    const auto is_everywhere = [&](double radius) {
-      const RayMask far = far_from(room_of(radius), radius);
-      return std::ranges::find(far, char{1}) == far.end();
-    };
-    double reaches = 0.1, too_wide = widest;  // by halving: distances to all take a while
-    while (too_wide - reaches > half) {
-      const double radius = 0.5 * (reaches + too_wide);
-      (is_everywhere(radius) ? reaches : too_wide) = radius;
-    }
-    for (double radius = 0.1; radius < too_wide; radius += half) {
-      const RayMask room = room_of(radius);
-      const std::vector<RayComponent> parts = components(room, 1, lattice_);
-      // A part into which a clearly larger disc would fit is more than a bulge of the wall.
-      const auto counts = [&](const RayComponent& part) {
-        return std::ranges::any_of(
-            part, [&](std::size_t i) { return to_wall[i] > 1.15 * radius + half; });
-      };
-      if (std::ranges::count_if(parts, counts) < 2) continue;
-      const std::size_t at = narrows(mask_of(parts[0]), mask_of(parts[1]), to_wall, radius);
-      return PlacedFigure{between_walls(at, z, radius - half), world(at, z)};
-    }
-    if (too_wide >= widest) return {};
-    const RayMask room = room_of(too_wide);
-    const std::size_t at = narrows(room, far_from(room, too_wide), to_wall, reaches);
-    return PlacedFigure{between_walls(at, z, reaches), world(at, z)};
-  }
-  /// How far apart the walls stand that a disc of this radius touches: by the fits to them where
-  /// there are some, since the disc touches what stands out of the walls.
-  double between_walls(std::size_t place, double z_mm, double radius_mm) const {
-    constexpr double kReach_mm = 0.06;
-    const Eigen::Vector2d middle = lattice_.at_mm(place);
-    double sum = 0.0, area = 0.0;
-    for (const WallPatch& patch : patches_) {
-      const Eigen::Vector2d from = patch.at_mm.head<2>() - middle;
-      if (from.norm() > 1.5 * radius_mm + kReach_mm) continue;
-      const double wider = (z_mm - patch.at_mm.z()) * std::tan(patch.taper_deg * kDegree);
-      const double away = -patch.facing.dot(from) + wider;
-      if (std::abs(away - radius_mm) > kReach_mm) continue;
-      sum += patch.area_mm2 * away;
-      area += patch.area_mm2;
-    }
-    return 2.0 * (area > 0.0 ? sum / area : radius_mm);
-  }
-  /// Between two parts: where the way from one to the other is the shortest, of the places where a
-  /// disc of the radius fits.
-  std::size_t narrows(const RayMask& first, const RayMask& second,
-                      const std::vector<double>& to_wall, double radius) const {
-    const std::vector<double> a = distances_to(first, lattice_), b = distances_to(second, lattice_);
-    std::size_t best = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < cut_.size(); ++i) {
-      const double sum = a[i] + b[i];
-      if (to_wall[i] > radius - lattice_.pitch_mm && sum < least) least = sum, best = i;
-    }
-    return best;
+    const std::optional<CavityWidth> widest = widths.widest();
+    if (!widest) return;
+    result.width_mm = placed(*widest);
+    result.isthmus_mm = placed(*widths.isthmus());
   }
 
   /// How far the wall stands from the outer edge of what was cut, a little above the finish line.
