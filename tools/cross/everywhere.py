@@ -14,7 +14,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 GOLDEN = ROOT / "tests" / "golden"
 RELEASE = ROOT / "build" / "release"
 SETS = {"plain": [], "avx2": ["avx2"],
-        "avx512": ["avx512f", "avx512bw", "avx512dq", "avx512vl", "avx512_vbmi", "avx512_vbmi2",
+        "avx512": ["avx512f", "avx512bw", "avx512dq", "avx512vl", "avx512vbmi", "avx512_vbmi2",
                    "avx512_vnni"]}
 # What an emulator runs in a minute or less each.
 QUICK = ["cut_bodies", "cut_full", "cut_loose", "press_bodies", "press_device", "press_hand",
