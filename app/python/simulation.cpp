@@ -16,28 +16,21 @@
 #include "engine/core/error.hpp"
 #include "engine/graphics/renderer.hpp"
 #include "engine/scene/scene_file.hpp"
+#include "haptics/c/c_values.hpp"
 
 namespace sulcus::python {
 
 namespace {
 
-constexpr double kFarthest_m = 10.0, kRotation = 1e-3, kExactly = 1e-12;
-
 /// std::invalid_argument where 7 numbers are no pose.
 Pose pose_of_numbers(const double* p) {
-  for (int i = 0; i < 7; ++i) {
-    if (!std::isfinite(p[i])) throw std::invalid_argument("a pose with a number not finite");
+  const std::optional<Pose> pose = pose_from(std::span<const double, 7>(p, 7));
+  if (!pose) {
+    throw std::invalid_argument(
+        "a pose with a number not finite, beyond 10 m (positions are in metres), or with an "
+        "orientation (w, x, y, z) not of length 1");
   }
-  Pose pose{{p[0], p[1], p[2]}, Eigen::Quaterniond(p[3], p[4], p[5], p[6])};
-  if (pose.position.cwiseAbs().maxCoeff() > kFarthest_m) {
-    throw std::invalid_argument("a pose beyond 10 m: positions are in metres");
-  }
-  const double off = std::abs(pose.orientation.norm() - 1.0);
-  if (off > kRotation) {
-    throw std::invalid_argument("an orientation (w, x, y, z) that is not of length 1");
-  }
-  if (off > kExactly) pose.orientation.normalize();
-  return pose;
+  return *pose;
 }
 
 void append(std::vector<double>& to, const Wrench& wrench) {
@@ -159,8 +152,7 @@ void PythonSimulation::tick(const Pose* pose) {
   const EditLog& log = run_->edits();
   const std::uint64_t end = log.end();
   for (std::uint64_t n = std::max(log.begin(), edits_seen_); n < end; ++n) {
-    const Edit& e = log[n];
-    edits_.push_back({e.tick, e.voxel, e.body, static_cast<std::uint8_t>(e.cause), e.level});
+    edits_.push_back(edit_of(log[n]));
   }
   edits_seen_ = end;
 }
@@ -233,16 +225,7 @@ Numbers PythonSimulation::scene_pose(double time_s) const {
 py::array_t<SulcusContact> PythonSimulation::contacts() const {
   std::vector<SulcusContact> found;
   alone([&] {
-    run_->for_each_contact([&](const FeltContact& felt) {
-      SulcusContact& to = found.emplace_back();
-      for (int a = 0; a < 3; ++a) to.position_m[a] = felt.position_world[a];
-      for (int a = 0; a < 3; ++a) to.normal[a] = felt.normal_world[a];
-      to.depth_m = felt.depth_m;
-      to.force_N = felt.force_N;
-      to.voxel = felt.voxel;
-      to.body = felt.body;
-      to.tissue = felt.tissue;
-    });
+    run_->for_each_contact([&](const FeltContact& felt) { found.push_back(contact_of(felt)); });
   });
   return array_of(std::move(found));
 }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "engine/scene/scene_file.hpp"
+#include "haptics/c/c_values.hpp"
 #include "haptics/c/handle.hpp"
 #include "haptics/c/scene_run.hpp"
 #include "haptics/c/simulation_handle.hpp"
@@ -34,21 +35,6 @@ constexpr std::array<const char*, 12> kTexts{
     "not for a scene like this, or not in this build",
     "out of memory, or an error of the library: close the handle",
 };
-
-constexpr double kFarthest_m = 10.0, kRotation = 1e-3, kExactly = 1e-12;
-
-/// None where it is no pose.
-std::optional<Pose> pose_from(const double (&p)[7]) noexcept {
-  for (const double number : p) {
-    if (!std::isfinite(number)) return {};
-  }
-  Pose pose{{p[0], p[1], p[2]}, Eigen::Quaterniond(p[3], p[4], p[5], p[6])};
-  if (pose.position.cwiseAbs().maxCoeff() > kFarthest_m) return {};
-  const double off = std::abs(pose.orientation.norm() - 1.0);
-  if (!(off <= kRotation)) return {};
-  if (off > kExactly) pose.orientation.normalize();
-  return pose;
-}
 
 void put(const Pose& pose, double (&to)[7]) noexcept {
   for (int a = 0; a < 3; ++a) to[a] = pose.position[a];
@@ -181,9 +167,7 @@ int sulcus_free(SulcusSimulation** simulation) {
 
 int sulcus_step(SulcusSimulation* simulation, const double pose[7], double wrench[6]) {
   if (!pose) return SULCUS_NULL;
-  double numbers[7];
-  std::copy_n(pose, 7, numbers);
-  const std::optional<Pose> read = pose_from(numbers);
+  const std::optional<Pose> read = pose_from(std::span<const double, 7>(pose, 7));
   if (!read) return simulation ? SULCUS_BAD_VALUE : SULCUS_NULL;
   return step_with(simulation, wrench, [&](SceneRun& run) { return &run.step(*read); });
 }
@@ -231,17 +215,7 @@ int sulcus_contacts(const SulcusSimulation* simulation, SulcusContact* contacts,
   return with_run(simulation, [&](SceneRun& run) -> int {
     std::size_t found = 0;
     run.for_each_contact([&](const FeltContact& felt) {
-      if (found < capacity) {
-        SulcusContact& to = contacts[found];
-        to = {};
-        for (int a = 0; a < 3; ++a) to.position_m[a] = felt.position_world[a];
-        for (int a = 0; a < 3; ++a) to.normal[a] = felt.normal_world[a];
-        to.depth_m = felt.depth_m;
-        to.force_N = felt.force_N;
-        to.voxel = felt.voxel;
-        to.body = felt.body;
-        to.tissue = felt.tissue;
-      }
+      if (found < capacity) contacts[found] = contact_of(felt);
       ++found;
     });
     *count = found;
@@ -259,8 +233,7 @@ int sulcus_edits(const SulcusSimulation* simulation, uint64_t from, SulcusEdit* 
     const auto taken =
         static_cast<std::size_t>(std::min<std::uint64_t>(log.end() - from, capacity));
     for (std::size_t i = 0; i < taken; ++i) {
-      const Edit& edit = log[from + i];
-      edits[i] = {edit.tick, edit.voxel, edit.body, static_cast<uint8_t>(edit.cause), edit.level};
+      edits[i] = edit_of(log[from + i]);
     }
     *count = taken;
     return SULCUS_DONE;

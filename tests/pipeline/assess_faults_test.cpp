@@ -79,7 +79,7 @@ greatest_burr_angle_deg = 3
 const Script kSlot{{0, -0.75, 0, 2}, {1, -0.75, 0, 0}, {2, 0.75, 0, 0}, {3, -0.75, 0, 0}};
 const Script kAway{{0.5, -0.75, 0, 2.2}};
 
-/// One after another, the later ones in their own time; the last waits a while.
+/// One after the other; the times of the second are from its own start.
 Script in_turn(Script first, const Script& then) {
   const double end_s = first.back().t_s;
   for (Waypoint point : then) {
