@@ -34,7 +34,8 @@ constexpr std::array kNotRun{
     NotRun{"tools/package", "packs what is being tested; tools/test runs it first"},
 };
 
-// In place of sudo: apt may only look whether the machine could, and dpkg works in a folder.
+// In place of sudo: apt may only look whether the machine could, and dpkg works in a folder, in which
+// there is no shell for the packages' scripts (which call ldconfig): the machine's runs them.
 constexpr const char* kSudo = R"(
 root="$(dirname "$0")/../root"
 case "$*" in
@@ -42,10 +43,10 @@ case "$*" in
     apt-get --simulate install "$3"
     mkdir -p "$root/var/lib/dpkg/info" "$root/var/lib/dpkg/updates"
     touch "$root/var/lib/dpkg/status"
-    dpkg --root="$root" --force-depends --install "$3"
+    dpkg --root="$root" --force-depends --force-script-chrootless --install "$3"
     (cd / && "$root/usr/bin/sulcus" help scene) ;;
   "apt purge --autoremove sulcus")
-    dpkg --root="$root" --purge sulcus ;;
+    dpkg --root="$root" --force-script-chrootless --purge sulcus ;;
   *) echo "not known here: $*" && exit 1 ;;
 esac
 )";
