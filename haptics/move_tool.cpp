@@ -174,7 +174,7 @@ Eigen::Vector3d middle_of_head(const Burr& burr, const Pose& tool) noexcept {
 }
 
 double spindle_speed_now(const TickContext& context, const SimulationState& state) noexcept {
-  return state.spindle_rad_per_s.value_or(context.burr.speed_rad_per_s);
+  return state.spindle_rad_per_s.value_or(context.burr.speed_rad_per_s * state.pedal);
 }
 
 ContactResult contact_with_bodies(const TickContext& context, const SimulationState& state,

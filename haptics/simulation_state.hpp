@@ -18,9 +18,10 @@ struct SimulationState {
   Pose tool;               // world from tool, at the last tick
   DevicePortState port;
   std::optional<double> spindle_rad_per_s;  // with [spindle] only: it sags under load
-  std::optional<double> load_offset_m;      // with trajectory.load_N only: of the tool from the
-                                            // device, along the load
-  std::vector<Body> bodies;                 // 0 the workpiece, then one for each [[body]]
+  double pedal = 1.0;  // of the tick in hand, which reads it anew: of no hash, in no keyframe
+  std::optional<double> load_offset_m;  // with trajectory.load_N only: of the tool from the
+                                        // device, along the load
+  std::vector<Body> bodies;             // 0 the workpiece, then one for each [[body]]
 
   Body& workpiece() { return bodies.front(); }
   const Body& workpiece() const { return bodies.front(); }

@@ -100,7 +100,7 @@ void cut(const TickContext& context, SimulationState& state, TickScratch& scratc
   if (!state.spindle_rad_per_s) return;
   const Eigen::Vector3d axis = state.tool.direction(Eigen::Vector3d::UnitY());
   state.spindle_rad_per_s = spindle_speed(
-      *context.scene.spindle, context.burr.speed_rad_per_s, *state.spindle_rad_per_s,
+      *context.scene.spindle, context.burr.speed_rad_per_s * state.pedal, *state.spindle_rad_per_s,
       -axis.dot(result.contact.tangential.torque_Nm), 1.0 / context.scene.haptics.rate_hz);
 }
 
@@ -122,6 +122,7 @@ TickResult tick(const TickContext& context, Device& device, SimulationState& sta
   const DeviceReading reading = read_pose(context, device, state.tick, state.port);
   result.device = reading.pose;
   result.faults = reading.faults;
+  state.pedal = device.pedal();
   result.spindle_rad_per_s = reading.silent ? 0.0 : spindle_speed_now(context, state);
   if (state.port.has_pose && (reading.faults & kFaultNotFinite) == 0) {  // else the tool stays
     move_tool(context, reading, state, scratch, result);

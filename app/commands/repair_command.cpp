@@ -72,6 +72,7 @@ void copy_recording(const RecordingReader& reader, const std::string& missing,
     for (const PiecePoseRow& row : reader.piece_poses()) writer.append_piece_pose(row);
     for (const TakenAnswerRow& row : reader.taken_answers()) writer.append_taken_answer(row);
   }
+  for (const PedalRow& row : reader.pedal()) writer.append_pedal(row);
   for (const StateHash& hash : reader.state_hashes()) writer.append_state_hash(hash);
   for (const KeyframeInfo& info : reader.keyframes()) {
     if (const auto state = reader.keyframe(info)) writer.append_keyframe(info.tick, *state);

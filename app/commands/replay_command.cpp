@@ -123,7 +123,7 @@ void replay(const ReplayOptions& options) {
     spdlog::warn("{}: it does not hold what came before it: what is marked begins with it",
                  run.path);
   }
-  PlaybackDevice device(std::span(run.poses).subspan(first), run.rows[first].tick);
+  PlaybackDevice device(std::span(run.poses).subspan(first), run.rows[first].tick, run.pedal);
   std::optional<EndsItself> ends_itself;  // before the first tick there is nothing to keep
   session.begins = [&] { ends_itself.emplace(); };
   run_into(folder, *run.simulation, device, session, {});

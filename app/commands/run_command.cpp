@@ -6,20 +6,20 @@
 
 #include "app/commands/common_options.hpp"
 #include "app/commands/shipped_files.hpp"
+#include "app/live/live_device.hpp"
+#include "app/live/live_part.hpp"
+#include "app/live/scene_device.hpp"
 #include "app/playback/scene_trajectory.hpp"
 #include "app/report/log_file.hpp"
 #include "app/report/output_file.hpp"
 #include "app/report/results.hpp"
 #include "app/report/run_key.hpp"
 #include "app/session/loaded_run.hpp"
-#include "app/session/plugin_device.hpp"
-#include "app/session/plugin_library.hpp"
 #include "app/terminal/progress.hpp"
 #include "engine/cache/load_cache.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/stop.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "haptics/device/simulated_device.hpp"
 
 namespace sulcus {
 
@@ -34,29 +34,43 @@ struct RunOptions {
   double limit_gib = 4.0;
 };
 
-/// Opens the plug-in that a scene names; the scene then says the limits of the device, so that it
-/// replays without the plug-in. Null where it names none.
-std::unique_ptr<PluginDevice> open_plugin(const std::string& file, const RunOptions& options,
-                                          const InputLimits& limits, const Trajectory& trajectory,
-                                          Scene& scene) {
-  if (!scene.device || !scene.device->plugin) return nullptr;
-  auto device = std::make_unique<PluginDevice>(scene, trajectory, plugin_folders(options.plugins),
-                                               options.pace == "real");
-  std::vector<std::string> overrides = options.overrides;
-  for (std::string& limit : device->limits_as_overrides()) overrides.push_back(std::move(limit));
-  scene = load_scene(file, overrides, limits);
-  return device;
+constexpr double kLongest_s = 24.0 * 3600.0;  // of a run that its device ends
+
+/// What a run whose burr is changed goes on from is its recording.
+void check_spare_burrs(const Scene& scene) {
+  if (scene.burrs.empty() || scene.record) return;
+  throw InputError(scene.file, "spare_burr", "a burr to change to without [record]",
+                   "both of them");
 }
 
-/// Says what there is to say of how it went. Throws where the device ended the run.
-void end_plugin(PluginDevice& device) {
-  try {
-    for (const std::string& line : device.end()) spdlog::warn("{}", line);
-  } catch (const std::exception& why) {  // the terminal gets it from where it is caught
-    spdlog::info("{}", why.what());
-    throw;
+/// Runs with the device of a plug-in, and goes on with each other burr that it asks for.
+void run_with_plugin(LivePart part, const Scene& scene, SceneDevice& held) {
+  PluginDevice& plugin = *held.plugin();
+  LiveDevice device(plugin, scene.haptics.rate_hz, true, false);
+  plugin.begin([&](const Pose& pose) { return part.simulation->is_free(pose); });
+  const std::uint64_t last = part.session.ticks;
+  const Pace pace = part.session.pace;
+  const bool render = part.session.render;
+  const std::string folder = part.folder->path();
+  for (int number = 2;; ++number) {
+    run_into(*part.folder, *part.simulation, device, part.session, part.loading);
+    const std::uint32_t burr = device.wanted_burr();
+    if (!device.goes_on() || burr >= scene.burrs.size() || part.simulation->state().tick >= last) {
+      break;
+    }
+    std::string refused;
+    part = part_after(part.recording(), {.overrides = {scene.burrs[burr].as_override}},
+                      folder + "/part_" + std::to_string(number), refused);
+    open_log(part.folder->at());
+    if (!refused.empty()) spdlog::warn("the burr is not changed: {}", refused);
+    part.session.pace = pace;
+    part.session.render = render;
+    part.session.ticks = last - part.simulation->state().tick;
+    device.begin_part(burr, true);
+    plugin.go_on([&](const Pose& pose) { return part.simulation->is_free(pose); });
   }
-  spdlog::info("{}: its longest call took {:.3f} ms", device.title(), device.longest_call_ms());
+  device.finish();
+  held.end();
 }
 
 void run(const RunOptions& options) {
@@ -68,19 +82,25 @@ void run(const RunOptions& options) {
   const std::string file = scene_file_of(options.scene);
   Scene scene = load_scene(file, options.overrides, limits);
   const Trajectory trajectory = scene_trajectory(scene, limits);
-  const std::unique_ptr<PluginDevice> plugin =
-      open_plugin(file, options, limits, trajectory, scene);
+  std::unique_ptr<PluginDevice> plugin =
+      open_plugin(file, options.overrides, limits, plugin_folders(options.plugins),
+                  options.pace == "real", trajectory, scene);
+  if (plugin) check_spare_burrs(scene);
   LoadCache cache = options.no_cache ? LoadCache() : LoadCache::of_user();
   std::optional<Progress> loading(std::in_place, "loading");
   LoadedRun loaded = load_run(scene, trajectory.pose_at(0.0), cache);
   loading.reset();
 
-  SessionOptions session;
+  LivePart part;
+  SessionOptions& session = part.session;
   session.pace = options.pace == "real" ? Pace::kReal : Pace::kFast;
   session.render = !options.no_render;
   session.goal = std::move(loaded.goal);
   session.input = loaded.notes.input;
-  const double duration_s = options.duration_s > 0.0 ? options.duration_s : trajectory.duration_s();
+  double duration_s = options.duration_s;
+  if (duration_s <= 0.0) {
+    duration_s = plugin && plugin->is_live() ? kLongest_s : trajectory.duration_s();
+  }
   session.ticks = ticks_in(duration_s, scene.haptics.rate_hz);
 
   ResultsPlace place{options.folder, folder_of_scene(file), options.force};
@@ -88,29 +108,19 @@ void run(const RunOptions& options) {
     place.key = key_of_run(*loaded.simulation, session.goal ? &*session.goal : nullptr,
                            session.ticks, scene.render && session.render);
   }
-  ResultsFolder folder(place);
-  open_log(folder.at());
+  part.folder.emplace(place);
+  open_log(part.folder->at());
   log_loading(scene, loaded, cache);
-  ScriptedDevice script(trajectory, scene.haptics.rate_hz);
-  const std::vector<std::optional<Pose>> poses =
-      played_back_poses(scene, trajectory, session.ticks);
-  std::optional<PlaybackDevice> playback;
-  std::optional<SimulatedDevice> simulated;
-  Device* device = &script;
-  if (plugin) {
-    device = plugin.get();
-    spdlog::info("{}: {}", plugin->title(), plugin->own_name());
-    plugin->begin([&](const Pose& pose) { return loaded.simulation->is_free(pose); });
-  } else if (!poses.empty()) {
-    device = &playback.emplace(poses);
-  } else if (scene.device && !scene.device->played_back) {
-    device = &simulated.emplace(*scene.device, trajectory, scene.haptics.rate_hz,
-                                scene.burr.reference_m);
-  }
+  part.simulation = std::move(loaded.simulation);
+  part.loading = std::move(loaded.loading);
+  SceneDevice held(scene, trajectory, session.ticks, std::move(plugin));
   std::optional<EndsItself> ends_itself;  // before the first tick there is nothing to keep
   session.begins = [&] { ends_itself.emplace(); };
-  run_into(folder, *loaded.simulation, *device, session, loaded.loading);
-  if (plugin) end_plugin(*plugin);
+  if (held.plugin()) {
+    run_with_plugin(std::move(part), scene, held);
+  } else {
+    run_into(*part.folder, *part.simulation, held.device(), session, part.loading);
+  }
 }
 
 }  // namespace
@@ -121,8 +131,10 @@ void add_run_command(CLI::App& program) {
   add_option(*command, "SCENE", options->scene, "FILE", kSceneArgument)->required();
   add_folder_options(*command, options->folder, options->force, "out/<scene>");
   add_pace_option(*command, options->pace);
-  add_option(*command, "--duration", options->duration_s, "S",
-             "Seconds of the run's time to simulate (all of the trajectory)")
+  add_option(
+      *command, "--duration", options->duration_s, "S",
+      "Seconds of the run's time to simulate (all of the trajectory; with a device that lives in "
+      "real time until it is over)")
       ->check(CLI::Range(1e-6, 1e6));
   add_set_option(*command, options->overrides, "Change a key of the scene; repeatable");
   add_option(*command, "--plugins", options->plugins, "DIR",

@@ -11,7 +11,13 @@ namespace sulcus {
 
 namespace {
 
-void view(ViewOptions options) {
+struct ViewArguments : ViewOptions {
+  std::string device = "scene", plugins;
+};
+
+void view(ViewArguments options) {
+  options.mouse = options.device == "mouse";
+  options.plugin_folders = plugin_folders(options.plugins);
   options.file = scene_file_of(options.file);
   check_output_folder("-o", options.folder);
   if (is_recording_file(options.file)) {
@@ -30,12 +36,18 @@ void view(ViewOptions options) {
 }  // namespace
 
 void add_view_command(CLI::App& program) {
-  auto options = std::make_shared<ViewOptions>();
+  auto options = std::make_shared<ViewArguments>();
   CLI::App* command = program.add_subcommand(
-      "view", "Open a window: a scene under the mouse, or a recording to be scrubbed");
+      "view", "Open a window: a scene under the hand or the mouse, or a recording to be scrubbed");
   add_option(*command, "FILE", options->file, "FILE", "Scene, .toml, or recording, .h5")
       ->required();
   add_folder_options(*command, options->folder, options->force, "out/<name>_view");
+  add_option(*command, "--device", options->device, "WHAT",
+             "Who holds the burr: scene, its [device], or the mouse where it has none; or mouse")
+      ->check(CLI::IsMember({"scene", "mouse"}));
+  add_option(*command, "--plugins", options->plugins, "DIR",
+             "Folder in which the scene's device plug-in is looked for first (the installed one)")
+      ->check(CLI::ExistingDirectory);
   add_set_option(*command, options->overrides, "Change a key of the scene; repeatable");
   command->callback([options] { view(*options); });
 }

@@ -75,6 +75,13 @@ std::shared_ptr<const EarlierRun> recorded_earlier(const RecordingReader& reader
   return std::make_shared<const EarlierRun>(std::move(*earlier));
 }
 
+std::vector<PedalChange> recorded_pedal(const RecordingReader& reader) {
+  std::vector<PedalChange> changes;
+  changes.reserve(reader.pedal().size());
+  for (const PedalRow& row : reader.pedal()) changes.push_back({row.tick, row.share});
+  return changes;
+}
+
 RecordedRun open_recorded_run(const std::string& path) {
   RecordingReader reader(path);
   if (reader.tick_count() == 0) throw InputError(path, "/ticks", "no rows", "at least one tick");
@@ -110,11 +117,13 @@ RecordedRun open_recorded_run(const std::string& path) {
   std::vector<TakenAnswer> late;
   for (const TakenAnswerRow& row : reader.taken_answers()) late.push_back({row.asked, row.taken});
   auto earlier = recorded_earlier(reader, scene);
+  std::vector<PedalChange> pedal = recorded_pedal(reader);
   return {path,
           std::move(reader),
           std::move(simulation),
           std::move(rows),
           std::move(poses),
+          std::move(pedal),
           std::move(late),
           std::move(earlier)};
 }

@@ -12,6 +12,7 @@
 #include "app/session/simulation.hpp"
 #include "engine/recording/recording_reader.hpp"
 #include "engine/volume/edit.hpp"
+#include "haptics/device/pedal.hpp"
 #include "haptics/loose_schedule.hpp"
 
 namespace sulcus {
@@ -23,9 +24,13 @@ struct RecordedRun {
   std::unique_ptr<Simulation> simulation;
   std::vector<TickRecord> rows;
   std::vector<std::optional<Pose>> poses;     // of the device, by row; none where it did not answer
+  std::vector<PedalChange> pedal;             // rising by tick
   std::vector<TakenAnswer> taken_answers;     // of loose pieces
   std::shared_ptr<const EarlierRun> earlier;  // what came before; null where the run began here
 };
+
+/// Each change of the pedal, as a PlaybackDevice takes them.
+std::vector<PedalChange> recorded_pedal(const RecordingReader& reader);
 
 /// Opens a recording; it needs neither the scan nor the burr's mesh that it was made from.
 /// InputError as RecordingReader; also where its scene no longer reads.

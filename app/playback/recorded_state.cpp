@@ -81,7 +81,7 @@ TickRecord RecordedState::step(std::optional<std::span<const std::uint32_t>> loo
     loose = loose_;
   }
   const std::optional<Pose>& pose = run_.poses[next_];
-  PlaybackDevice device({&pose, 1}, row.tick);
+  PlaybackDevice device({&pose, 1}, row.tick, run_.pedal);
   const TickRecord again = run_.simulation->step(device, *loose);
   made_.assign(run_.simulation->edits().begin(), run_.simulation->edits().end());
   std::stable_partition(made_.begin(), made_.end(),

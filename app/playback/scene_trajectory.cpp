@@ -1,5 +1,6 @@
 #include "app/playback/scene_trajectory.hpp"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,15 +36,16 @@ Trajectory scene_trajectory(const Scene& scene, const InputLimits& limits) {
   return Trajectory(hold(std::move(poses), tick_s + settings.hold_s));
 }
 
-std::vector<std::optional<Pose>> played_back_poses(const Scene& scene, const Trajectory& trajectory,
-                                                   std::uint64_t ticks) {
+PlayedBack played_back(const Scene& scene, const Trajectory& trajectory, std::uint64_t ticks) {
   const TrajectorySettings& settings = scene.trajectory;
   const bool by_a_hand = scene.device && !scene.device->played_back;
   if (settings.recording.empty() || settings.load_N || by_a_hand) return {};
   const RecordingReader reader(settings.recording);
   const double rate_hz = scene.haptics.rate_hz;
   if (reader.header().rate_hz != rate_hz || reader.tick_count() == 0) return {};
-  std::vector<std::optional<Pose>> poses(ticks);
+  PlayedBack back;
+  std::vector<std::optional<Pose>>& poses = back.poses;
+  poses.resize(ticks);
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
     poses[tick] = trajectory.pose_at(static_cast<double>(tick) / rate_hz);
   }
@@ -60,7 +62,12 @@ std::vector<std::optional<Pose>> played_back_poses(const Scene& scene, const Tra
       pose.reset();
     }
   }
-  return poses;
+  for (PedalChange change : recorded_pedal(reader)) {
+    change.tick -= std::min(change.tick, first.value_or(0));
+    if (!back.pedal.empty() && back.pedal.back().tick == change.tick) back.pedal.pop_back();
+    back.pedal.push_back(change);
+  }
+  return back;
 }
 
 }  // namespace sulcus

@@ -39,6 +39,7 @@ struct TickReport {
   TickRecord record;
   CuttingRecord cutting;  // with [cutting]
   PortRecord port;
+  double pedal = 1.0;  // of the tick: share of the burr's speed that is asked for
   std::array<float, kStageCount> stage_us{};
   std::uint64_t loose_left = 0;  // voxels of loose pieces that have left, or were gone: so far
   std::uint64_t fills_end = 0;   // edits up to and with this tick that lowered a level

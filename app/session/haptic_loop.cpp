@@ -190,6 +190,7 @@ TickReport HapticLoop::step(std::span<const std::uint32_t> loose, float late_us)
   report.record.late_us = late_us;
   report.cutting = simulation_.cutting();
   report.port = simulation_.port();
+  report.pedal = simulation_.state().pedal;
   for (int s = 0; s < kStageCount; ++s) {
     report.stage_us[s] = microseconds(simulation_.stage_ns(Stage(s)));
   }

@@ -80,7 +80,9 @@ PluginDevice::PluginDevice(const Scene& scene, const Trajectory& trajectory,
     : asked_(scene.device.value().plugin.value()),
       at_real_pace_(at_real_pace),
       plugin_(load_plugin(asked_.name, folders, scene.file)),
-      host_(std::make_unique<Host>()) {
+      host_(std::make_unique<Host>()),
+      placed_(asked_.placement, trajectory.pose_at(0.0).position),
+      has_controls_(plugin_.version >= 2 && plugin_.controls != nullptr) {
   title_ = "device plug-in '" + asked_.name + "'";
   if ((plugin_.flags & SULCUS_DEVICE_REAL_TIME) != 0 && !at_real_pace) {
     throw InputError(scene.file, "--pace fast", title_ + ", which lives in real time",
@@ -130,12 +132,14 @@ std::vector<std::string> PluginDevice::limits_as_overrides() const {
   const auto least = [](double own, const std::optional<double>& asked) {
     return asked ? std::min(own, *asked) : own;
   };
-  return {set("force_limit_N", least(limits_.force_N, asked_.force_limit_N)),
-          set("torque_limit_mNm", 1e3 * least(limits_.torque_Nm, asked_.torque_limit_Nm)),
-          set("stiffness_N_per_mm",
-              least(limits_.stiffness_N_per_m, asked_.stiffness_N_per_m) / kNewtonPerMillimetre),
-          set("resolution_mm",
-              std::max(limits_.resolution_m, asked_.resolution_m.value_or(0.0)) / kMillimetre)};
+  const double scale = asked_.placement.scale;  // felt so many times as stiff
+  return {
+      set("force_limit_N", least(limits_.force_N, asked_.force_limit_N)),
+      set("torque_limit_mNm", 1e3 * least(limits_.torque_Nm, asked_.torque_limit_Nm)),
+      set("stiffness_N_per_mm", least(limits_.stiffness_N_per_m / scale, asked_.stiffness_N_per_m) /
+                                    kNewtonPerMillimetre),
+      set("resolution_mm",
+          std::max(scale * limits_.resolution_m, asked_.resolution_m.value_or(0.0)) / kMillimetre)};
 }
 
 void PluginDevice::begin(std::function<bool(const Pose&)> is_free) {
@@ -186,6 +190,26 @@ void PluginDevice::fail(End end, int code) noexcept {
   end_code_ = code;
 }
 
+void PluginDevice::go_on(std::function<bool(const Pose&)> is_free) {
+  is_free_ = std::move(is_free);
+  is_held_ = false;
+  fade_.reset();
+  written_ = {};
+}
+
+/// Pedal and burr, as far as they can be; returns whether the clutch is held.
+bool PluginDevice::read_controls(std::uint64_t tick) noexcept {
+  if (!has_controls_) return false;
+  SulcusControls asked{sizeof(SulcusControls), SULCUS_BURR_AS_IT_IS, 1.0, 0, 0};
+  timed("controls", [&] {
+    plugin_.controls(device_, tick, &asked);
+    return SULCUS_DEVICE_OK;
+  });
+  pedal_ = asked.pedal > 0.0 ? std::min(asked.pedal, 1.0) : 0.0;  // not a number: it stands
+  burr_ = asked.burr;
+  return asked.clutch != 0;
+}
+
 std::optional<Pose> PluginDevice::pose(std::uint64_t tick) noexcept {
   tick_ = tick;
   if (is_gone()) return {};
@@ -196,7 +220,7 @@ std::optional<Pose> PluginDevice::pose(std::uint64_t tick) noexcept {
     return {};
   }
   if (code != SULCUS_DEVICE_OK) {
-    fail(End::kGone, code);
+    fail(code == SULCUS_DEVICE_OVER && plugin_.version >= 2 ? End::kOver : End::kGone, code);
     return {};
   }
   if (at_real_pace_ && took_ns_ > kSlowest_ns) {
@@ -211,6 +235,9 @@ std::optional<Pose> PluginDevice::pose(std::uint64_t tick) noexcept {
     return pose;
   }
   pose.orientation.normalize();
+  if (recentre_.exchange(false)) placed_.recentre();
+  const bool clutch = read_controls(tick) || clutch_;
+  pose = placed_.to_scene(pose, clutch);
   if (!is_held_) is_held_ = is_free_(pose);
   if (!is_held_) {
     ++inside_ticks_;
@@ -233,7 +260,7 @@ bool PluginDevice::fade() noexcept {
   if (!fade_) fade_.emplace(written_, steps_);
   ++tick_;
   const Wrench next = fade_->next();
-  if (is_gone() || fade_->is_over()) return false;
+  if (end_ == End::kGone || fade_->is_over()) return false;
   write(next, Write::kTick);
   return true;
 }
@@ -241,8 +268,9 @@ bool PluginDevice::fade() noexcept {
 void PluginDevice::release() noexcept { write({}, Write::kLast); }
 
 void PluginDevice::write(const Wrench& wrench, Write which) noexcept {
-  if (is_gone()) return;
-  const Eigen::Vector3d &f = wrench.force_N, &t = wrench.torque_Nm;
+  if (end_ == End::kGone) return;
+  const Wrench own = placed_.to_device(wrench);
+  const Eigen::Vector3d &f = own.force_N, &t = own.torque_Nm;
   const SulcusWrench sent{{f.x(), f.y(), f.z()}, {t.x(), t.y(), t.z()}};
   written_ = wrench;
   const int code =
@@ -259,7 +287,7 @@ std::vector<std::string> PluginDevice::end() {
   const auto in_ticks = [](std::uint64_t ticks) {
     return " in " + std::to_string(ticks) + " ticks";
   };
-  if (end_ != End::kNone) {
+  if (end_ == End::kGone || end_ == End::kNoPose) {
     std::string line = title_;
     line += end_ == End::kGone ? " is gone" : " gave what is no pose";
     line += " at tick " + std::to_string(end_tick_);

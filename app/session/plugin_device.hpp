@@ -12,6 +12,7 @@
 #include "engine/scene/scene.hpp"
 #include "engine/scene/trajectory.hpp"
 #include "haptics/device/device.hpp"
+#include "haptics/device/device_placement.hpp"
 #include "haptics/device/force_fade.hpp"
 #include "haptics/device/sulcus_device.h"
 
@@ -27,8 +28,11 @@ namespace sulcus {
 /// own forces keep to that; where they are cut off, or no more of them come, a ForceFade takes the
 /// rest. Its steps are in no record.
 ///
-/// Made, begun and ended by the main thread; pose, apply, fade, release and is_gone are the haptic
-/// thread's.
+/// It lies in the scene where [device] places it, and may have a pedal, a clutch and a choice of
+/// burr (SulcusControls).
+///
+/// Made, begun and ended by the main thread; pose, pedal, burr, apply, fade, release and is_gone
+/// are the haptic thread's; the rest is told at each.
 class PluginDevice final : public Device {
  public:
   static constexpr std::uint64_t kSlowest_ns = 20'000'000;  // of a read that counts, at real pace
@@ -46,6 +50,8 @@ class PluginDevice final : public Device {
 
   /// For messages, by the scene's name for it.
   const std::string& title() const { return title_; }
+  /// It lives in real time: nothing but the device says when it is over.
+  bool is_live() const { return (plugin_.flags & SULCUS_DEVICE_REAL_TIME) != 0; }
   /// What it calls itself.
   std::string own_name() const;
   /// What turns the scene into one that says the limits of the device: the plug-in's, or less where
@@ -57,10 +63,20 @@ class PluginDevice final : public Device {
   void begin(std::function<bool(const Pose&)> is_free);
 
   std::optional<Pose> pose(std::uint64_t tick) noexcept override;
+  double pedal() noexcept override { return pedal_; }
+  bool has_pedal() const noexcept override { return has_controls_; }
+  std::uint32_t burr() noexcept override { return burr_; }
   void apply(const Wrench& wrench) noexcept override;
   bool fade() noexcept override;
   void release() noexcept override;
-  bool is_gone() const noexcept override { return end_ == End::kGone; }
+  bool is_gone() const noexcept override { return end_ == End::kGone || end_ == End::kOver; }
+
+  // Of any thread, as a key or a button of the window asks.
+  void hold_clutch(bool held) noexcept { clutch_ = held; }
+  void recentre() noexcept { recentre_ = true; }
+  /// After a part of the run that another follows: what is written goes up from zero again, and its
+  /// poses count once the burr's head is outside of all teeth. `is_free` as of begin.
+  void go_on(std::function<bool(const Pose&)> is_free);
 
   /// The longest read or write of all, ms.
   double longest_call_ms() const { return 1e-6 * static_cast<double>(longest_ns_); }
@@ -70,7 +86,7 @@ class PluginDevice final : public Device {
 
  private:
   enum class Write : std::uint8_t { kTick, kLast };
-  enum class End : std::uint8_t { kNone, kGone, kNoPose };
+  enum class End : std::uint8_t { kNone, kOver, kGone, kNoPose };
   struct Host : SulcusDeviceHost {
     const Trajectory* path;
   };
@@ -79,6 +95,7 @@ class PluginDevice final : public Device {
   template <class Call>
   int timed(const char* name, const Call& call) noexcept;
   void fail(End end, int code) noexcept;
+  bool read_controls(std::uint64_t tick) noexcept;
   void write(const Wrench& wrench, Write which) noexcept;
   void watch(const std::stop_token& stop) const;
   void close() noexcept;
@@ -92,8 +109,14 @@ class PluginDevice final : public Device {
   bool open_ = false;
   std::string title_;
 
+  std::atomic<bool> clutch_{false}, recentre_{false};
+
   // The haptic thread's, until it has ended.
   std::function<bool(const Pose&)> is_free_;
+  PlacedDevice placed_;
+  bool has_controls_;
+  double pedal_ = 1.0;
+  std::uint32_t burr_ = kSameBurr;
   OutputLimits steps_;             // of what is written
   Wrench written_;                 // last
   std::optional<ForceFade> fade_;  // once there is to be no more force

@@ -1,6 +1,7 @@
 #include "app/session/plugin_library.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <filesystem>
 #include <system_error>
 
@@ -62,18 +63,20 @@ std::string joined(const std::vector<std::string>& parts, const std::string& bet
 
 /// What stands at the entry, checked to be usable.
 const SulcusDevicePlugin& checked(const SulcusDevicePlugin* plugin, const std::string& file) {
-  const std::string wanted = "version " + std::to_string(SULCUS_DEVICE_VERSION) +
-                             " of the interface, as in this program's sulcus_device.h";
+  const std::string wanted = "version 1 to " + std::to_string(SULCUS_DEVICE_VERSION) +
+                             " of the interface, the last as in this program's sulcus_device.h";
   if (!plugin) throw InputError(file, SULCUS_DEVICE_ENTRY, "no plug-in at its entry", wanted);
   // Nothing else may be read of another version.
-  if (plugin->version != SULCUS_DEVICE_VERSION) {
+  if (plugin->version < 1 || plugin->version > SULCUS_DEVICE_VERSION) {
     throw InputError(file, SULCUS_DEVICE_ENTRY, "version " + std::to_string(plugin->version),
                      wanted);
   }
-  if (plugin->struct_size < sizeof(SulcusDevicePlugin)) {
+  const std::size_t least =
+      plugin->version == 1 ? offsetof(SulcusDevicePlugin, controls) : sizeof(SulcusDevicePlugin);
+  if (plugin->struct_size < least) {
     throw InputError(file, SULCUS_DEVICE_ENTRY,
                      "a structure of " + std::to_string(plugin->struct_size) + " bytes",
-                     std::to_string(sizeof(SulcusDevicePlugin)) + " bytes or more");
+                     std::to_string(least) + " bytes or more");
   }
   if (!plugin->open || !plugin->read || !plugin->write || !plugin->message || !plugin->close) {
     throw InputError(file, SULCUS_DEVICE_ENTRY, "a function that is missing",

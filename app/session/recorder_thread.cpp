@@ -22,7 +22,7 @@ constexpr std::chrono::milliseconds kFlushEvery{30};
 constexpr std::size_t kMostRows = 4096, kMostEdits = 1 << 16;
 
 RecordingWriter begin_recording(const Simulation& simulation, const SessionOptions& options,
-                                const std::string& file) {
+                                const std::string& file, bool pedal) {
   const Scene& scene = simulation.scene();
   RecordingHeader header;
   header.scene_toml = scene.text;
@@ -43,7 +43,8 @@ RecordingWriter begin_recording(const Simulation& simulation, const SessionOptio
                          from_file ? &simulation.burr().mesh_tool : nullptr,
                          {.cutting = scene.cutting.has_value(),
                           .port = scene.device.has_value() || scene.coupling.has_value(),
-                          .pieces = scene.loose_pieces.has_value()},
+                          .pieces = scene.loose_pieces.has_value(),
+                          .pedal = pedal},
                          others);
   if (const std::uint64_t next = simulation.state().tick; next > 0) {  // it goes on from there
     std::vector<std::byte> state;
@@ -56,8 +57,8 @@ RecordingWriter begin_recording(const Simulation& simulation, const SessionOptio
 }  // namespace
 
 RecorderThread::RecorderThread(RecordFeed& feed, const Simulation& simulation,
-                               const SessionOptions& options, const std::string& file)
-    : feed_(feed), writer_(begin_recording(simulation, options, file)), thread_(feed) {}
+                               const SessionOptions& options, const std::string& file, bool pedal)
+    : feed_(feed), writer_(begin_recording(simulation, options, file, pedal)), thread_(feed) {}
 
 void RecorderThread::start() {
   thread_.start([this] { run(); }, [this] { writer_.reset(); });
@@ -97,6 +98,10 @@ bool RecorderThread::write_some() {
     }
     if (writer_->has_cutting()) cuts.push_back(report.cutting);
     if (writer_->has_port()) port.push_back(report.port);
+    if (writer_->has_pedal() && report.pedal != pedal_) {
+      pedal_ = report.pedal;
+      writer_->append_pedal({report.record.tick, pedal_, 0});
+    }
   }
   for (Edit edit; edits.size() < kMostEdits && feed_.edits.try_dequeue(edit);) {
     edits.push_back(edit);

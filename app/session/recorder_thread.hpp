@@ -16,9 +16,10 @@ namespace sulcus {
 /// `finish` then throws what it said. One that stalls holds up this thread alone.
 class RecorderThread {
  public:
-  /// Writes into `file` what is known before the first tick. Errors as RecordingWriter.
+  /// Writes into `file` what is known before the first tick; `pedal`: there may be one. Errors as
+  /// RecordingWriter.
   RecorderThread(RecordFeed& feed, const Simulation& simulation, const SessionOptions& options,
-                 const std::string& file);
+                 const std::string& file, bool pedal);
 
   /// Starts the thread; its first flush gives the recording its name.
   void start();
@@ -37,6 +38,7 @@ class RecorderThread {
   RecordFeed& feed_;
   std::optional<RecordingWriter> writer_;   // none once the disk has failed
   std::optional<std::uint64_t> last_tick_;  // of the rows that have come
+  double pedal_ = 1.0;                      // of the last of them
   FeedThread thread_;
 };
 

@@ -37,7 +37,7 @@ class PartTimer {
 /// All that consumes what the haptic thread pushes, each with its feed.
 class Consumers {
  public:
-  Consumers(const Simulation& simulation, const SessionOptions& options);
+  Consumers(const Simulation& simulation, const SessionOptions& options, bool pedal);
 
   Feeds& feeds() { return feeds_; }
   PiecesThread* pieces() { return pieces_ ? &*pieces_ : nullptr; }
@@ -71,7 +71,8 @@ class Consumers {
   std::optional<PiecesThread> pieces_;  // the first to end: others wait for its news
 };
 
-Consumers::Consumers(const Simulation& simulation, const SessionOptions& options)
+/// `pedal`: whether there may be one to be recorded.
+Consumers::Consumers(const Simulation& simulation, const SessionOptions& options, bool pedal)
     : simulation_(simulation),
       options_(options),
       recording_(options.folder + "/recording.h5"),
@@ -87,7 +88,7 @@ Consumers::Consumers(const Simulation& simulation, const SessionOptions& options
   if (scene.record) {
     const PartTimer timer(record_part_);
     const double queue_s = scene.record->queue_s;
-    recorder_.emplace(open(feeds_.record, queue_s), simulation, options, recording_);
+    recorder_.emplace(open(feeds_.record, queue_s), simulation, options, recording_, pedal);
     record_part_.bytes = static_cast<std::size_t>(queue_s * rate_hz) * sizeof(TickReport);
   }
   if (scene.render && options.render) renderer_.emplace(open(feeds_.frames), simulation, options);
@@ -172,7 +173,7 @@ SessionResult run_session(Simulation& simulation, Device& device, const SessionO
   SessionResult result;
   std::filesystem::create_directories(options.folder);
   // Everything is made before the first tick, so that nothing is taken beside it.
-  Consumers consumers(simulation, options);
+  Consumers consumers(simulation, options, device.has_pedal());
   std::optional<Progress> progress;
   if (options.pace == Pace::kFast) progress.emplace("running");
   HapticLoop loop(simulation, device, options, consumers.feeds(), consumers.pieces(),

@@ -8,7 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "app/playback/continued_run.hpp"
+#include "app/live/live_device.hpp"
+#include "app/live/live_health.hpp"
+#include "app/live/live_part.hpp"
+#include "app/live/scene_device.hpp"
 #include "app/playback/saved_scene.hpp"
 #include "app/playback/scene_trajectory.hpp"
 #include "app/report/log_file.hpp"
@@ -18,6 +21,7 @@
 #include "app/session/loaded_run.hpp"
 #include "app/session/session.hpp"
 #include "app/terminal/progress.hpp"
+#include "app/terminal/terminal.hpp"
 #include "app/window/mouse_device.hpp"
 #include "app/window/view_windows.hpp"
 #include "engine/core/error.hpp"
@@ -35,21 +39,24 @@ namespace sulcus {
 
 namespace {
 
-constexpr double kLongest_s = 24.0 * 3600.0;  // of a run under the mouse
+constexpr double kLongest_s = 24.0 * 3600.0;  // of a run under a hand
 
-/// A scene for the hand: what it does not name but needs is added. The tool hangs on a coupling, or
-/// the mouse would push it through the tooth, and what was done is recorded.
-Scene scene_for_the_hand(const ViewOptions& options) {
+/// What is added to a scene for the hand: the tool hangs on a coupling, or the hand would push it
+/// through the tooth, and what was done is recorded.
+std::vector<std::string> overrides_for_the_hand(const ViewOptions& options) {
   std::vector<std::string> overrides = options.overrides;
   const Scene as_written = load_scene(options.file, overrides);
   if (as_written.trajectory.load_N) {
     throw InputError(options.file, "trajectory.load_N", "a tool that moves by itself",
-                     "a scene without it: the mouse holds the burr");
+                     "a scene without it: a hand holds the burr");
   }
   if (!as_written.coupling) overrides.emplace_back("coupling.evaluations=5");
   if (!as_written.record) overrides.emplace_back("record.queue_s=10");
-  return load_scene(options.file, overrides);
+  return overrides;
 }
+
+/// A device that a hand holds, or one that is simulated with its hand.
+bool has_hand(const Scene& scene) { return scene.device && !scene.device->played_back; }
 
 /// The burr under the mouse: in the plane of the picture, away from the eye with shift, tilted
 /// about its tip with control.
@@ -79,19 +86,48 @@ class HeldBurr {
   Pose pose_;
 };
 
-/// One run of it: from the start, or from a time of the one before.
-struct Part {
-  std::unique_ptr<Simulation> simulation;
-  Pose start;  // of the hand
-  SessionOptions session;
-  std::vector<PartUse> loading;
-  std::optional<ResultsFolder> folder;
-};
+/// Who holds the burr: the mouse, or the scene's device, which is held on to through all parts.
+class Holder {
+ public:
+  /// `device`: none where it is the mouse.
+  Holder(const Scene& scene, std::optional<SceneDevice> device)
+      : rate_hz_(scene.haptics.rate_hz), device_(std::move(device)) {}
 
-/// What the user asked for when a part ended.
-struct GoOn {
-  double at_s;
-  std::vector<std::string> overrides;
+  bool by_mouse() const { return !device_; }
+  LiveDevice& device() { return live_.value(); }
+  MouseDevice* mouse() { return mouse_ ? &*mouse_ : nullptr; }
+  PluginDevice* plugin() { return device_ ? device_->plugin() : nullptr; }
+
+  /// `burr`: of the scene's burrs, the one of the part.
+  void begin(const LivePart& part, std::size_t burr) {
+    const bool again = live_.has_value();
+    if (by_mouse()) {
+      live_.reset();
+      live_.emplace(mouse_.emplace(part.start, rate_hz_), rate_hz_, false, true);
+    } else if (!again) {
+      live_.emplace(device_->device(), rate_hz_, true, true);
+    }
+    live_->begin_part(static_cast<std::uint32_t>(burr), again);
+    if (!plugin()) return;
+    const Simulation& simulation = *part.simulation;
+    const auto is_free = [&simulation](const Pose& pose) { return simulation.is_free(pose); };
+    if (again) {
+      plugin()->go_on(is_free);
+    } else {
+      plugin()->begin(is_free);
+    }
+  }
+  /// After the last part. Throws where a plug-in's device ended the run.
+  void end() {
+    live_->finish();
+    if (device_) device_->end();
+  }
+
+ private:
+  double rate_hz_;
+  std::optional<SceneDevice> device_;
+  std::optional<MouseDevice> mouse_;
+  std::optional<LiveDevice> live_;
 };
 
 std::vector<std::string> overrides_of(const LiveControls& live) {
@@ -104,7 +140,7 @@ std::vector<std::string> overrides_of(const LiveControls& live) {
 }
 
 /// Beside the recording of a part.
-std::string save_scene(const Part& part, const PictureControls& picture) {
+std::string save_scene(const LivePart& part, const PictureControls& picture) {
   if (part.session.earlier) {
     throw InputError(part.session.folder, "", "a part that goes on from another",
                      "one from the start on, which alone a scene does again");
@@ -116,92 +152,167 @@ std::string save_scene(const Part& part, const PictureControls& picture) {
   return part.folder->path() + "/scene.toml";
 }
 
-/// Runs a part in the window until that is closed or another part is asked for.
-std::optional<GoOn> run_part(Part& part, Window& window, ViewCamera& camera, LiveControls& live) {
-  const Scene& scene = part.simulation->scene();
-  std::vector<RenderedBody> bodies = rendered_bodies(*part.simulation);
-  HeldBurr burr(part.start);
-  MouseDevice device(burr.pose(), scene.haptics.rate_hz);
-  std::atomic<bool> paused{true};  // until it can be seen
-  std::optional<GoOn> go_on;
-  live.first_s = std::numeric_limits<float>::max();
-  part.session.paused = &paused;
-  const std::uint64_t first_tick = part.simulation->state().tick;
-  part.session.watch = [&](Feed& feed) {
-    RenderSettings settings = scene.render.value_or(RenderSettings{});
-    settings.width = window.size().x();
-    settings.height = window.size().y();
-    LiveFilm film(feed, scene, bodies.front().model, part.session.earlier.get());
-    if (scene.heat) film.show_heat(scene, bodies.front().model, first_tick);
-    GlScene drawing(settings, std::move(bodies), part.simulation->burr().mesh_tool,
-                    part.simulation->burr().head_length_m);
-    drawing.set_hurried(true);
-    while (window.is_open() && !go_on && !feed.ended && !stop_requested()) {
-      const WindowInput input = window.begin();
-      for (const char key : input.keys) {
-        if (key == ' ') live.paused = !live.paused;
-      }
-      draw_panels(live);
-      paused = live.paused;
-      while (film.take()) {
-      }
-      camera.follow(input);
-      if (input.right) camera.turn(input);
-      if (input.middle) camera.move(input);
-      if (burr.drag(input, drawing.view(), window.size().y())) device.go_to(burr.pose());
-      const bool turning = input.right || input.middle || input.wheel != 0.0;
-      set_picture(drawing, camera, live.picture, window, turning);
-      FrameState state;
-      if (film.empty()) {
-        state.world_from_tool = burr.pose();
-      } else {
-        state = film.bring(drawing, LiveFilm::Pieces::kThatAreThere);
-        state.device = burr.pose();
-        live.time_s = static_cast<float>(state.time_s);
-        live.first_s = std::min(live.first_s, live.time_s);
-      }
-      drawing.draw(state);
-      window.end(drawing.frame());
-      if (live.save_asked) {
-        try {
-          live.said = save_scene(part, live.picture);
-        } catch (const std::exception& error) {  // the window stays
-          live.said = error.what();
-        }
-      }
-      if (live.go_on_asked && !film.empty()) {
-        go_on = {static_cast<double>(live.time_s) - static_cast<double>(live.back_s),
-                 overrides_of(live)};
-      }
-    }
-  };
-  run_into(part.folder.value(), *part.simulation, device, part.session, part.loading);
-  return go_on;
+/// What keys and panel ask of who holds the burr.
+void control(Holder& holder, LiveControls& live, const std::string& keys) {
+  for (const char key : keys) {
+    if (key == ' ') live.paused = !live.paused;
+    if (key == 'p') live.spindle_on = !live.spindle_on;
+    if (key == 'k') live.clutch = !live.clutch;
+    if (key == 'r') live.recentre_asked = true;
+    if (key == 'b' && !live.burrs.empty()) live.burr = (live.burr + 1) % live.burrs.size();
+  }
+  holder.device().set_pedal(live.spindle_on ? static_cast<double>(live.pedal) : 0.0);
+  if (!holder.by_mouse()) holder.device().let_go(live.paused);
+  if (PluginDevice* const plugin = holder.plugin()) {
+    plugin->hold_clutch(live.clutch);
+    if (live.recentre_asked) plugin->recentre();
+  }
+  live.recentre_asked = false;
 }
 
-/// The part that goes on from a time of one that has ended. It keeps its own folder.
-Part part_after(const std::string& recording, const GoOn& from, const std::string& folder) {
-  RecordedRun run = open_recorded_run(recording);
-  const std::size_t row = row_at(run.rows, from.at_s);
-  Part part;
-  ContinuedRun continued = continue_run(run, row, from.overrides);
-  part.simulation = std::move(continued.simulation);
-  part.session.earlier = std::move(continued.earlier);
-  part.session.parent = std::move(continued.parent);
-  part.session.goal = run.reader.goal();
-  part.session.input = run.reader.input();
-  part.start = pose_of(run.rows[row].device_position_m, run.rows[row].device_orientation);
-  part.folder.emplace(ResultsPlace{{}, folder});
-  return part;
+/// A part in the window.
+class PartInWindow {
+ public:
+  PartInWindow(LivePart& part, Holder& holder, Window& window, ViewCamera& camera,
+               LiveControls& live)
+      : part_(part),
+        scene_(part.simulation->scene()),
+        holder_(holder),
+        window_(window),
+        camera_(camera),
+        live_(live),
+        burr_(part.start),
+        burr_number_(live.burr),
+        bodies_(rendered_bodies(*part.simulation)),
+        health_(scene_.haptics.rate_hz) {}
+
+  /// Until the window is closed, the device says that it is over or another part is asked for.
+  std::optional<GoOn> run() {
+    live_.first_s = std::numeric_limits<float>::max();
+    first_tick_ = part_.simulation->state().tick;
+    if (holder_.by_mouse()) part_.session.paused = &paused_;
+    part_.session.watch = [this](Feed& feed) { watch(feed); };
+    run_into(part_.folder.value(), *part_.simulation, holder_.device(), part_.session,
+             part_.loading);
+    if (seconds_ > 0.0) say("  pictures           %.1f a second\n", pictures_ / seconds_);
+    const std::uint32_t wanted = holder_.device().wanted_burr();
+    if (!go_on_ && holder_.device().goes_on() && wanted < scene_.burrs.size()) go_on_.emplace();
+    if (wanted < scene_.burrs.size()) live_.burr = wanted;
+    return go_on_;
+  }
+
+ private:
+  void watch(Feed& feed) {
+    RenderSettings settings = scene_.render.value_or(RenderSettings{});
+    settings.width = window_.size().x();
+    settings.height = window_.size().y();
+    LiveFilm film(feed, scene_, bodies_.front().model, part_.session.earlier.get());
+    if (scene_.heat) film.show_heat(scene_, bodies_.front().model, first_tick_);
+    GlScene drawing(settings, std::move(bodies_), part_.simulation->burr().mesh_tool,
+                    part_.simulation->burr().head_length_m);
+    drawing.set_hurried(true);
+    const std::uint64_t begin = steady_ns();
+    while (window_.is_open() && !feed.ended && !stop_requested()) {
+      show(film, drawing);
+      ++pictures_;
+      if (!go_on_) continue;
+      if (holder_.by_mouse()) break;
+      holder_.device().end_part();  // and on, until the force has fallen
+    }
+    seconds_ = seconds_since(begin);
+  }
+
+  void show(LiveFilm& film, GlScene& drawing) {
+    const WindowInput input = window_.begin();
+    draw_panels(live_);
+    control(holder_, live_, input.keys);
+    paused_ = live_.paused;
+    while (const std::optional<TickReport> report = film.take()) health_.add(*report);
+    live_.timing = health_.timing();
+    live_.faults = health_.faults();
+    camera_.follow(input);
+    const bool turns = input.right || (input.left && !holder_.by_mouse());
+    if (turns) camera_.turn(input);
+    if (input.middle) camera_.move(input);
+    if (holder_.by_mouse() && burr_.drag(input, drawing.view(), window_.size().y())) {
+      holder_.mouse()->go_to(burr_.pose());
+    }
+    set_picture(drawing, camera_, live_.picture, window_,
+                turns || input.middle || input.wheel != 0.0);
+    FrameState state;
+    if (film.empty()) {
+      state.world_from_tool = part_.start;
+    } else {
+      state = film.bring(drawing, LiveFilm::Pieces::kThatAreThere);
+      if (holder_.by_mouse()) state.device = burr_.pose();
+      live_.time_s = static_cast<float>(state.time_s);
+      live_.first_s = std::min(live_.first_s, live_.time_s);
+    }
+    drawing.draw(state);
+    window_.end(drawing.frame());
+    if (live_.save_asked) save();
+    if (!film.empty() && !go_on_) ask_to_go_on();
+  }
+
+  void save() {
+    try {
+      live_.said = save_scene(part_, live_.picture);
+    } catch (const std::exception& error) {  // the window stays
+      live_.said = error.what();
+    }
+  }
+
+  void ask_to_go_on() {
+    if (live_.go_on_asked) {
+      go_on_ = {static_cast<double>(live_.time_s) - static_cast<double>(live_.back_s),
+                overrides_of(live_)};
+    } else if (live_.burr != burr_number_) {
+      go_on_.emplace();
+    }
+  }
+
+  LivePart& part_;
+  const Scene& scene_;
+  Holder& holder_;
+  Window& window_;
+  ViewCamera& camera_;
+  LiveControls& live_;
+  HeldBurr burr_;  // of the mouse
+  std::size_t burr_number_;
+  std::vector<RenderedBody> bodies_;
+  LiveHealth health_;
+  std::uint64_t first_tick_ = 0;
+  std::atomic<bool> paused_{true};  // until it can be seen
+  std::optional<GoOn> go_on_;
+  double pictures_ = 0.0, seconds_ = 0.0;
+};
+
+LiveControls controls_of(const Scene& scene, bool by_mouse) {
+  LiveControls live;
+  live.by_mouse = by_mouse;
+  live.speed_rpm = static_cast<float>(scene.burr.speed_rad_per_s / kRevolutionPerMinute);
+  live.burr_mm = static_cast<float>(scene.burr.diameter_m / kMillimetre);
+  live.burr_shapes = find_scene_key("burr", "shape")->words;
+  if (scene.burr.shape != BurrShape::kFile) {
+    live.burr_shape = static_cast<std::size_t>(scene.burr.shape);
+  }
+  for (const BurrChoice& burr : scene.burrs) live.burrs.push_back(burr.name);
+  return live;
 }
 
 }  // namespace
 
 void view_scene(const ViewOptions& options) {
-  const Scene scene = scene_for_the_hand(options);
+  const std::vector<std::string> overrides = overrides_for_the_hand(options);
+  Scene scene = load_scene(options.file, overrides);
   const Trajectory trajectory = scene_trajectory(scene);
+  const bool by_mouse = options.mouse || !has_hand(scene);
+  std::unique_ptr<PluginDevice> plugin =
+      by_mouse ? nullptr
+               : open_plugin(options.file, overrides, {}, options.plugin_folders, true, trajectory,
+                             scene);
   LoadCache cache = LoadCache::of_user();
-  Part part;
+  LivePart part;
   part.start = trajectory.pose_at(0.0);
   std::optional<Progress> loading(std::in_place, "loading");
   LoadedRun loaded = load_run(scene, part.start, cache);
@@ -209,13 +320,7 @@ void view_scene(const ViewOptions& options) {
   leave_realtime_core();  // the haptic thread's; the rasteriser's threads stay with this one
   Window window("Sulcus: " + scene.title, options.width, options.height);
   ViewCamera camera(scene.render ? scene.render->camera : Camera::kReview);
-  LiveControls live;
-  live.speed_rpm = static_cast<float>(scene.burr.speed_rad_per_s / kRevolutionPerMinute);
-  live.burr_mm = static_cast<float>(scene.burr.diameter_m / kMillimetre);
-  live.burr_shapes = find_scene_key("burr", "shape")->words;
-  if (scene.burr.shape != BurrShape::kFile) {
-    live.burr_shape = static_cast<std::size_t>(scene.burr.shape);
-  }
+  LiveControls live = controls_of(scene, by_mouse);
 
   part.folder.emplace(
       ResultsPlace{options.folder, folder_of_scene(options.file, "_view"), options.force});
@@ -226,27 +331,37 @@ void view_scene(const ViewOptions& options) {
   part.session.goal = std::move(loaded.goal);
   part.session.input = loaded.notes.input;
   part.loading = std::move(loaded.loading);
+  const auto longest = static_cast<std::uint64_t>(kLongest_s * scene.haptics.rate_hz);
+  std::optional<SceneDevice> device;
+  if (!by_mouse) device.emplace(scene, trajectory, longest, std::move(plugin));
+  Holder holder(scene, std::move(device));
   const EndsItself stopped_by_itself;
   for (int number = 2;; ++number) {
     part.session.pace = Pace::kReal;
     part.session.render = false;
-    part.session.ticks = static_cast<std::uint64_t>(kLongest_s * scene.haptics.rate_hz);
-    std::optional<GoOn> go_on = run_part(part, window, camera, live);
-    if (!go_on) return;
-    const std::string recording = part.folder->path() + "/recording.h5";
-    live.paused = true;  // until the user takes it up again
-    live.said = "goes on from " + std::to_string(go_on->at_s) + " s";
-    const std::string next = folder + "/part_" + std::to_string(number);
-    try {
-      part = part_after(recording, *go_on, next);
-    } catch (const InputError& error) {  // the other burr cannot be there: on with the one before
-      live.said = error.what();
-      std::erase_if(go_on->overrides, is_other_burr);
-      part = part_after(recording, *go_on, next);
+    part.session.ticks = longest;
+    const std::size_t burr = live.burr;
+    holder.begin(part, burr);
+    std::optional<GoOn> go_on = PartInWindow(part, holder, window, camera, live).run();
+    if (!go_on || stop_requested()) break;
+    if (live.burr != burr) {
+      go_on->overrides.insert(go_on->overrides.begin(), scene.burrs[live.burr].as_override);
+    }
+    live.said = live.burr != burr ? live.burrs[live.burr]
+                                  : "goes on from " + std::to_string(go_on->at_s) + " s";
+    std::string refused;
+    part =
+        part_after(part.recording(), *go_on, folder + "/part_" + std::to_string(number), refused);
+    if (!refused.empty()) {  // on with the one before
+      live.said = refused;
+      live.burr = burr;
+    } else if (live.burr == burr) {
+      live.paused = true;  // until the user takes it up again
     }
     live.other_burr = false;  // it is this part's own now
     open_log(part.folder->at());
   }
+  holder.end();
 }
 
 }  // namespace sulcus

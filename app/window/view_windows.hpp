@@ -15,11 +15,14 @@ struct ViewOptions {
   bool force = false;                  // replaces another run in `folder`
   std::vector<std::string> overrides;  // of a scene, as of --set
   int width = 1280, height = 720;
+  bool mouse = false;                       // holds the burr, whatever device the scene names
+  std::vector<std::string> plugin_folders;  // in which its plug-in is looked for
 };
 
 /// Plays a recording in a window until that is closed.
 void view_recording(const ViewOptions& options);
-/// Runs a scene under the mouse until the window is closed.
+/// Runs a scene under the hand on its device, or under the mouse, until that says that it is over
+/// or the window is closed.
 void view_scene(const ViewOptions& options);
 
 // What both windows have.

@@ -63,6 +63,34 @@ void draw_marks_on_timeline(const PlayerControls& controls) {
   }
 }
 
+/// Spindle, burr and, of a device, where it lies.
+void draw_hand_controls(LiveControls& controls) {
+  ImGui::Checkbox("spindle (p)", &controls.spindle_on);
+  float percent = 100.0f * controls.pedal;
+  ImGui::SliderFloat("% speed", &percent, 0.0f, 100.0f, "%.0f", ImGuiSliderFlags_AlwaysClamp);
+  controls.pedal = 0.01f * percent;
+  if (!controls.burrs.empty() &&
+      ImGui::BeginCombo("burr (b)", controls.burrs[controls.burr].c_str())) {
+    for (std::size_t i = 0; i < controls.burrs.size(); ++i) {
+      if (ImGui::Selectable(controls.burrs[i].c_str(), i == controls.burr)) controls.burr = i;
+    }
+    ImGui::EndCombo();
+  }
+  if (controls.by_mouse) return;
+  ImGui::Checkbox("clutch (k)", &controls.clutch);
+  ImGui::SameLine();
+  if (ImGui::Button("recentre (r)")) controls.recentre_asked = true;
+}
+
+void draw_timing(const LiveControls& controls) {
+  if (!controls.timing.empty()) ImGui::TextWrapped("%s", controls.timing.c_str());
+  if (!controls.faults.empty()) {
+    ImGui::PushStyleColor(ImGuiCol_Text, {0.75f, 0.1f, 0.1f, 1.0f});
+    ImGui::TextWrapped("%s", controls.faults.c_str());
+    ImGui::PopStyleColor();
+  }
+}
+
 }  // namespace
 
 std::optional<Section> PictureControls::section() const {
@@ -103,6 +131,7 @@ void draw_panels(LiveControls& controls) {
   begin_side_panel("picture");
   draw_picture_controls(controls.picture);
   ImGui::Separator();
+  draw_hand_controls(controls);
   if (ImGui::Button(controls.paused ? "go on" : "pause", {60.0f, 0.0f})) {
     controls.paused = !controls.paused;
   }
@@ -130,8 +159,9 @@ void draw_panels(LiveControls& controls) {
   controls.go_on_asked = ImGui::Button("go on from there");
   controls.save_asked = ImGui::Button("save as a scene");
   if (!controls.said.empty()) ImGui::TextWrapped("%s", controls.said.c_str());
-  ImGui::TextDisabled("left: burr, shift: deeper, ctrl: tilt");
+  if (controls.by_mouse) ImGui::TextDisabled("left: burr, shift: deeper, ctrl: tilt");
   ImGui::TextDisabled("right: turn, wheel: near, 1-5 cameras");
+  draw_timing(controls);
   end_panel();
 }
 

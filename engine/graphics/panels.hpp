@@ -39,12 +39,19 @@ struct PlayerControls {
 };
 void draw_panels(PlayerControls& controls);
 
-/// Of a run under the mouse.
+/// Of a run under the mouse, or under a hand on a device.
 struct LiveControls {
   PictureControls picture;
   bool paused = false;
-  float first_s = 0.0f, time_s = 0.0f;  // of this part, its first tick and so far
-  float back_s = 1.0f;                  // to take back
+  bool by_mouse = true;        // which holds the burr
+  std::string timing, faults;  // of the ticks
+  bool spindle_on = true;
+  float pedal = 1.0f;                           // of the burr's speed, 0 to 1
+  bool clutch = false, recentre_asked = false;  // of a device that is placed in the scene
+  std::vector<std::string> burrs;               // that may be changed to; the scene's first
+  std::size_t burr = 0;                         // of them
+  float first_s = 0.0f, time_s = 0.0f;          // of this part, its first tick and so far
+  float back_s = 1.0f;                          // to take back
   // From where it goes on: the spindle's speed, and the burr, where another is to be taken.
   float speed_rpm = 0.0f;
   bool other_burr = false;

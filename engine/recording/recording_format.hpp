@@ -105,6 +105,8 @@ inline constexpr RowTable kRowTable<PiecePoseRow>{"piece_poses", 128};
 template <>
 inline constexpr RowTable kRowTable<TakenAnswerRow>{"taken_answers", 128};
 template <>
+inline constexpr RowTable kRowTable<PedalRow>{"pedal", 128};
+template <>
 inline constexpr RowTable kRowTable<EditRow>{"edits", 1024};
 template <>
 inline constexpr RowTable kRowTable<FillRow>{"fills", 1024};

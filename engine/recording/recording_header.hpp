@@ -21,11 +21,12 @@ struct RecordingHeader {
   std::uint32_t version = kRecordingVersion;
 };
 
-/// Data sets that a recording has only where the scene names what is in them.
+/// Data sets that a recording has only where the scene names what is in them, or the device has it.
 struct RecordingTables {
   bool cutting = false;  // /cutting
   bool port = false;     // /port
   bool pieces = false;   // /pieces, /piece_poses, /taken_answers
+  bool pedal = false;    // /pedal
 };
 
 /// Hashes of the state right after a tick, from which a replay is verified.

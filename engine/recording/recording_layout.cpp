@@ -136,6 +136,12 @@ constexpr std::array<StoredField, 3> kTakenAnswers{{
     kCheck,
 }};
 
+constexpr std::array<StoredField, 3> kPedal{{
+    {"tick", kU64, 1, "", "from it on"},
+    {"share", kF64, 1, "", "of the burr's speed that is asked for, 0 to 1"},
+    kCheck,
+}};
+
 constexpr std::array<StoredField, 4> kStateHashes{{
     {"tick", kU64, 1, "", "right after it"},
     {"volume", kU64, 1, "", "hash of the voxels"},
@@ -252,6 +258,7 @@ constexpr std::array kLayout{
     rows("/pieces", kWithPieces, "what came loose and left", kPieces),
     rows("/piece_poses", kWithPieces, "how they moved", kPiecePoses),
     rows("/taken_answers", kWithPieces, "for a replay", kTakenAnswers),
+    rows("/pedal", "with a pedal or a switch", "each change of it; before the first: 1", kPedal),
     rows("/state_hashes", "", "from which a replay is verified", kStateHashes),
     rows("/keyframe_index", "", "states to go back to", kKeyframeIndex),
     array("/keyframes", "", "those states, one after another; for this program", kKeyframes),

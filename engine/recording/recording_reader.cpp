@@ -81,6 +81,8 @@ struct RecordingReader::File {
   std::vector<PieceRow> pieces;
   std::vector<PiecePoseRow> piece_poses;
   std::vector<TakenAnswerRow> taken_answers;
+  bool has_pedal = false;
+  std::vector<PedalRow> pedal;
   std::string damage;  // of what is there
   std::string missing;
   std::uint64_t announced_ticks = 0;  // that there are, or were when it was closed
@@ -111,6 +113,8 @@ struct RecordingReader::File {
       join(hash_damage, scan_pieces(&PiecePoseRow::tick, piece_poses));
       join(hash_damage, scan_pieces(&TakenAnswerRow::taken, taken_answers));
     }
+    has_pedal = H5Lexists(file, "pedal", H5P_DEFAULT) > 0;
+    if (has_pedal) join(hash_damage, scan_pedal());
     summary = read_summary();
     const bool closed = is_sealed(end);
     announced_ticks = closed ? end.ticks : tick_table->announced();
@@ -249,6 +253,16 @@ struct RecordingReader::File {
         [&](const StateHashRow& row) {
           state_hashes.push_back({row.tick, row.volume, row.state});
         });
+  }
+
+  std::string scan_pedal() {
+    return scan_table<PedalRow>(
+        &PedalRow::tick,
+        [&](const PedalRow& row) {
+          return (pedal.empty() || row.tick > pedal.back().tick) && row.share >= 0.0 &&
+                 row.share <= 1.0;
+        },
+        [&](const PedalRow& row) { pedal.push_back(row); });
   }
 
   /// Which states there are, as far as the rows go; whether their bytes are whole is seen when they
@@ -405,7 +419,8 @@ std::optional<TriangleMesh> RecordingReader::burr_mesh() const {
 }
 
 RecordingTables RecordingReader::tables() const {
-  return {file_->cutting_table.has_value(), file_->port_table.has_value(), file_->has_pieces};
+  return {file_->cutting_table.has_value(), file_->port_table.has_value(), file_->has_pieces,
+          file_->has_pedal};
 }
 
 std::size_t RecordingReader::tick_count() const { return file_->ticks; }
@@ -450,6 +465,8 @@ std::vector<FillEndRow> RecordingReader::fill_ends(std::size_t first, std::size_
 const std::vector<StateHash>& RecordingReader::state_hashes() const { return file_->state_hashes; }
 const std::vector<PieceRow>& RecordingReader::pieces() const { return file_->pieces; }
 const std::vector<PiecePoseRow>& RecordingReader::piece_poses() const { return file_->piece_poses; }
+const std::vector<PedalRow>& RecordingReader::pedal() const { return file_->pedal; }
+
 const std::vector<TakenAnswerRow>& RecordingReader::taken_answers() const {
   return file_->taken_answers;
 }

@@ -78,6 +78,8 @@ class RecordingReader {
   const std::vector<PieceRow>& pieces() const;
   const std::vector<PiecePoseRow>& piece_poses() const;
   const std::vector<TakenAnswerRow>& taken_answers() const;
+  /// Changes of these ticks, rising; none where the device has no pedal.
+  const std::vector<PedalRow>& pedal() const;
   /// Of these ticks, rising.
   const std::vector<StateHash>& state_hashes() const;
   /// Of these ticks, rising; the first may be of the tick before them, from which a recording goes

@@ -92,6 +92,7 @@ struct RecordingWriter::File {
   std::optional<GrowingTable<PieceRow>> pieces;
   std::optional<GrowingTable<PiecePoseRow>> piece_poses;
   std::optional<GrowingTable<TakenAnswerRow>> taken_answers;
+  std::optional<GrowingTable<PedalRow>> pedal;  // with RecordingTables::pedal
   std::optional<GrowingTable<std::byte>> summary;
   Hdf5Handle summary_check, end;
   bool named = false;
@@ -123,6 +124,7 @@ struct RecordingWriter::File {
       piece_poses.emplace(file);
       taken_answers.emplace(file);
     }
+    if (tables.pedal) pedal.emplace(file);
     state_hashes.emplace(file);
     keyframes.emplace(file, kKeyframeBytes);
     keyframe_index.emplace(file);
@@ -151,6 +153,7 @@ struct RecordingWriter::File {
       pieces->flush();
       piece_poses->flush();
     }
+    if (pedal) pedal->flush();
     std::size_t most = ticks->waiting();
     const auto wait_for_rows_of_ticks = [&](const auto& table) {
       most = std::min<std::size_t>(most, table.written() - ticks->written());
@@ -211,7 +214,7 @@ struct RecordingWriter::File {
   void for_each_table(const Visit& visit) {
     const auto visit_all = [&](auto&... tables) { (visit(tables), ...); };
     visit_all(edits, ticks, fills, fill_ends, cutting, port, pieces, piece_poses, taken_answers,
-              state_hashes, keyframes, keyframe_index, summary);
+              pedal, state_hashes, keyframes, keyframe_index, summary);
   }
 
   /// Runs `step`; the first failure is kept and thrown again by every later call.
@@ -320,6 +323,12 @@ void RecordingWriter::append_piece_pose(const PiecePoseRow& row) {
 
 void RecordingWriter::append_taken_answer(const TakenAnswerRow& row) {
   file_->guarded([&] { file_->taken_answers.value().add(row); });
+}
+
+bool RecordingWriter::has_pedal() const { return file_->pedal.has_value(); }
+
+void RecordingWriter::append_pedal(const PedalRow& row) {
+  file_->guarded([&] { file_->pedal.value().add(sealed(row)); });
 }
 
 void RecordingWriter::append_state_hash(const StateHash& hash) {

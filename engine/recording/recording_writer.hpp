@@ -72,6 +72,9 @@ class RecordingWriter {
   void append_piece(const PieceRow& row);
   void append_piece_pose(const PiecePoseRow& row);
   void append_taken_answer(const TakenAnswerRow& row);
+  bool has_pedal() const;
+  /// Rising by tick, before that tick is flushed. Only with RecordingTables::pedal.
+  void append_pedal(const PedalRow& row);
   /// After the tick it names was appended.
   void append_state_hash(const StateHash& hash);
   /// A state (save_state) right after a tick; rising by tick.

@@ -86,6 +86,14 @@ struct PiecePoseRow {
   std::uint64_t check = 0;
 };
 
+/// One row of /pedal: from this tick on it asks for this share of the burr's speed.
+struct PedalRow {
+  std::uint64_t tick = 0;
+  double share = 1.0;       // 0 to 1
+  std::uint64_t check = 0;  // XXH3-64 of the bytes before it
+};
+static_assert(sizeof(PedalRow) == 24);
+
 /// One row of /taken_answers: in which tick the haptic thread took what had come loose after
 /// another. A replay takes it then, and never what has no row.
 struct TakenAnswerRow {

@@ -65,6 +65,13 @@ DeviceSettings read_plugin(SceneTable& table, std::string name) {
                "the name of a plug-in, of letters, digits, _ and -, and never a path");
   }
   plugin.settings = table.text("settings", "");
+  plugin.placement.position_m = table.vector3("position_mm") * kMillimetre;
+  plugin.placement.rotation = table.vector3("rotation_deg") * kDegree;
+  plugin.placement.scale = table.number("scale");
+  plugin.placement.recentre = table.boolean("recentre");
+  if (plugin.placement.recentre && table.has("position_mm")) {
+    table.fail("recentre", "both recentre and a position_mm", "one of them");
+  }
   plugin.force_limit_N = table.number_if("force_limit_N");
   plugin.torque_limit_Nm = table.number_if("torque_limit_mNm");
   if (plugin.torque_limit_Nm) *plugin.torque_limit_Nm *= 1e-3;

@@ -181,6 +181,16 @@ struct DeviceJump {
   Eigen::Vector3d by_m = Eigen::Vector3d::Zero();  // its pose is off by so much from then on
 };
 
+/// Where a plug-in's device lies in the scene: what it gives is turned, scaled and moved, and what
+/// it is sent is turned back. Forces are not scaled: with `scale` a spring in the scene is felt so
+/// many times as stiff.
+struct DevicePlacement {
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  // of its origin
+  Eigen::Vector3d rotation = Eigen::Vector3d::Zero();    // rad, about x, then y, then z
+  double scale = 1.0;                                    // the tip's way for the hand's
+  bool recentre = false;  // its first position comes to the trajectory's start
+};
+
 /// A device that a vendor's library brings (haptics/device/sulcus_device.h), by its name: never by
 /// a path, so that what a scene says runs nothing but what the user has put there. Its limits are
 /// the smaller ones of the scene's and the plug-in's, its resolution the larger one; a scene as run
@@ -190,6 +200,7 @@ struct PluginSettings {
   std::string settings;  // for the plug-in, in its own words
   // What the scene says; none: what the plug-in does.
   std::optional<double> force_limit_N, torque_limit_Nm, stiffness_N_per_m, resolution_m;
+  DevicePlacement placement;
 };
 
 /// A haptic device and a hand, simulated: the handle, a mass with friction at the torque reference
@@ -285,11 +296,18 @@ struct RecordSettings {
   double queue_s = 10.0;  // of a stalled disk that is waited for, before rows are left out
 };
 
+/// A burr that the hand may change to: what it is called, and the scene's [burr] with it in place,
+/// as of --set.
+struct BurrChoice {
+  std::string name, as_override;
+};
+
 struct Scene {
   std::string title;
   WorkpieceSettings workpiece;
   std::vector<TissueSettings> tissues;  // at least one
   BurrSettings burr;
+  std::vector<BurrChoice> burrs;  // with [[spare_burr]]: [burr], then those
   TrajectorySettings trajectory;
   HapticsSettings haptics;
   std::vector<BodySettings> bodies;      // besides the workpiece

@@ -9,7 +9,6 @@
 #include "engine/core/input_limits.hpp"
 #include "engine/core/units.hpp"
 #include "engine/normals/normal_choice.hpp"
-#include "engine/scene/burr_number.hpp"
 #include "engine/scene/handpiece_presets.hpp"
 #include "engine/scene/table_readers.hpp"
 #include "engine/scene/toml_table.hpp"
@@ -18,79 +17,7 @@ namespace sulcus {
 
 namespace {
 
-// --- [burr], [trajectory], [haptics] ------------------------------------------------------------
-
-/// What the number says, where the table names one; what else is said of the shape must agree.
-void apply_burr_number(SceneTable& table, bool saturates, BurrSettings& b) {
-  const std::string text = table.text("iso", "");
-  if (!table.has("iso")) return;
-  BurrNumberFault fault;
-  const std::optional<BurrNumber> number = read_burr_number(text, fault);
-  if (!number) table.fail("iso", fault.found, fault.expected);
-  const auto refuse = [&](std::string_view key) {
-    table.fail(key, "another one than burr.iso's, \"" + text + "\"", "one of the two");
-  };
-  const auto differ = [](double a, double b_m) { return std::abs(a - b_m) > 1e-9; };
-  if (table.has("file")) refuse("file");
-  if (table.has("shape") && b.shape != number->shape) refuse("shape");
-  if (table.has("diameter_mm") && differ(b.diameter_m, number->diameter_m)) refuse("diameter_mm");
-  if (b.length_m && number->length_m && differ(*b.length_m, *number->length_m)) {
-    refuse("length_mm");
-  }
-  if (table.has("material") && number->material && b.material != number->material) {
-    refuse("material");
-  }
-  if (table.has("grit") && number->grit && b.grit != number->grit) refuse("grit");
-  if (saturates && !number->unknown.empty() && !table.has("material") && !table.has("grit")) {
-    table.fail("iso", number->unknown,
-               "806 and 514, 524, 534 or 544, a diamond; 500, carbide; else burr.material or "
-               "burr.grit beside it");
-  }
-  b.shape = number->shape;
-  b.diameter_m = number->diameter_m;
-  if (number->length_m) b.length_m = number->length_m;
-  if (number->material) b.material = *number->material;
-  if (number->grit) b.grit = *number->grit;
-}
-
-/// `b`: what it is where the table does not say; `saturates`: the scene's law does.
-BurrSettings read_burr(SceneTable& root, bool saturates, BurrSettings b) {
-  auto table = root.table("burr");
-  if (!table) return b;
-  b.file = table->path("file");
-  const auto shape = table->choice_if("shape");
-  if (shape && !b.file.empty()) table->fail("shape", "both a shape and a file", "one of them");
-  if (!b.file.empty()) b.shape = BurrShape::kFile;
-  if (shape) b.shape = BurrShape(*shape);
-  b.diameter_m = table->number("diameter_mm") * kMillimetre;
-  if (const auto length = table->number_if("length_mm")) {
-    b.length_m = *length * kMillimetre;
-  }
-  if (const auto material = table->choice_if("material")) b.material = BurrMaterial(*material);
-  if (const auto grit = table->choice_if("grit")) b.grit = Grit(*grit);
-  b.worn_m = table->number("worn_mm") * kMillimetre;
-  apply_burr_number(*table, saturates, b);
-  if (const auto speed = table->number_if("speed_rpm")) {
-    b.speed_rad_per_s = *speed * kRevolutionPerMinute;
-  }
-  b.tangential_ratio = table->number("tangential_ratio", b.tangential_ratio);
-  if (table->is_text("field")) {
-    table->expect_word("field", "auto");
-    b.field_samples.reset();
-  } else {
-    const Eigen::Vector3d n = table->vector3("field");
-    b.field_samples = n.cast<int>();
-    if (b.field_samples->cast<double>() != n) {
-      table->fail("field", "fractions", "3 whole numbers, or \"auto\"");
-    }
-  }
-  if (const auto spacing = table->number_if("field_spacing_mm")) {
-    b.field_spacing_m = *spacing * kMillimetre;
-  }
-  b.reference_m = table->number("reference_mm") * kMillimetre;
-  table->finish();
-  return b;
-}
+// --- [trajectory], [haptics] --------------------------------------------------------------------
 
 TrajectorySettings read_trajectory(SceneTable& root) {
   TrajectorySettings t;
@@ -374,7 +301,9 @@ Scene parse_scene(const std::string& text, const std::string& file,
   scene.spindle = read_spindle(root, usual.speed_rad_per_s);
   const bool saturates = scene.cutting && scene.cutting->law == CuttingLaw::kSaturating;
   if (saturates) usual.tangential_ratio = kSaturatingTangentialRatio;
-  scene.burr = read_burr(root, saturates, usual);
+  scene.burr = usual;
+  if (auto table = root.table("burr")) scene.burr = read_burr(*table, saturates, usual);
+  scene.burrs = read_burrs(root, parsed, file, saturates, usual);
   scene.trajectory = read_trajectory(root);
   scene.haptics = read_haptics(root);
   scene.bodies = read_bodies(root, scene.tissues);

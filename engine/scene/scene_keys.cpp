@@ -133,6 +133,10 @@ constexpr std::array kBody{
     text("tissue", "(as it comes)", "all of it is of this [[tissue]] of the scene"),
 };
 
+constexpr std::array kSpareBurr{
+    text("name", "(its shape and size)", "how a window calls it"),
+};
+
 constexpr std::array kBurr{
     choice("shape", kBurrShapes, "(\"round\", unless there is a file)", "of the head [ISO 6360]"),
     path("file", "a closed mesh, mm, its axis along z from tip to shank"),
@@ -195,6 +199,12 @@ constexpr std::array kDevice{
         "either this or plugin; played_back: no hand, its poses are those of trajectory.recording"),
     text("plugin", "", "name of a vendor's library for the device, never a path"),
     text("settings", "\"\"", "for the plug-in, in its own words"),
+    numbers("position_mm", 3, kAnyLength_mm, "[0, 0, 0]", "where the plug-in's origin lies"),
+    numbers("rotation_deg", 3, kAngle_deg, "[0, 0, 0]",
+            "how its axes lie in the scene: about x, then y, then z"),
+    number("scale", {0.01, 100}, "1",
+           "the burr's way for the hand's; a spring is felt so many times as stiff"),
+    boolean("recentre", "false", "the plug-in's first position comes to the trajectory's start"),
     number("stiffness_N_per_mm", {1e-3, 1e3}, "(the plug-in's)",
            "the hardest spring that the plug-in's device renders well"),
     choice("preset", kDevicePresetNames, "\"omni\"", "constants of a device [CHAI3D; ours]"),
@@ -367,7 +377,7 @@ constexpr auto kWeights = [] {
   return keys;
 }();
 
-constexpr std::array<SceneTableKeys, 24> kTables{{
+constexpr std::array<SceneTableKeys, 25> kTables{{
     {"", false, "at the top of the file", kTop, {}},
     {"workpiece", false, "what is probed and cut; must be there", kWorkpiece, {}},
     {"workpiece.molar", false, "with shape = \"molar\"; its crown points to +z", kMolar, {}},
@@ -382,6 +392,10 @@ constexpr std::array<SceneTableKeys, 24> kTables{{
      kTissue,
      {}},
     {"burr", false, "the tool", kBurr, {}},
+    {"spare_burr", true,
+     "a burr to change to, 15 at most; what it does not say of speed, field and contact is "
+     "[burr]'s",
+     kSpareBurr, "burr"},
     {"trajectory", false, "where it goes; must be there", kTrajectory, {}},
     {"haptics", false, "how the contact is computed", kHaptics, {}},
     {"body", true, "a solid beside the workpiece, 15 at most", kBody, "workpiece"},

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -16,6 +17,16 @@ WorkpieceSettings read_workpiece(SceneTable& root);
 
 /// [[body]], of the tissues of the scene.
 std::vector<BodySettings> read_bodies(SceneTable& root, const std::vector<TissueSettings>& tissues);
+
+/// [burr]; `usual`: what it is where the table does not say; `saturates`: the law of [cutting]
+/// does.
+BurrSettings read_burr(SceneTable& table, bool saturates, BurrSettings usual);
+
+/// What the hand can choose from: [burr] and every [[spare_burr]], none where there are no spare
+/// ones. `scene`: the whole of it, read from `file`; the others as of read_burr.
+std::vector<BurrChoice> read_burrs(SceneTable& root, const toml::table& scene,
+                                   const std::string& file, bool saturates,
+                                   const BurrSettings& usual);
 
 /// [goal].
 GoalSettings read_goal(SceneTable& table);

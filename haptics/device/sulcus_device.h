@@ -9,27 +9,30 @@
  * Spaces    World: the scene's. Its origin is the centre of the tooth's grid; +z is up, away from
  *           the root. Tool: its origin is the burr's tip, +y the axis towards the shank. A pose is
  *           of the tool in the world. Whoever has a workspace of its own brings it to the world,
- *           most simply so that its middle comes to SulcusDeviceHost::start.
- * Threads   open and close are called by the main thread, read and write by the haptic thread,
- *           never two of them at a time. That thread has real-time priority, where the system
- *           grants it, and a millisecond for all that is to be done in a tick.
- * In a tick read and write return within 50 us. They neither wait, sleep, lock what another thread
- *           may hold for long, write to the terminal or a file, nor take memory. What is slow
- *           belongs to a thread of the plug-in's own, which hands the newest pose over. At real
- *           pace a read that takes longer than 20 ms counts as no answer; a call that does not
- *           return within 2 s ends the program.
- * Life      open; seconds may pass while the tooth is loaded; then read and write in turns, once a
- *           tick, from tick 0; at the end, whatever ended the run, write alone, once a tick, for 50
- *           ms, in which the wrench falls to zero; write of a zero wrench, `last` set; message;
- *           close. A device is to have no force before the first write and after the last, and to
+ *           most simply so that its middle comes to SulcusDeviceHost::start; or leaves that to the
+ *           scene, whose [device] position_mm, rotation_deg, scale and recentre do it here.
+ * Threads   open and close are called by the main thread, read, controls and write by the haptic
+ *           thread, never two of them at a time. That thread has real-time priority, where the
+ * system grants it, and a millisecond for all that is to be done in a tick. In a tick read,
+ * controls and write return within 50 us. They neither wait, sleep, lock what another thread may
+ * hold for long, write to the terminal or a file, nor take memory. What is slow belongs to a thread
+ * of the plug-in's own, which hands the newest pose over. At real pace a read that takes longer
+ * than 20 ms counts as no answer; a call that does not return within 2 s ends the program. Life
+ * open; seconds may pass while the tooth is loaded; then read, controls after a read that gave a
+ * pose, and write in turns, once a tick, from tick 0; while the burr is changed the force falls to
+ * zero and seconds may pass between two ticks; at the end, whatever ended the run, write alone,
+ * once a tick, for 50 ms, in which the wrench falls to zero; write of a zero wrench, `last` set;
+ * message; close. A device is to have no force before the first write and after the last, and to
  *           take the force off by itself when no write comes for 50 ms: a program may be killed.
  * Errors    Codes below; no exception leaves a plug-in. A pose with a number that is not finite, an
  *           orientation that is far from length 1 or a position beyond 10 m ends the run.
  * Forces    are finite, already limited to what `open` said, change by 0.5 N and 20 mN m a tick at
  *           most, and come and go on ramps. A plug-in checks what matters for safety all the same.
  * Versions  SULCUS_DEVICE_VERSION rises when an old plug-in or program would misunderstand a new
- *           one; another version is refused. Structures grow at their ends only: `struct_size` is
- *           what the side that fills one knows of it; what lies beyond is not there.
+ *           one. Plug-ins of an older version are still loaded: of version 1 there is neither
+ *           `controls` nor SULCUS_DEVICE_OVER. Those of a newer one are refused. Structures grow at
+ * their ends only: `struct_size` is what the side that fills one knows of it; what lies beyond is
+ * not there.
  *
  * Licence: MIT, as the rest; copy this file as you like. */
 #ifndef SULCUS_DEVICE_H
@@ -42,7 +45,7 @@
 extern "C" {
 #endif
 
-#define SULCUS_DEVICE_VERSION 1u
+#define SULCUS_DEVICE_VERSION 2u
 /* The symbol: `const SulcusDevicePlugin* sulcus_device_plugin(void)`. */
 #define SULCUS_DEVICE_ENTRY "sulcus_device_plugin"
 
@@ -56,7 +59,9 @@ enum {
   SULCUS_DEVICE_NO_POSE = 1,
   /* It failed for good, and the plug-in has taken off what force it could. Neither read nor write
    * is called again; the run ends. */
-  SULCUS_DEVICE_GONE = 2
+  SULCUS_DEVICE_GONE = 2,
+  /* read: the user has ended it. The run comes to its end as it does by itself. Since version 2. */
+  SULCUS_DEVICE_OVER = 3
 };
 
 /* Bits of SulcusDevicePlugin::flags. */
@@ -75,6 +80,20 @@ typedef struct SulcusWrench {
   double force_N[3];   /* on the hand, world axes */
   double torque_Nm[3]; /* likewise, about SulcusDeviceHost::reference_m */
 } SulcusWrench;
+
+/* SulcusControls::burr: it is not to be changed. */
+#define SULCUS_BURR_AS_IT_IS 0xFFFFFFFFu
+
+/* What is asked for beside the pose. Before each call Sulcus sets what holds without a plug-in's
+ * word: all of the speed, no clutch, the burr as it is. Since version 2. */
+typedef struct SulcusControls {
+  uint32_t struct_size; /* set by Sulcus */
+  uint32_t burr;   /* 0: the scene's [burr], n: its n-th [[spare_burr]]; it is changed, once the
+                    * force has fallen to zero, where this is another one than in use */
+  double pedal;    /* of the burr's speed, 0 to 1; 0: the spindle stands */
+  uint32_t clutch; /* 1: the burr's tip stays where it is while the hand moves on */
+  uint32_t reserved;
+} SulcusControls;
 
 /* What a device is opened with. It stays where it is until close. */
 typedef struct SulcusDeviceHost {
@@ -127,6 +146,10 @@ typedef struct SulcusDevicePlugin {
   void (*message)(void* device, char* message, size_t message_size);
 
   void (*close)(void* device);
+
+  /* Pedal, clutch and burr, in the tick of a read that gave a pose. May be null. Since version 2.
+   */
+  void (*controls)(void* device, uint64_t tick, SulcusControls* controls);
 } SulcusDevicePlugin;
 
 /* The one symbol of a plug-in. What it points to stays as long as the program runs. */

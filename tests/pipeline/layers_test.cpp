@@ -137,7 +137,8 @@ TEST(Layers, OnlyDrawingAndAppKnowDrawing) {
 }
 
 //   commands                 everything that the program is told to do
-//   inspect   window         what is printed of a file; what is shown and done in a window
+//   window                   what is shown and done in a window
+//   inspect   live           what is printed of a file; a run under a hand, part by part
 //   report                   results of a run: folder, summary, pages, log
 //   playback                 recordings run again
 //   session                  a run and its threads
@@ -145,19 +146,20 @@ TEST(Layers, OnlyDrawingAndAppKnowDrawing) {
 //   terminal                 what is said, other programs
 TEST(Layers, AFolderOfAppSeesThoseBelowIt) {
   const auto height = [](std::string_view file) {
-    constexpr std::array<std::pair<std::string_view, int>, 9> kHeights{{{"app/terminal/", 1},
-                                                                        {"app/report/page/", 2},
-                                                                        {"app/session/", 2},
-                                                                        {"app/playback/", 3},
-                                                                        {"app/report/", 4},
-                                                                        {"app/inspect/", 5},
-                                                                        {"app/window/", 5},
-                                                                        {"app/python/", 6},
-                                                                        {"app/commands/", 6}}};
+    constexpr std::array<std::pair<std::string_view, int>, 10> kHeights{{{"app/terminal/", 1},
+                                                                         {"app/report/page/", 2},
+                                                                         {"app/session/", 2},
+                                                                         {"app/playback/", 3},
+                                                                         {"app/report/", 4},
+                                                                         {"app/inspect/", 5},
+                                                                         {"app/live/", 5},
+                                                                         {"app/window/", 6},
+                                                                         {"app/python/", 7},
+                                                                         {"app/commands/", 7}}};
     for (const auto& [below, level] : kHeights) {
       if (is_in(file, below)) return level;
     }
-    return file.starts_with("app/main.") ? 7 : 0;  // the build's name
+    return file.starts_with("app/main.") ? 8 : 0;  // the build's name
   };
   const auto folder = [](std::string_view file) { return file.substr(0, file.rfind('/')); };
   expect_none("a folder of app sees those below it", [&](const Include& i) {

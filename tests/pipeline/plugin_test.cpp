@@ -286,7 +286,7 @@ TEST_F(Plugin, WhatCannotBeUsedIsRefusedBeforeAnythingRuns) {
   const Case cases[] = {
       {"plugin = 'other_version'",
        bad,
-       {"sulcus_device_other_version.so", "found version 2", "expected version 1"}},
+       {"sulcus_device_other_version.so", "found version 3", "expected version 1 to 2"}},
       {"plugin = 'no_entry'", bad, {"sulcus_device_no_entry.so", "no symbol sulcus_device_plugin"}},
       {"plugin = 'no_function'",
        bad,

@@ -155,7 +155,7 @@ class RecordingLayoutTest : public RecordingTest {
     const VoxelModel filled = test::filled_anyhow(workpiece(), 1);
     const EarlierRun earlier{"earlier.h5", "of its scene", filled, {}, {}};
     RecordingWriter writer(path(), all, filled, &mesh,
-                           {.cutting = true, .port = true, .pieces = true},
+                           {.cutting = true, .port = true, .pieces = true, .pedal = true},
                            {{&filled, &filled}, &goal, &input, &earlier});
     writer.close();
     return path();

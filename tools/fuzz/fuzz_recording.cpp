@@ -111,7 +111,7 @@ SoundRecording write_sound() {
                      {}};
   earlier.start.set_level({0, 0, 0}, 200);
   RecordingWriter writer(place.path(), header_of(kScene), start, &burr,
-                         {.cutting = true, .port = true, .pieces = true},
+                         {.cutting = true, .port = true, .pieces = true, .pedal = true},
                          {{&body}, &goal, nullptr, &earlier});
   for (std::uint64_t t = 1; t <= kTicks; ++t) {
     const std::uint64_t row = t - 1;

@@ -20,7 +20,7 @@ x, v, number, ticks, largest, give_up = list(hand(0)), [0.0] * 3, 0, 0, 0.0, tim
 while time.monotonic() < give_up:
     number += 1
     try:
-        sock.send(POSE.pack(b"SULP", 1, number, *x, *UPRIGHT, 0, 0))
+        sock.send(POSE.pack(b"SULP", 1, number, *x, *UPRIGHT, int(ticks >= 4000), 0))  # 1: it is over
         *_, fx, fy, fz, _, _, _, over, _ = WRENCH.unpack(sock.recv(80))
     except (TimeoutError, ConnectionRefusedError):  # not there yet, or a datagram was lost
         time.sleep(0.001)

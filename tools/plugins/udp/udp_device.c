@@ -2,18 +2,22 @@
  * back. client.py is one, in 30 lines.
  *
  * settings = "port=47800 timeout_ms=2", each of them optional. The socket is bound to 127.0.0.1,
- * so that nobody from outside reaches it. Every datagram is 80 bytes, little-endian, without
- * padding:
+ * so that nobody from outside reaches it. Datagrams are little-endian, without padding: 80 bytes,
+ * but of poses of version 2, which say more, 96:
  *
  *   from the device (poses)                     to the device (one a tick, once poses come)
  *    0  u8[4]  "SULP"                            0  u8[4]  "SULW"
- *    4  u32    kVersion                          4  u32    kVersion
+ *    4  u32    1 or 2                            4  u32    1
  *    8  u64    number, rising                    8  u64    number of the newest pose
  *   16  f64[3] burr's tip, m, world             16  u64    tick
  *   40  f64[4] w x y z, world from tool         24  f64[3] force on the hand, N, world
- *   72  u32    1: the device goes away          48  f64[3] torque, N m
- *   76  u32    0                                72  u32    1: the run is over, all are zero
- *                                               76  u32    0
+ *   72  u32    bits: 1 the user has ended it,   48  f64[3] torque, N m
+ *              2 the clutch is held             72  u32    1: the run is over, all are zero
+ *   76  u32    0                                76  u32    0
+ *   of version 2 alone:
+ *   80  f64    pedal: share of the speed, 0 to 1
+ *   88  u32    burr: 0 the scene's, n its n-th [[spare_burr]], 0xFFFFFFFF as it is
+ *   92  u32    0
  *
  * A tick takes the newest pose that has come; one that is older than timeout_ms is none, which
  * Sulcus bridges for 20 ms more. Wrenches go to the sender of that pose. Until it has been silent
@@ -38,8 +42,7 @@
 #error "the datagrams are copied as they are, which a little-endian machine can do"
 #endif
 
-enum { kMost = 64, kGoesAway = 1, kOver = 1, kPeerSilent_ms = 20 };
-static const uint32_t kVersion = 1;
+enum { kMost = 64, kEnded = 1, kClutch = 2, kOver = 1, kPeerSilent_ms = 20 };
 
 typedef struct PoseDatagram {
   char magic[4];
@@ -47,7 +50,10 @@ typedef struct PoseDatagram {
   uint64_t number;
   SulcusPose pose;
   uint32_t flags, zero;
+  double pedal; /* from here on of version 2 */
+  uint32_t burr, zero_2;
 } PoseDatagram;
+enum { kPoseBytes_1 = 80, kPoseBytes_2 = 96 };
 
 typedef struct WrenchDatagram {
   char magic[4];
@@ -57,14 +63,15 @@ typedef struct WrenchDatagram {
   uint32_t flags, zero;
 } WrenchDatagram;
 
-_Static_assert(sizeof(PoseDatagram) == 80 && sizeof(WrenchDatagram) == 80, "as documented");
+_Static_assert(sizeof(PoseDatagram) == kPoseBytes_2 && sizeof(WrenchDatagram) == 80,
+               "as documented");
 
 typedef struct Device {
   int socket;
   long port, timeout_ms;
   struct sockaddr_in peer; /* who has sent the newest pose */
   PoseDatagram newest;
-  int has_peer, has_gone;
+  int has_peer;
   int64_t newest_ns;            /* when it came */
   uint64_t refused, of_version; /* datagrams left out, and those among them of another version */
   uint64_t poses;               /* taken */
@@ -143,16 +150,24 @@ static int is_held(const Device* device) {
 }
 
 /* Takes a datagram, where it is one and newer than what is there. */
-static void take(Device* device, const PoseDatagram* datagram, ssize_t size,
+static void take(Device* device, PoseDatagram* datagram, ssize_t size,
                  const struct sockaddr_in* from) {
-  if (size != (ssize_t)sizeof(*datagram) || memcmp(datagram->magic, "SULP", 4) != 0) {
+  if (size < kPoseBytes_1 || memcmp(datagram->magic, "SULP", 4) != 0) {
     ++device->refused;
     return;
   }
-  if (datagram->version != kVersion) {
+  if (datagram->version != 1 && datagram->version != 2) {
     ++device->refused;
     ++device->of_version;
     return;
+  }
+  if (size != (datagram->version == 1 ? kPoseBytes_1 : kPoseBytes_2)) {
+    ++device->refused;
+    return;
+  }
+  if (datagram->version == 1) {
+    datagram->pedal = 1.0;
+    datagram->burr = SULCUS_BURR_AS_IT_IS;
   }
   const int is_peer = device->has_peer && from->sin_port == device->peer.sin_port &&
                       from->sin_addr.s_addr == device->peer.sin_addr.s_addr;
@@ -170,14 +185,15 @@ static void take(Device* device, const PoseDatagram* datagram, ssize_t size,
 
 /* One that does not go out is lost, as a datagram may be: the next tick has another. */
 static void answer(const Device* device, uint64_t tick, const SulcusWrench* wrench, int over) {
-  const WrenchDatagram datagram = {
-      {'S', 'U', 'L', 'W'}, kVersion, device->newest.number, tick, *wrench, over ? kOver : 0u, 0};
+  const WrenchDatagram datagram = {{'S', 'U', 'L', 'W'}, 1, device->newest.number, tick, *wrench,
+                                   over ? kOver : 0u,    0};
   (void)sendto(device->socket, &datagram, sizeof(datagram), 0,
                (const struct sockaddr*)&device->peer, sizeof(device->peer));
 }
 
 static int read_pose(void* opened, uint64_t tick, SulcusPose* pose) {
   Device* device = opened;
+  (void)tick;
   for (int n = 0; n < kMost; ++n) {
     PoseDatagram datagram;
     struct sockaddr_in from;
@@ -188,15 +204,18 @@ static int read_pose(void* opened, uint64_t tick, SulcusPose* pose) {
     if (size >= 0) take(device, &datagram, size, &from);
   }
   if (!device->has_peer) return SULCUS_DEVICE_NO_POSE;
-  if (device->newest.flags & kGoesAway) {
-    const SulcusWrench none = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
-    answer(device, tick, &none, 1);
-    device->has_gone = 1;
-    return SULCUS_DEVICE_GONE;
-  }
+  if (device->newest.flags & kEnded) return SULCUS_DEVICE_OVER;
   if (is_silent_for(device, device->timeout_ms)) return SULCUS_DEVICE_NO_POSE;
   *pose = device->newest.pose;
   return SULCUS_DEVICE_OK;
+}
+
+static void read_controls(void* opened, uint64_t tick, SulcusControls* controls) {
+  const Device* device = opened;
+  (void)tick;
+  controls->pedal = device->newest.pedal;
+  controls->burr = device->newest.burr;
+  controls->clutch = (device->newest.flags & kClutch) != 0;
 }
 
 static int write_wrench(void* opened, uint64_t tick, const SulcusWrench* wrench, int last) {
@@ -208,18 +227,16 @@ static int write_wrench(void* opened, uint64_t tick, const SulcusWrench* wrench,
 static void say(void* opened, char* message, size_t message_size) {
   const Device* device = opened;
   const char* what = "";
-  if (device->has_gone) what = "the program at the other end said that it goes away; ";
   if (!device->has_peer) what = "no pose ever came; ";
-  if (!device->has_gone && device->has_peer && device->refused == 0) {
+  if (device->has_peer && device->refused == 0) {
     message[0] = '\0';
     return;
   }
   snprintf(message, message_size,
            "%s127.0.0.1:%ld, %llu poses taken, %llu datagrams refused, %llu of them of another "
-           "version than %u",
+           "version than 1 and 2",
            what, device->port, (unsigned long long)device->poses,
-           (unsigned long long)device->refused, (unsigned long long)device->of_version,
-           (unsigned)kVersion);
+           (unsigned long long)device->refused, (unsigned long long)device->of_version);
 }
 
 static void close_device(void* opened) {
@@ -233,12 +250,13 @@ const SulcusDevicePlugin* sulcus_device_plugin(void) {
       .version = SULCUS_DEVICE_VERSION,
       .struct_size = sizeof(SulcusDevicePlugin),
       .flags = SULCUS_DEVICE_REAL_TIME,
-      .name = "UDP on 127.0.0.1 1.0",
+      .name = "UDP on 127.0.0.1 2.0",
       .open = open_device,
       .read = read_pose,
       .write = write_wrench,
       .message = say,
       .close = close_device,
+      .controls = read_controls,
   };
   return &plugin;
 }
