@@ -139,6 +139,7 @@ TEST(Layers, OnlyDrawingAndAppKnowDrawing) {
 //   commands                 everything that the program is told to do
 //   window                   what is shown and done in a window
 //   inspect   live           what is printed of a file; a run under a hand, part by part
+//   pictures                 pictures of a recording, and what is beside them
 //   report                   results of a run: folder, summary, pages, log
 //   playback                 recordings run again
 //   session                  a run and its threads
@@ -146,16 +147,17 @@ TEST(Layers, OnlyDrawingAndAppKnowDrawing) {
 //   terminal                 what is said, other programs
 TEST(Layers, AFolderOfAppSeesThoseBelowIt) {
   const auto height = [](std::string_view file) {
-    constexpr std::array<std::pair<std::string_view, int>, 10> kHeights{{{"app/terminal/", 1},
+    constexpr std::array<std::pair<std::string_view, int>, 11> kHeights{{{"app/terminal/", 1},
                                                                          {"app/report/page/", 2},
                                                                          {"app/session/", 2},
                                                                          {"app/playback/", 3},
                                                                          {"app/report/", 4},
                                                                          {"app/inspect/", 5},
-                                                                         {"app/live/", 5},
-                                                                         {"app/window/", 6},
-                                                                         {"app/python/", 7},
-                                                                         {"app/commands/", 7}}};
+                                                                        {"app/live/", 5},
+                                                                        {"app/pictures/", 5},
+                                                                        {"app/window/", 6},
+                                                                        {"app/python/", 7},
+                                                                        {"app/commands/", 7}}};
     for (const auto& [below, level] : kHeights) {
       if (is_in(file, below)) return level;
     }

@@ -1,4 +1,4 @@
-#include "app/commands/section_range.hpp"
+#include "app/pictures/section_range.hpp"
 
 #include <bit>
 #include <limits>
