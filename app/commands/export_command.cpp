@@ -106,7 +106,7 @@ void write_surface(const std::string& file, TriangleMesh mesh, const VoxelModel&
   colours.reserve(mesh.positions.size());
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     const Eigen::Vector3d p = model.grid.index_from_world(mesh.positions[v].cast<double>());
-    const auto packed = surface.at(model, {}, p.cast<float>(), normals[v], false);
+    const auto packed = surface.at(model, {}, p.cast<float>(), normals[v], false).colour_cut;
     const Eigen::Vector3f root = Eigen::Vector3f(packed[0], packed[1], packed[2]) / 255.0f;
     colours.emplace_back(root.cwiseProduct(root));
   }

@@ -10,8 +10,7 @@
 
 namespace sulcus {
 
-PictureNames::PictureNames(const RecordedFilm& film, const PictureOptions& options,
-                           const RenderSettings& settings) {
+PictureNames::PictureNames(const RecordedFilm& film, const PictureOptions& options) {
   // Every tick has a time of its own.
   while (film.scene().haptics.rate_hz > std::pow(10.0, decimals_) && decimals_ < 9) ++decimals_;
   // Of many, so that they are in their order in a list.
@@ -20,16 +19,16 @@ PictureNames::PictureNames(const RecordedFilm& film, const PictureOptions& optio
         static_cast<int>(std::to_string(static_cast<long long>(film.rows().back().time_s)).size()) +
         1 + decimals_;
   }
-  if (options.colour_by != "tissue") shown_ += "_by_" + options.colour_by;
-  if (settings.section) {
-    shown_ +=
-        formatted("_%c=%g", "xyz"[settings.section->axis], settings.section->at_m / kMillimetre);
-  }
-  if (options.contacts) shown_ += "_contacts";
+  if (options.colour_by != "tissue") colours_ = "_by_" + options.colour_by;
+  if (options.contacts) marks_ += "_contacts";
+  if (options.ghost) marks_ += "_ghost";
 }
 
-std::string PictureNames::of(const std::string& camera, const TickRecord& row) const {
-  return camera + formatted("_%0*.*fs", digits_, decimals_, row.time_s) + shown_;
+std::string PictureNames::of(const std::string& camera, const TickRecord& row,
+                             const std::optional<Section>& section) const {
+  std::string name = camera + formatted("_%0*.*fs", digits_, decimals_, row.time_s) + colours_;
+  if (section) name += formatted("_%c=%g", "xyz"[section->axis], section -> at_m / kMillimetre);
+  return name + marks_;
 }
 
 std::string write_beside_others(std::string_view bytes, const std::string& folder,

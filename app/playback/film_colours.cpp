@@ -1,10 +1,8 @@
 #include "app/playback/film_colours.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <utility>
-#include <vector>
+#include <stdexcept>
 
+#include "app/terminal/terminal.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
 #include "engine/normals/normal_errors.hpp"
@@ -22,38 +20,17 @@ VoxelSet removed_voxels(const VoxelGrid& grid, std::span<const Edit> edits) {
   return removed;
 }
 
-VoxelModel without_voxels(VoxelModel model, const VoxelSet& removed) {
-  for (const std::uint32_t leaf : removed.leaves()) {
-    model.leaves[leaf] = without(model.leaves[leaf], removed.voxels(leaf));
-  }
-  return model;
-}
-
-/// One scale for all times of a recording: what 95 % of the surface does not exceed at its end.
-ColourScale goal_scale(const RecordedFilm& film, const VoxelSet& target) {
-  const VoxelGrid& grid = film.start().grid;
-  const VoxelSet removed = removed_voxels(grid, film.edits_before(film.rows().size() - 1));
-  const VoxelValues end = goal_distances(without_voxels(film.start(), removed), removed, target);
-  std::vector<float> sizes;
-  for (const auto& [leaf, block] : end.blocks()) {
-    for (const float value : block) {
-      if (!std::isnan(value)) sizes.push_back(std::abs(value));
-    }
-  }
-  double most_m = 2.0 * grid.voxel_m;
-  if (!sizes.empty()) {
-    const auto p95 = sizes.begin() + static_cast<std::ptrdiff_t>(95 * (sizes.size() - 1) / 100);
-    std::nth_element(sizes.begin(), p95, sizes.end());
-    most_m = std::max<double>(most_m, *p95);
-  }
-  const double end_m = round_number_above(most_m / kMillimetre) * kMillimetre;
-  return {.name = "Goal's wall, mm",
+/// One for all recordings, so that pictures of two of them compare.
+ColourScale goal_scale(double end_m) {
+  const std::string end = formatted(" > %g mm", end_m / kMillimetre);
+  return {.name = "Distance from the planned cavity wall",
           .low = -end_m,
           .high = end_m,
           .unit = kMillimetre,
-          .beyond_low = "and more, missing",
-          .beyond_high = "and more, beyond",
-          .kind = ColourScale::Kind::kAroundZero};
+          .end_low = "not cut" + end,
+          .end_high = "over-cut" + end,
+          .kind = ColourScale::Kind::kAroundZero,
+          .unlit = true};
 }
 
 ColourScale contact_count_scale() {
@@ -73,26 +50,32 @@ ColourScale normal_error_scale() {
 
 }  // namespace
 
+VoxelSet recorded_target(const RecordingReader& reader, const std::string& path,
+                         const RecordedFilm& film, const std::string& option) {
+  if (!film.scene().goal) {
+    throw InputError(path, option, "goal, of a scene without [goal]",
+                     "the recording of a scene with one");
+  }
+  const std::optional<VoxelModel> from_file = reader.goal();
+  return *target_of_goal(film.scene(), film.start(), from_file ? &*from_file : nullptr);
+}
+
 FilmColours::FilmColours(const RecordingReader& reader, const std::string& path,
-                         const RecordedFilm& film, ColourBy by, bool contact_marks,
-                         std::optional<Section> section, Renderer& renderer)
-    : by_(by), contact_marks_(contact_marks), section_(section) {
-  switch (by) {
+                         const RecordedFilm& film, const FilmColouring& asked, Renderer& renderer)
+    : by_(asked.by),
+      contact_marks_(asked.contact_marks),
+      target_(asked.target),
+      section_(asked.section) {
+  switch (by_) {
     case ColourBy::kTissue:
       break;
     case ColourBy::kTime:
       renderer.colour_by_time(film.rows().back().time_s);
       break;
-    case ColourBy::kGoal: {
-      if (!film.scene().goal) {
-        throw InputError(path, "--colour-by", "goal, of a scene without [goal]",
-                         "the recording of a scene with one");
-      }
-      const std::optional<VoxelModel> from_file = reader.goal();
-      target_ = target_of_goal(film.scene(), film.start(), from_file ? &*from_file : nullptr);
-      scale_ = goal_scale(film, *target_);
+    case ColourBy::kGoal:
+      if (target_ == nullptr) throw std::invalid_argument("colours by a goal need its target");
+      scale_ = goal_scale(asked.goal_scale_m);
       break;
-    }
     case ColourBy::kContacts:
       scale_ = contact_count_scale();
       break;
@@ -104,8 +87,9 @@ FilmColours::FilmColours(const RecordingReader& reader, const std::string& path,
       scale_ = temperature_scale(*film.scene().heat);
       break;
   }
-  if (by == ColourBy::kContacts || contact_marks)
-    contacts_.emplace(path, by == ColourBy::kContacts);
+  if (by_ == ColourBy::kContacts || contact_marks_) {
+    contacts_.emplace(path, by_ == ColourBy::kContacts);
+  }
 }
 
 void FilmColours::show_goal(std::size_t row, const RecordedFilm& film, Renderer& renderer) const {

@@ -22,14 +22,26 @@ enum class ColourBy : std::uint8_t { kTissue, kTime, kGoal, kContacts, kNormalEr
 inline constexpr std::array<std::string_view, 6> kColourByNames{
     "tissue", "time", "goal", "contacts", "normal_error", "temperature"};
 
+/// The target of a recording's goal. `option` asks for it. InputError where its scene has none.
+VoxelSet recorded_target(const RecordingReader& reader, const std::string& path,
+                         const RecordedFilm& film, const std::string& option);
+
+/// How pictures are to be coloured.
+struct FilmColouring {
+  ColourBy by = ColourBy::kTissue;
+  bool contact_marks = false;
+  std::optional<Section> section;    // of the pictures: its face shows temperatures too
+  const VoxelSet* target = nullptr;  // of the goal, for kGoal
+  double goal_scale_m = 0.5e-3;      // to either side of the planned wall
+};
+
 /// Colours the pictures of a recording by a quantity, and marks the voxels in contact.
 class FilmColours {
  public:
-  /// Before the first row is gone to. `section`: that of the pictures, whose face shows
-  /// temperatures too. InputError where the recording's scene has no goal or heat to be coloured
-  /// by, and as RecordedContacts.
+  /// Before the first row is gone to. The target outlives it. InputError where the recording's
+  /// scene has no heat to be coloured by, and as RecordedContacts.
   FilmColours(const RecordingReader& reader, const std::string& path, const RecordedFilm& film,
-              ColourBy by, bool contact_marks, std::optional<Section> section, Renderer& renderer);
+              const FilmColouring& asked, Renderer& renderer);
 
   /// For the picture of the row that the film was last gone to, rows rising.
   void show(std::size_t row, const RecordedFilm& film, Renderer& renderer, FrameState& state);
@@ -41,7 +53,7 @@ class FilmColours {
   ColourBy by_;
   bool contact_marks_;
   ColourScale scale_;
-  std::optional<VoxelSet> target_;
+  const VoxelSet* target_;
   std::optional<RecordedContacts> contacts_;
   std::optional<RecordedHeat> heat_;
   std::optional<Section> section_;

@@ -33,10 +33,12 @@ void RecordedContacts::skip_gap(std::size_t row) {
   }
   state_.seek_row(to);
   marks_.clear();
+  voxels_.clear();
 }
 
 void RecordedContacts::look(const TickRecord& again) {
   marks_.clear();
+  voxels_.clear();
   if (again.contacts == 0) return;  // nor is what an earlier tick left behind
   const Simulation& simulation = *run_.simulation;
   for (std::size_t body = 0; body < counts_.size(); ++body) {
@@ -52,6 +54,7 @@ void RecordedContacts::look(const TickRecord& again) {
       const Eigen::Vector3d p_grid = grid.centre_world(cell);
       marks_.push_back({simulation.state().bodies[body].world_from_grid.point(p_grid),
                         contacts(Contacts::kForce)[i]});
+      voxels_.push_back({body, grid.linear(cell)});
     }
   }
 }

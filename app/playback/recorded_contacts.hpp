@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,12 @@ class RecordedContacts {
   VoxelValues counts(std::size_t body) const;
   /// Those that took part in the force of the row, of all bodies; none of one that was skipped.
   const std::vector<ContactMark>& marks() const { return marks_; }
+  /// The same as voxels (VoxelGrid::linear) of their bodies, beside the marks.
+  struct Voxel {
+    std::size_t body;
+    std::uint32_t voxel;
+  };
+  const std::vector<Voxel>& voxels() const { return voxels_; }
   std::size_t body_count() const { return counts_.size(); }
 
  private:
@@ -38,6 +45,7 @@ class RecordedContacts {
   bool counted_;
   std::vector<VoxelValues> counts_;  // by body
   std::vector<ContactMark> marks_;
+  std::vector<Voxel> voxels_;
 };
 
 }  // namespace sulcus

@@ -13,7 +13,7 @@ namespace sulcus {
 
 namespace {
 
-constexpr int kWide = 640, kTall = 400;  // pixels
+constexpr int kMomentWide = 640, kMomentTall = 400;  // pixels
 constexpr double kFps = 30.0, kBefore_s = 1.5, kAfter_s = 0.5;
 
 /// Beside the burr, from buccal.
@@ -42,7 +42,7 @@ class MomentPictures {
     renderer_.set_section(measure.position_m ? std::optional(Section{1, measure.position_m->y()})
                                              : std::nullopt);
     measure.film = measure.name + ".mp4";
-    VideoWriter video(folder + "/" + measure.film, kWide, kTall, kFps);
+    VideoWriter video(folder + "/" + measure.film, kMomentWide, kMomentTall, kFps);
     for (int i = 0; i < static_cast<int>((kBefore_s + kAfter_s) * kFps); ++i) {
       video.add(picture_at(*measure.time_s - kBefore_s + i / kFps));
     }
@@ -56,8 +56,8 @@ class MomentPictures {
  private:
   static RenderSettings settings() {
     RenderSettings settings;
-    settings.width = kWide;
-    settings.height = kTall;
+    settings.width = kMomentWide;
+    settings.height = kMomentTall;
     settings.arrows = true;
     return settings;
   }

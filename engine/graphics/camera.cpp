@@ -131,7 +131,19 @@ View make_view(const Viewpoint& from, std::span<const Eigen::AlignedBox3d> solid
   result.up_world = up.cast<float>();
   result.back_world = back.cast<float>();
   result.metres_per_pixel = 2.0 * slope_y * distance / height;
+  result.focal_pixels = 0.5 * height / slope_y;
+  result.near_m = near;
+  result.far_m = far;
   return result;
+}
+
+View moved_right(const View& view, double by_m) {
+  const Eigen::Vector3d step = by_m * view.right_world.cast<double>();
+  const Eigen::Matrix4d back(Eigen::Affine3d(Eigen::Translation3d(-step)).matrix());
+  View moved = view;
+  moved.eye_world = (view.eye_world.cast<double>() + step).cast<float>();
+  moved.clip_from_world = (view.clip_from_world.cast<double>() * back).cast<float>();
+  return moved;
 }
 
 View view_of_moved(const View& view, const Pose& world_now_from_start) {

@@ -17,7 +17,9 @@ struct View {
   // Unit, right-handed; it looks along -back.
   Eigen::Vector3f right_world = Eigen::Vector3f::UnitX(), up_world = Eigen::Vector3f::UnitY(),
                   back_world = Eigen::Vector3f::UnitZ();
-  double metres_per_pixel = 0.0;  // at the depth of the point that it looks at
+  double metres_per_pixel = 0.0;     // at the depth of the point that it looks at
+  double focal_pixels = 0.0;         // of the pinhole: a metre at a depth of a metre is so many
+  double near_m = 0.0, far_m = 0.0;  // depths that are drawn, from the eye along -back
   // Of the bodies that which is at (x, y, z) where its product with (x, y, z, 1) is not negative.
   Eigen::Vector4f shown_world = Eigen::Vector4f::UnitW();
 };
@@ -43,6 +45,10 @@ struct Viewpoint {
 View make_view(const Viewpoint& from, std::span<const Eigen::AlignedBox3d> solid_world,
                const Eigen::Vector3d& tip_world, double burr_radius_m, int width, int height,
                std::span<const Eigen::AlignedBox3d> others_world = {});
+
+/// The view of a camera so far to the right of it that looks the same way: the other one of a pair
+/// with parallel axes. `by_m`: m, below 0 to the left.
+View moved_right(const View& view, double by_m);
 
 /// The view of a body that has moved, as if it had stayed and camera and lights had moved instead:
 /// what is drawn where the body was shows where it is now. `world_now_from_start`: its motion.

@@ -9,6 +9,7 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
+#include "engine/graphics/geometry_image.hpp"
 #include "engine/surface/piece_mesh.hpp"
 
 namespace sulcus {
@@ -170,6 +171,7 @@ void GlBody::draw(GlProgram& program, const View& view_world, std::span<const Po
     if (pieces_[i].empty()) continue;
     use(program, view, pieces[i]);
     program.set("shown", Eigen::Vector4f(Eigen::Vector4f::UnitW()));  // a section has no face of it
+    program.set("object", ShownObject::piece(i).code());              // of who wants to know
     pieces_[i].draw();
   }
 }

@@ -71,4 +71,16 @@ void GlBurr::draw(const View& view, const Pose& world_from_tool, double turn_rad
   glDrawArrays(GL_TRIANGLES, 0, corner_count_ + (with_handpiece ? handpiece_corner_count_ : 0));
 }
 
+void GlBurr::draw_parts(GlProgram& program, const Pose& world_from_tool, int burr_object,
+                        int handpiece_object, bool with_handpiece) const {
+  if (corner_count_ == 0) return;
+  program.set("world_from_model", Eigen::Matrix4f(matrix_of(world_from_tool).cast<float>()));
+  glBindVertexArray(array_);
+  program.set("object", burr_object);
+  glDrawArrays(GL_TRIANGLES, 0, corner_count_);
+  if (!with_handpiece) return;
+  program.set("object", handpiece_object);
+  glDrawArrays(GL_TRIANGLES, corner_count_, handpiece_corner_count_);
+}
+
 }  // namespace sulcus

@@ -24,6 +24,10 @@ class GlBurr {
   void draw(const View& view, const Pose& world_from_tool, double turn_rad, bool with_handpiece,
             float alpha = 1.0f);
 
+  /// The same, by another program of kGeometryVertex, whose "object" says which of the two it is.
+  void draw_parts(GlProgram& program, const Pose& world_from_tool, int burr_object,
+                  int handpiece_object, bool with_handpiece) const;
+
   /// A box, world, that holds it at a pose.
   Eigen::AlignedBox3f box_world(const Pose& world_from_tool, bool with_handpiece) const;
   double radius_m() const { return radius_m_; }  // of the head

@@ -61,46 +61,42 @@ void GlScene::add_piece(std::span<const std::uint32_t> voxels) {
   bodies_.front()->add_piece(voxels);
 }
 
+std::vector<std::size_t> GlScene::bodies_in_sight(const FrameState& state) const {
+  std::vector<std::size_t> shown{0};
+  if (bodies_.size() == 1) return shown;
+  const std::vector<Eigen::Vector3d> points =
+      points_to_see(from_, bodies_.front()->solid_at_start(), state.world_from_tool.position);
+  const Eigen::Vector3d eye_world =
+      view_.eye_world.cast<double>() - eye_offset_m_ * view_.right_world.cast<double>();
+  for (std::size_t i = 1; i < bodies_.size(); ++i) {
+    const double hidden = hidden_share(eye_world, points, bodies_[i]->solid_at_start(),
+                                       bodies_[i]->world_from_grid());
+    if (hidden < kHiddenShare) shown.push_back(i);
+  }
+  return shown;
+}
+
 /// Those that would be in the way are left out, and of all what lies before a section.
 void GlScene::draw_bodies(const FrameState& state, const PixelRect& pixels) {
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LESS);
   glEnable(GL_CULL_FACE);
   glFrontFace(GL_CCW);
-  const GlBody& workpiece = *bodies_.front();
-  std::vector<const GlBody*> shown{&workpiece};
-  if (bodies_.size() > 1) {
-    const std::vector<Eigen::Vector3d> points =
-        points_to_see(from_, workpiece.solid_at_start(), state.world_from_tool.position);
-    for (std::size_t i = 1; i < bodies_.size(); ++i) {
-      const double hidden =
-          hidden_share(view_.eye_world.cast<double>(), points, bodies_[i]->solid_at_start(),
-                       bodies_[i]->world_from_grid());
-      if (hidden < kHiddenShare) shown.push_back(bodies_[i].get());
-    }
-  }
-  if (settings_.section) {
-    const Section& section = *settings_.section;
-    const float side = from_.back_world[section.axis] < 0.0 ? 1.0f : -1.0f;
-    view_.shown_world = Eigen::Vector4f::Zero();
-    view_.shown_world[section.axis] = side;
-    view_.shown_world.w() = -side * static_cast<float>(section.at_m);
-    glEnable(GL_CLIP_DISTANCE0);
-  }
-  for (const GlBody* body : shown) {
-    body->draw(tooth_program_, view_, body == &workpiece ? state.pieces : std::span<const Pose>{},
-               pixels, frame_->width(), frame_->height());
+  const std::vector<std::size_t> shown = bodies_in_sight(state);
+  if (settings_.section) glEnable(GL_CLIP_DISTANCE0);
+  for (const std::size_t i : shown) {
+    bodies_[i]->draw(tooth_program_, view_, i == 0 ? state.pieces : std::span<const Pose>{}, pixels,
+                     frame_->width(), frame_->height());
   }
   glDisable(GL_CULL_FACE);
-  if (!settings_.section) {
-    glDisable(GL_DEPTH_TEST);
-    return;
-  }
   glDisable(GL_CLIP_DISTANCE0);
-  if (!section_) section_.emplace();
-  for (const GlBody* body : shown) {
-    section_->draw(section_face(body->surface(), body->world_from_grid(), *settings_.section),
-                   view_);
+  if (settings_.section) {
+    if (!section_) section_.emplace();
+    for (const std::size_t i : shown) {
+      const GlBody& body = *bodies_[i];
+      section_->draw(section_face(body.surface(), body.world_from_grid(), *settings_.section),
+                     view_);
+    }
   }
   glDisable(GL_DEPTH_TEST);
 }
@@ -114,6 +110,14 @@ PixelRect GlScene::changed_pixels(const FrameState& state) {
   const View before = view_;
   view_ = make_view(from_, workpiece.solid_at_start(), state.world_from_tool.position,
                     burr_.radius_m(), frame_->width(), frame_->height(), others_world_);
+  if (eye_offset_m_ != 0.0) view_ = moved_right(view_, eye_offset_m_);
+  if (settings_.section) {
+    const Section& section = *settings_.section;
+    const float side = from_.back_world[section.axis] < 0.0 ? 1.0f : -1.0f;
+    view_.shown_world = Eigen::Vector4f::Zero();
+    view_.shown_world[section.axis] = side;
+    view_.shown_world.w() = -side * static_cast<float>(section.at_m);
+  }
   const bool same = drawn_ && detail_drawn_ == detail_ &&
                     before.clip_from_world == view_.clip_from_world && !settings_.section &&
                     !workpiece.has_pieces();
@@ -139,7 +143,8 @@ PixelRect GlScene::burr_pixels(const FrameState& state) const {
 }
 
 void GlScene::draw(const FrameState& state) {
-  const PixelRect bodies = changed_pixels(state);
+  const PixelRect bodies = undrawn_.with(changed_pixels(state));
+  undrawn_ = {};
   if (!bodies.empty()) {
     frame_->begin_bodies(bodies);
     draw_background();
@@ -152,6 +157,7 @@ void GlScene::draw(const FrameState& state) {
   burr_before_ = burr;
   if (!scene.empty()) {
     frame_->begin_scene(scene, burr);
+    if (ghost_) ghost_->draw(view_, settings_.section);
     draw_burr(state);
     if (detail_ == Detail::kCoarse) {
       frame_->skip_smooth(scene);

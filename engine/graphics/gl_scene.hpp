@@ -14,9 +14,12 @@
 #include "engine/core/triangle_mesh.hpp"
 #include "engine/graphics/camera.hpp"
 #include "engine/graphics/frame_state.hpp"
+#include "engine/graphics/geometry_image.hpp"
 #include "engine/graphics/gl_body.hpp"
 #include "engine/graphics/gl_burr.hpp"
 #include "engine/graphics/gl_framebuffer.hpp"
+#include "engine/graphics/gl_geometry.hpp"
+#include "engine/graphics/gl_ghost.hpp"
 #include "engine/graphics/gl_program.hpp"
 #include "engine/graphics/gl_section.hpp"
 #include "engine/graphics/hud.hpp"
@@ -88,6 +91,14 @@ class GlScene {
   void set_detail(Detail detail) { detail_ = detail; }
   void set_hud(const HudParts& parts) { hud_parts_ = parts; }
   void set_section(std::optional<Section> section) { settings_.section = section; }
+  /// Pictures are taken from so far to the right of the viewpoint, m, looking the same way, and
+  /// show the same bodies.
+  void set_eye_offset(double right_m) { eye_offset_m_ = right_m; }
+  /// A shape on the workpiece's grid that is drawn palely over everything, as GlGhost.
+  void set_ghost(VoxelModel shape) {
+    ghost_.emplace(std::move(shape));
+    drawn_ = false;
+  }
   /// Whether the handpiece is drawn with the burr (it is), where it is not in the way: left out of
   /// close-ups of the burr, and where one looks down on it along the burr.
   void set_handpiece(bool shown) { handpiece_ = shown; }
@@ -97,11 +108,18 @@ class GlScene {
   /// was taken only what is different is drawn: the picture is that of drawing all of it.
   void draw(const FrameState& state);
 
+  /// What the picture of `draw` shows and where, figures, ghost and the device's burr left out.
+  /// Both may be asked for of a state, in any order.
+  GeometryImage draw_geometry(const FrameState& state);
+
   const GlFramebuffer& frame() const { return *frame_; }
   /// Of the last picture.
   const View& view() const { return view_; }
-  /// Of the workpiece.
-  const DrawnSurface& surface() const { return bodies_.front()->surface(); }
+  /// Of a body, by default of the workpiece; throws std::out_of_range beyond.
+  const DrawnSurface& surface(std::size_t body = 0) const { return bodies_.at(body)->surface(); }
+  const Pose& world_from_grid(std::size_t body) const {
+    return bodies_.at(body)->world_from_grid();
+  }
   /// Of the bodies and the pieces, in the last picture or left out.
   std::size_t triangle_count() const;
   /// Of the volumes, the meshes and the pictures, as far as they are ours.
@@ -109,6 +127,7 @@ class GlScene {
 
  private:
   PixelRect changed_pixels(const FrameState& state);
+  std::vector<std::size_t> bodies_in_sight(const FrameState& state) const;
   bool shows_handpiece(const FrameState& state) const;
   PixelRect burr_pixels(const FrameState& state) const;
   void draw_background();
@@ -126,12 +145,16 @@ class GlScene {
   std::vector<Eigen::AlignedBox3d> others_world_;  // a box for each of the others
   GlBurr burr_;
   std::unique_ptr<GlFramebuffer> frame_;
-  bool drawn_ = false;  // its layer of bodies is as of `view_`
+  bool drawn_ = false;  // its layer of bodies is as of `view_`, but for `undrawn_`
+  PixelRect undrawn_;
   PixelRect burr_before_;
   std::optional<Hud> hud_;  // once one has been drawn
   GlProgram background_program_, tooth_program_, smooth_program_;
   unsigned background_array_ = 0;
   std::optional<GlSection> section_;  // once one has been drawn
+  std::optional<GlGhost> ghost_;
+  double eye_offset_m_ = 0.0;
+  std::unique_ptr<GlGeometry> geometry_;  // once one has been drawn
 };
 
 }  // namespace sulcus

@@ -21,19 +21,19 @@ GlSection::~GlSection() {
   glDeleteTextures(1, &texture_);
 }
 
-void GlSection::draw(const SectionFace& face, const View& view) {
+void GlSection::draw(const SectionFace& face, const View& view, GlProgram& program) const {
   if (face.pixels.empty()) return;
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, texture_);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
   glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, face.width, face.height, 0, GL_RGBA, GL_UNSIGNED_BYTE,
                face.pixels.data());
-  program_.use();
-  program_.set("clip_from_world", view.clip_from_world);
-  program_.set("corner", Eigen::Vector3f(face.corner_world.cast<float>()));
-  program_.set("along", Eigen::Vector3f(face.along_world.cast<float>()));
-  program_.set("across", Eigen::Vector3f(face.across_world.cast<float>()));
-  program_.set("tissues", 0);
+  program.use();
+  program.set("clip_from_world", view.clip_from_world);
+  program.set("corner", Eigen::Vector3f(face.corner_world.cast<float>()));
+  program.set("along", Eigen::Vector3f(face.along_world.cast<float>()));
+  program.set("across", Eigen::Vector3f(face.across_world.cast<float>()));
+  program.set("tissues", 0);
   glBindVertexArray(array_);
   glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
 }

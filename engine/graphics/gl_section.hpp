@@ -15,7 +15,9 @@ class GlSection {
   GlSection(const GlSection&) = delete;
   GlSection& operator=(const GlSection&) = delete;
 
-  void draw(const SectionFace& face, const View& view);
+  void draw(const SectionFace& face, const View& view) { draw(face, view, program_); }
+  /// By another program of kSectionVertex, or one that takes what that does.
+  void draw(const SectionFace& face, const View& view, GlProgram& program) const;
 
  private:
   GlProgram program_;

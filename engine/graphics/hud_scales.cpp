@@ -21,11 +21,19 @@ ImU32 screen_colour(const Eigen::Vector3f& linear) {
 void draw_colour_scale(const Pen& pen, int place, float tall, const ColourScale& scale) {
   constexpr float kWide = 196.0f, kBar = 150.0f, kBarWide = 18.0f;
   const float x = 18.0f + (kWide + 10.0f) * static_cast<float>(place);
-  const float top = tall - 64.0f - kBar - 48.0f;
-  pen.list->AddRectFilled(pen.at(x, top), pen.at(x + kWide, top + kBar + 48.0f), kCard,
+  constexpr float kLetters = 15.0f, kTextWide = kWide - 20.0f;
+  // A long name takes more lines, and the card grows up.
+  const float text_tall =
+      pen.font->CalcTextSizeA(kLetters * pen.scale, 1e6f, kTextWide * pen.scale, scale.name.c_str())
+          .y /
+      pen.scale;
+  const float head = 21.0f + text_tall;
+  const float top = tall - 76.0f - kBar - head;
+  pen.list->AddRectFilled(pen.at(x, top), pen.at(x + kWide, top + kBar + head + 12.0f), kCard,
                           6.0f * pen.scale);
-  pen.text(x + 10, top + 6, kInk, scale.name);
-  const float low = top + 36.0f + kBar;
+  pen.list->AddText(pen.font, kLetters * pen.scale, pen.at(x + 10, top + 6), kInk,
+                    scale.name.c_str(), nullptr, kTextWide * pen.scale);
+  const float low = top + head + kBar;
   constexpr int kBands = 100;
   for (int band = 0; band < kBands; ++band) {
     const float from = static_cast<float>(band) / kBands, to = from + 1.0f / kBands;

@@ -11,15 +11,34 @@ namespace sulcus {
 
 namespace {
 
-png_image header_of(const Image& image) {
+png_image header_of(int width, int height, png_uint_32 format) {
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
-  png.width = static_cast<png_uint_32>(image.width);
-  png.height = static_cast<png_uint_32>(image.height);
-  png.format = PNG_FORMAT_RGB;
+  png.width = static_cast<png_uint_32>(width);
+  png.height = static_cast<png_uint_32>(height);
+  png.format = format;
   // Frames are written while the simulation runs: a third of the time for a tenth more bytes.
   png.flags = PNG_IMAGE_FLAG_FAST;
   return png;
+}
+
+std::vector<std::uint8_t> encoded(png_image png, const void* pixels) {
+  std::vector<std::uint8_t> bytes(PNG_IMAGE_PNG_SIZE_MAX(png));
+  png_alloc_size_t size = bytes.size();
+  if (png_image_write_to_memory(&png, bytes.data(), &size, 0, pixels, 0, nullptr) == 0) {
+    const std::string why = png.message;
+    png_image_free(&png);
+    throw std::runtime_error("a picture could not be made: " + why);
+  }
+  bytes.resize(size);
+  return bytes;
+}
+
+void check_count(std::size_t count, int width, int height, int channels) {
+  if (count != static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
+                   static_cast<std::size_t>(channels)) {
+    throw std::invalid_argument("a picture of another size than its numbers");
+  }
 }
 
 }  // namespace
@@ -30,16 +49,20 @@ void write_png(const Image& image, const std::string& file) {
 }
 
 std::vector<std::uint8_t> png_bytes(const Image& image) {
-  png_image png = header_of(image);
-  std::vector<std::uint8_t> bytes(PNG_IMAGE_PNG_SIZE_MAX(png));
-  png_alloc_size_t size = bytes.size();
-  if (png_image_write_to_memory(&png, bytes.data(), &size, 0, image.rgb.data(), 0, nullptr) == 0) {
-    const std::string why = png.message;
-    png_image_free(&png);
-    throw std::runtime_error("a picture could not be made: " + why);
-  }
-  bytes.resize(size);
-  return bytes;
+  return encoded(header_of(image.width, image.height, PNG_FORMAT_RGB), image.rgb.data());
+}
+
+std::vector<std::uint8_t> png_bytes(std::span<const std::uint8_t> grey, int width, int height) {
+  check_count(grey.size(), width, height, 1);
+  return encoded(header_of(width, height, PNG_FORMAT_GRAY), grey.data());
+}
+
+std::vector<std::uint8_t> png_bytes(std::span<const std::uint16_t> numbers, int width, int height,
+                                    int channels) {
+  check_count(numbers.size(), width, height, channels);
+  // What libpng calls linear is written as it is.
+  const png_uint_32 format = channels == 1 ? PNG_FORMAT_LINEAR_Y : PNG_FORMAT_LINEAR_RGB;
+  return encoded(header_of(width, height, format), numbers.data());
 }
 
 Image sheet_of(std::span<const Image> images, int columns) {

@@ -40,6 +40,16 @@ class Renderer : private EglContext, public GlScene {
     return frame().read();
   }
 
+  /// Meshes what has changed and says what a frame shows.
+  GeometryImage draw_geometry(const FrameState& state) {
+    make_current();
+    return GlScene::draw_geometry(state);
+  }
+  void set_ghost(VoxelModel shape) {
+    make_current();
+    GlScene::set_ghost(std::move(shape));
+  }
+
   /// What draws, for the log.
   const std::string& device() const { return description(); }
 };

@@ -71,7 +71,7 @@ void main() {
 // moved since, camera, lights and occlusion are given as if they had moved instead.
 inline constexpr const char* kToothVertex = R"(#version 330 core
 layout(location = 0) in vec3 position_world;
-layout(location = 1) in vec3 normal_world;
+layout(location = 1) in vec4 normal_unlit;  // the fourth, 1: its colour stands for a value
 layout(location = 2) in vec4 colour_cut;
 uniform mat4 clip_from_world;
 uniform sampler3D occlusion;        // blurred density of the solid
@@ -89,7 +89,7 @@ float lobe(vec3 n, vec3 view, vec3 light, float power) {
 void main() {
   gl_Position = clip_from_world * vec4(position_world, 1.0);
   gl_ClipDistance[0] = dot(shown, vec4(position_world, 1.0));
-  vec3 n = normalize(normal_world);
+  vec3 n = normalize(normal_unlit.xyz);
   vec3 albedo = colour_cut.rgb * colour_cut.rgb;
   float cut = colour_cut.a;
 
@@ -131,6 +131,7 @@ void main() {
          (0.05 * lobe(n, view, key, 12.0) + 0.22 * lobe(n, view, key, 70.0) +
           0.05 * lobe(n, view, fill, 30.0) + vec3(0.13, 0.15, 0.18) * grazing);
   lit += vec3(0.10) * shade * max(dot(n, rim), 0.0) * grazing;
+  lit = mix(lit, albedo, normal_unlit.w);
   encoded = pow(min(lit, vec3(1.0)), vec3(1.0 / 2.2));
 }
 )";
@@ -165,6 +166,42 @@ void main() {
   // A thin dark line where the tooth ends.
   lit *= mix(0.8, 1.0, smoothstep(0.4, 0.75, solid.a));
   colour = vec4(pow(min(lit, vec3(1.0)), vec3(1.0 / 2.2)), 1.0);
+}
+)";
+
+// What is not there: brighter where its walls are seen edgewise, as glass is.
+inline constexpr const char* kGhostVertex = R"(#version 330 core
+layout(location = 0) in vec3 position_world;
+layout(location = 1) in vec3 normal_world;
+uniform mat4 clip_from_world;
+uniform vec4 shown;                 // the plane of a section
+uniform vec3 eye_world;
+out float edgewise;
+void main() {
+  gl_Position = clip_from_world * vec4(position_world, 1.0);
+  gl_ClipDistance[0] = dot(shown, vec4(position_world, 1.0));
+  edgewise = 1.0 - abs(dot(normalize(normal_world), normalize(eye_world - position_world)));
+}
+)";
+
+inline constexpr const char* kGhostFragment = R"(#version 330 core
+in float edgewise;
+out vec4 colour;
+void main() {
+  colour = vec4(0.40, 0.12, 0.62, 0.16 + 0.5 * edgewise * edgewise * edgewise * edgewise);
+}
+)";
+
+// The outline of what is not there, 3 pixels wide.
+inline constexpr const char* kGhostSectionFragment = R"(#version 330 core
+in vec2 place;
+uniform sampler2D tissues;
+out vec4 colour;
+void main() {
+  float inside = texture(tissues, place).a;
+  float from_edge = abs(inside - 0.5) / max(fwidth(inside), 1e-4);
+  float line = 1.0 - smoothstep(1.0, 2.0, from_edge);
+  colour = vec4(0.40, 0.12, 0.62, max(line, inside > 0.5 ? 0.12 : 0.0));
 }
 )";
 

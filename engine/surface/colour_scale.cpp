@@ -53,6 +53,8 @@ std::vector<ColourScale::Mark> ColourScale::marks() const {
   for (const double value : values) marks.push_back({part(value), number(value / unit)});
   if (!beyond_low.empty()) marks.front().words += ' ' + beyond_low;
   if (!beyond_high.empty()) marks.back().words += ' ' + beyond_high;
+  if (!end_low.empty()) marks.front().words = end_low;
+  if (!end_high.empty()) marks.back().words = end_high;
   return marks;
 }
 

@@ -21,10 +21,13 @@ struct ColourScale {
   double low = 0.0;          // SI
   double high = 1.0;         // SI, above `low`
   double unit = 1.0;         // what a 1 beside the scale is, SI
-  std::string beyond_low{};  // words to the number at an end: "or less, missing"
+  std::string beyond_low{};  // words to the number at an end: "and less"
   std::string beyond_high{};
+  std::string end_low{};  // in place of number and words: "not cut > 0.5 mm"
+  std::string end_high{};
   Kind kind = Kind::kRising;
   bool inside = false;  // of voxels inside too, so that a section shows it
+  bool unlit = false;   // drawn in its very colours, without light and shade
 
   bool operator==(const ColourScale&) const = default;
   /// Where on the scale a value is, 0 to 1.

@@ -393,7 +393,9 @@ DrawnVertex DrawnSurface::drawn_vertex(const Eigen::Vector3f& p_index, const Den
     drawn.position_m[a] = static_cast<float>(p_world[a]);
     drawn.normal[a] = static_cast<std::int16_t>(std::lround(32767.0f * normal[a]));
   }
-  drawn.colour_cut = colour_.at(model_, removed_, p_index, normal, was_cut);
+  const SurfaceColour::Seen seen = colour_.at(model_, removed_, p_index, normal, was_cut);
+  drawn.colour_cut = seen.colour_cut;
+  drawn.normal[3] = seen.unlit ? std::int16_t{32767} : std::int16_t{0};
   return drawn;
 }
 

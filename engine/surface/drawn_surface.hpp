@@ -20,8 +20,10 @@ namespace sulcus {
 
 /// A vertex as the graphics card gets it.
 struct DrawnVertex {
-  std::array<float, 3> position_m;     // world
-  std::array<std::int16_t, 4> normal;  // outward unit normal times 32767; the fourth is 0
+  std::array<float, 3> position_m;  // world
+  // Outward unit normal times 32767; the fourth is 0, or 32767 where the colour is drawn as it is,
+  // without light (ColourScale::unlit).
+  std::array<std::int16_t, 4> normal;
   // Square root of the linear RGB of the tissue just inside, times 255 (dark tones need the
   // steps); the fourth: how much of the surface here was made by cutting.
   std::array<std::uint8_t, 4> colour_cut;

@@ -62,8 +62,8 @@ float SurfaceColour::mean_time_s(const VoxelGrid& grid, const LeafMap& removed,
   return count > 0 ? sum_s / static_cast<float>(count) : 0.0f;
 }
 
-Eigen::Vector3f SurfaceColour::value_at(const Eigen::Vector3f& p_index,
-                                        const Eigen::Vector3f& normal) const {
+std::optional<Eigen::Vector3f> SurfaceColour::value_at(const Eigen::Vector3f& p_index,
+                                                       const Eigen::Vector3f& normal) const {
   // The values are those of surface voxels; smoothing has moved the vertex by up to a cell.
   const Cell inside = rounded(p_index - 0.6f * normal);
   for (const int apart : {1, 2}) {
@@ -77,7 +77,7 @@ Eigen::Vector3f SurfaceColour::value_at(const Eigen::Vector3f& p_index,
     }
     if (count > 0) return scale_->colour(sum / static_cast<float>(count));
   }
-  return kNoValue;
+  return {};
 }
 
 Eigen::Vector3f SurfaceColour::tissue_at(const VoxelModel& model, const Eigen::Vector3f& p_index,
@@ -101,10 +101,12 @@ Eigen::Vector3f SurfaceColour::tissue_at(const VoxelModel& model, const Eigen::V
   return colour / weight;
 }
 
-std::array<std::uint8_t, 4> SurfaceColour::at(const VoxelModel& model, const LeafMap& removed,
-                                              const Eigen::Vector3f& p_index,
-                                              const Eigen::Vector3f& normal, bool was_cut) const {
-  Eigen::Vector3f colour = values_ ? value_at(p_index, normal) : tissue_at(model, p_index, normal);
+SurfaceColour::Seen SurfaceColour::at(const VoxelModel& model, const LeafMap& removed,
+                                      const Eigen::Vector3f& p_index, const Eigen::Vector3f& normal,
+                                      bool was_cut) const {
+  std::optional<Eigen::Vector3f> value;
+  if (values_) value = value_at(p_index, normal);
+  Eigen::Vector3f colour = values_ ? value.value_or(kNoValue) : tissue_at(model, p_index, normal);
   const Cell outside = rounded(p_index + 1.5f * normal);
   float cut = 0.0f;
   if (values_) {
@@ -124,13 +126,13 @@ std::array<std::uint8_t, 4> SurfaceColour::at(const VoxelModel& model, const Lea
     const float time_s = mean_time_s(model.grid, removed, outside);
     colour = (1.0f - cut) * colour + cut * scale_->colour(time_s);
   }
-  std::array<std::uint8_t, 4> packed{};
-  for (int i = 0; i < 3; ++i) {
-    const float encoded = std::sqrt(std::clamp(colour[i], 0.0f, 1.0f));
-    packed[i] = static_cast<std::uint8_t>(std::lround(255.0f * encoded));
+  Seen seen{{}, value && scale_->unlit};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const float encoded = std::sqrt(std::clamp(colour[static_cast<int>(i)], 0.0f, 1.0f));
+    seen.colour_cut[i] = static_cast<std::uint8_t>(std::lround(255.0f * encoded));
   }
-  packed[3] = static_cast<std::uint8_t>(std::lround(255.0f * cut));
-  return packed;
+  seen.colour_cut[3] = static_cast<std::uint8_t>(std::lround(255.0f * cut));
+  return seen;
 }
 
 }  // namespace sulcus

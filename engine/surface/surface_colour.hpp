@@ -46,16 +46,21 @@ class SurfaceColour {
   /// A voxel has been removed.
   void note_removed(const VoxelGrid& grid, const Cell& c, float time_s);
 
-  /// DrawnVertex::colour_cut of a vertex. `removed`: voxels that are gone; `was_cut`: whether any
+  /// What a vertex gets of it, as DrawnVertex has it.
+  struct Seen {
+    std::array<std::uint8_t, 4> colour_cut;
+    bool unlit;
+  };
+  /// Of a vertex. `removed`: voxels that are gone; `was_cut`: whether any
   /// of them may be near. Any thread, while nothing is removed.
-  std::array<std::uint8_t, 4> at(const VoxelModel& model, const LeafMap& removed,
-                                 const Eigen::Vector3f& p_index, const Eigen::Vector3f& normal,
-                                 bool was_cut) const;
+  Seen at(const VoxelModel& model, const LeafMap& removed, const Eigen::Vector3f& p_index,
+          const Eigen::Vector3f& normal, bool was_cut) const;
 
  private:
   Eigen::Vector3f tissue_at(const VoxelModel& model, const Eigen::Vector3f& p_index,
                             const Eigen::Vector3f& normal) const;
-  Eigen::Vector3f value_at(const Eigen::Vector3f& p_index, const Eigen::Vector3f& normal) const;
+  std::optional<Eigen::Vector3f> value_at(const Eigen::Vector3f& p_index,
+                                          const Eigen::Vector3f& normal) const;
   float mean_time_s(const VoxelGrid& grid, const LeafMap& removed, const Cell& outside) const;
 
   std::vector<TissueLook> looks_;
