@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdlib>
 #include <memory>
 #include <string>
 #include <utility>
@@ -130,6 +132,41 @@ TEST(ColouredPicture, AScaleStandsBesideTheColours) {
   EXPECT_GT(at(scale, x, 315)[2], at(scale, x, 315)[0] + 40);
   EXPECT_GT(at(scale, x, 255)[0], at(scale, x, 255)[2] + 40);
   EXPECT_NE(at(tissues, x, 315), at(scale, x, 315));
+}
+
+TEST(ColouredPicture, AnUnlitOneHasTheVeryColoursOfItsScaleInTheShadeToo) {
+  ColourScale unlit = kScale;
+  unlit.unlit = true;
+  const auto renderer = make_renderer(false);
+  FrameState state;
+  state.burr_shown = false;
+  // A slot through the values' left half: its floor lies in the shade, and has a value itself.
+  std::vector<std::uint32_t> slot;
+  VoxelValues values = two_halves(0.0f);
+  for (int n = 0; n < 48 * 6 * 20; ++n) {
+    const Cell c(n % 6 + 14, n / 6 % 48 + 8, n / 288 + 36);
+    slot.push_back(block().grid.linear(c));
+    values[Cell(c.x(), c.y(), 35)] = 0.0f;
+  }
+  renderer->remove(0, slot);
+  const auto is_the_scales = [&](const Image& image, int x, float value) {
+    int off = 0;
+    for (int i = 0; i < 3; ++i) {
+      const double encoded = 255.0 * std::pow(static_cast<double>(unlit.colour(value)[i]), 1 / 2.2);
+      off = std::max(off, std::abs(at(image, x, 180)[static_cast<std::size_t>(i)] -
+                                   static_cast<int>(std::lround(encoded))));
+    }
+    return off <= 2;
+  };
+  renderer->colour_by_values(0, kScale, values);
+  const Image lit = renderer->draw(state);
+  renderer->colour_by_values(0, unlit, values);
+  const Image flat = renderer->draw(state);
+  const int floor_x = 159, right_x = 300;
+  EXPECT_TRUE(is_the_scales(flat, floor_x, 0.0f));
+  EXPECT_TRUE(is_the_scales(flat, right_x, 0.5f));
+  EXPECT_FALSE(is_the_scales(lit, floor_x, 0.0f));
+  EXPECT_EQ(at(flat, 240, 180), at(lit, 240, 180)) << "what has no value keeps its light";
 }
 
 TEST(ColouredPicture, ContactsAreMarkedWhereTheyAreByTheirForce) {

@@ -126,36 +126,88 @@ TEST(GeometryImage, DepthIsThatOfARayThroughTheDrawnSurface) {
       }
     }
   }
-  EXPECT_GT(met, 300);
+  EXPECT_GT(met, 250);
   EXPECT_GT(missed, 300);
   EXPECT_LE(other, 2);
 }
 
-TEST(GeometryImage, DepthIsThatOfTheVoxelsToHalfOfOne) {
+/// From a point of index space to the nearest face between a solid voxel and an empty one, in
+/// voxels, by a search through all faces near it.
+double to_faces(const VoxelModel& model, const Eigen::Vector3d& p) {
+  constexpr int kNear = 4;
+  const Cell here = (p.array() + 0.5).floor().cast<int>();
+  double least = std::numeric_limits<double>::infinity();
+  for_each_cell(here - Cell::Constant(kNear), here + Cell::Constant(kNear + 1), [&](const Cell& c) {
+    if (!model.grid.contains(c) || !model.solid(c)) return;
+    for (int side = 0; side < 6; ++side) {
+      Cell beside = c;
+      beside[side / 2] += side % 2 == 0 ? -1 : 1;
+      if (model.grid.contains(beside) && model.solid(beside)) continue;
+      Eigen::Vector3d on_face = p.cwiseMax(c.cast<double>() - Eigen::Vector3d::Constant(0.5))
+                                    .cwiseMin(c.cast<double>() + Eigen::Vector3d::Constant(0.5));
+      on_face[side / 2] = 0.5 * (c[side / 2] + beside[side / 2]);
+      least = std::min(least, (p - on_face).norm());
+    }
+  });
+  return least;
+}
+
+TEST(GeometryImage, WhatIsSeenLiesHalfAVoxelFromTheVoxelsFaces) {
   const VoxelModel model = cut_ball();
   const auto renderer = renderer_of(model);
   renderer->set_viewpoint(Viewpoint(-80.0, 50.0));
   const GeometryImage image = renderer->draw_geometry(burr_out_of_sight());
   const Pinhole camera = pinhole_of(renderer->view(), kWidth, kHeight);
   int met = 0, off = 0;
-  for (int v = 2; v < kHeight; v += 5) {
-    for (int u = 2; u < kWidth; u += 5) {
+  double farthest = 0.0;
+  for (int v = 1; v < kHeight; v += 3) {
+    for (int u = 1; u < kWidth; u += 3) {
       const auto pixel = static_cast<std::size_t>(v * kWidth + u);
-      const double drawn = static_cast<double>(image.depth_m[pixel]);
-      if (drawn == 0.0) continue;
-      const Ray ray(camera, u, v);
-      const auto hit = first_voxel(model, ray, drawn - 20 * kVoxel, drawn + 20 * kVoxel);
+      if (image.objects[pixel] == 0) continue;
       ++met;
-      // Across the surface: along a ray that grazes it a staircase is met earlier or later.
-      const Eigen::Vector3f n(image.normal_camera[pixel].data());
-      const Eigen::Vector3d to = camera.point_camera(u, v, 1.0).normalized();
-      const double facing = std::abs(n.cast<double>().dot(to));
-      if (!hit || std::abs(hit->depth_m - drawn) * ray.to.norm() * facing > 0.5 * kVoxel) ++off;
+      const Eigen::Vector3d p = camera.point_world(u, v, static_cast<double>(image.depth_m[pixel]));
+      const double away = to_faces(model, model.grid.index_from_world(p));
+      if (away > 0.5) ++off;
+      farthest = std::max(farthest, away);
     }
   }
-  EXPECT_GT(met, 800);
-  // Edges of the slot and the outline, which are rounded.
-  EXPECT_LE(off, met / 25) << "of " << met;
+  EXPECT_GT(met, 1000);
+  // Sharp rims of the slot are rounded a little more.
+  EXPECT_LE(off, met / 200) << "of " << met;
+  EXPECT_LE(farthest, 0.6) << "voxels";
+}
+
+TEST(GeometryImage, DepthIsThatOfTheBallToHalfAVoxel) {
+  constexpr double kRadius = 2.6e-3;  // of what the voxels are made of
+  const VoxelModel model = ball();
+  const auto renderer = renderer_of(model);
+  renderer->set_viewpoint(Viewpoint(-80.0, 50.0));
+  const GeometryImage image = renderer->draw_geometry(burr_out_of_sight());
+  const Pinhole camera = pinhole_of(renderer->view(), kWidth, kHeight);
+  int met = 0, stepped = 0;
+  for (int v = 1; v < kHeight; v += 3) {
+    for (int u = 1; u < kWidth; u += 3) {
+      const auto pixel = static_cast<std::size_t>(v * kWidth + u);
+      const Ray ray(camera, u, v);
+      const double a = ray.to.squaredNorm(), b = ray.to.dot(ray.eye);
+      const double root = b * b - a * (ray.eye.squaredNorm() - kRadius * kRadius);
+      if (root <= 0.0 || image.objects[pixel] == 0) continue;
+      const double depth = (-b - std::sqrt(root)) / a;
+      const double facing = ray.to.normalized().dot(-ray.at(depth).normalized());
+      if (facing < 0.4) continue;  // near the outline a depth says little of the surface
+      ++met;
+      const double drawn = static_cast<double>(image.depth_m[pixel]);
+      const double along = kVoxel / ray.to.norm() / facing;
+      EXPECT_LE(std::abs(drawn - depth), 0.5 * along) << u << ' ' << v;
+      // The staircase of voxels round it goes out and in by half the diagonal of one.
+      const auto hit = first_voxel(model, ray, drawn - 20 * kVoxel, drawn + 20 * kVoxel);
+      ASSERT_TRUE(hit);
+      EXPECT_LE(std::abs(hit->depth_m - drawn), std::sqrt(0.75) * along + 0.02 * kVoxel);
+      if (std::abs(hit->depth_m - drawn) > 0.5 * along) ++stepped;
+    }
+  }
+  EXPECT_GT(met, 1000);
+  EXPECT_LE(stepped, met / 20) << "of " << met;
 }
 
 TEST(GeometryImage, APixelShowsTheVoxelThatARayMeets) {
@@ -165,7 +217,7 @@ TEST(GeometryImage, APixelShowsTheVoxelThatARayMeets) {
   const GeometryImage image = renderer->draw_geometry(burr_out_of_sight());
   const std::vector<std::uint32_t> voxels = shown_voxels(*renderer, image, {});
   const Pinhole camera = pinhole_of(renderer->view(), kWidth, kHeight);
-  int met = 0, other_tissue = 0, near_border = 0;
+  int met = 0, other_tissue = 0, near_border = 0, rims = 0;
   for (int v = 1; v < kHeight; v += 3) {
     for (int u = 1; u < kWidth; u += 3) {
       const auto pixel = static_cast<std::size_t>(v * kWidth + u);
@@ -174,20 +226,26 @@ TEST(GeometryImage, APixelShowsTheVoxelThatARayMeets) {
       const double drawn = static_cast<double>(image.depth_m[pixel]);
       const auto hit =
           first_voxel(model, Ray(camera, u, v), drawn - 20 * kVoxel, drawn + 20 * kVoxel);
-      if (!hit) continue;
+      // The rim of the slot, which is rounded, stops a ray that passes over it as it is drawn.
+      if (!hit || std::abs(hit->depth_m - drawn) > 2.0 * kVoxel) {
+        ++rims;
+        continue;
+      }
       ++met;
       const Cell shown = model.grid.cell_of_linear(voxels[pixel]);
       EXPECT_TRUE(model.solid(shown));
-      if (std::abs(hit->cell.z() - 36.5) < 1.0) {
+      // Tissues meet between z of 36 and 37.
+      if (std::abs(hit->cell.z() - 36.5) < 2.0) {
         ++near_border;
       } else if (model.tissue(shown) != model.tissue(hit->cell)) {
         ++other_tissue;
       }
     }
   }
-  EXPECT_GT(met, 2000);
+  EXPECT_GT(met, 1200);
   EXPECT_LT(near_border, met / 4);
-  EXPECT_LE(other_tissue, met / 500) << "of " << met;
+  EXPECT_LE(rims, met / 20);
+  EXPECT_EQ(other_tissue, 0) << "of " << met;
 }
 
 TEST(GeometryImage, OfAPairDisparityIsFocalLengthTimesBaselineByDepth) {
@@ -199,8 +257,8 @@ TEST(GeometryImage, OfAPairDisparityIsFocalLengthTimesBaselineByDepth) {
   renderer->set_eye_offset(kBaseline);
   const GeometryImage right = renderer->draw_geometry(state);
   const Pinhole other = pinhole_of(renderer->view(), kWidth, kHeight);
-  EXPECT_NEAR((other.world_from_camera - camera.world_from_camera).topRightCorner<3, 1>().norm(),
-              kBaseline, 1e-8);
+  const Eigen::Matrix4d apart = other.world_from_camera - camera.world_from_camera;
+  EXPECT_NEAR(apart.col(3).norm(), kBaseline, 1e-8);
   EXPECT_EQ(other.focal_pixels, camera.focal_pixels);
   int matched = 0, seen = 0;
   for (int v = 0; v < kHeight; v += 2) {
@@ -274,13 +332,13 @@ TEST(GeometryImage, TheBurrIsThereOnlyWhereItIsShown) {
   const auto renderer = renderer_of(ball());
   renderer->set_viewpoint(Viewpoint(-80.0, 20.0));
   FrameState state;
-  state.world_from_tool.position = {0, -3e-3, 0};
+  state.world_from_tool.position = {0, -2e-3, 2.7e-3};
   const auto burr_pixels = [&] {
     const GeometryImage image = renderer->draw_geometry(state);
     return std::ranges::count(
         image.objects, static_cast<std::uint32_t>(ShownObject{ShownObject::Kind::kBurr}.code()));
   };
-  EXPECT_GT(burr_pixels(), 30);
+  EXPECT_GT(burr_pixels(), 20);
   state.burr_shown = false;
   EXPECT_EQ(burr_pixels(), 0);
 }

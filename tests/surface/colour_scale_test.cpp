@@ -46,6 +46,12 @@ TEST(ColourScale, DecadesAreEvenlyApartAndMarked) {
   EXPECT_EQ(marks[3].words, "1000 and more");
 }
 
+TEST(ColourScale, AnEndMayHaveWordsInPlaceOfItsNumber) {
+  const ColourScale scale{.name = "m", .low = -1.0, .end_low = "not cut > 1", .end_high = "over"};
+  EXPECT_EQ(scale.marks().front().words, "not cut > 1");
+  EXPECT_EQ(scale.marks().back().words, "over");
+}
+
 TEST(ColourScale, ItsNumbersAreInItsUnit) {
   const ColourScale scale{.name = "mm", .low = -5e-4, .high = 5e-4, .unit = 1e-3};
   const auto marks = scale.marks();
