@@ -15,6 +15,7 @@
 #include "app/report/results.hpp"
 #include "app/report/run_key.hpp"
 #include "app/session/loaded_run.hpp"
+#include "app/stream/stream_port.hpp"
 #include "app/terminal/progress.hpp"
 #include "engine/cache/load_cache.hpp"
 #include "engine/core/error.hpp"
@@ -51,6 +52,7 @@ void run_with_plugin(LivePart part, const Scene& scene, SceneDevice& held) {
   const std::uint64_t last = part.session.ticks;
   const Pace pace = part.session.pace;
   const bool render = part.session.render;
+  const std::shared_ptr<StreamPort> stream = part.session.stream;
   const std::string folder = part.folder->path();
   for (int number = 2;; ++number) {
     run_into(*part.folder, *part.simulation, device, part.session, part.loading);
@@ -65,6 +67,7 @@ void run_with_plugin(LivePart part, const Scene& scene, SceneDevice& held) {
     if (!refused.empty()) spdlog::warn("the burr is not changed: {}", refused);
     part.session.pace = pace;
     part.session.render = render;
+    part.session.stream = stream;
     part.session.ticks = last - part.simulation->state().tick;
     device.begin_part(burr, true);
     plugin.go_on([&](const Pose& pose) { return part.simulation->is_free(pose); });
@@ -86,6 +89,8 @@ void run(const RunOptions& options) {
       open_plugin(file, options.overrides, limits, plugin_folders(options.plugins),
                   options.pace == "real", trajectory, scene);
   if (plugin) check_spare_burrs(scene);
+  std::shared_ptr<StreamPort> stream;  // who connects while it loads has the first tick
+  if (scene.stream) stream = std::make_shared<StreamPort>(scene);
   LoadCache cache = options.no_cache ? LoadCache() : LoadCache::of_user();
   std::optional<Progress> loading(std::in_place, "loading");
   LoadedRun loaded = load_run(scene, trajectory.pose_at(0.0), cache);
@@ -93,6 +98,7 @@ void run(const RunOptions& options) {
 
   LivePart part;
   SessionOptions& session = part.session;
+  session.stream = std::move(stream);
   session.pace = options.pace == "real" ? Pace::kReal : Pace::kFast;
   session.render = !options.no_render;
   session.goal = std::move(loaded.goal);

@@ -146,6 +146,12 @@ void write_and_tell(ResultsFolder& folder, const Scene& scene, const SessionResu
   if (options.pace == Pace::kReal) say_lateness(result);
   if (result.outcome) say_removed(scene, result);
   if (result.heat && result.heat->pulp) say_heat(*result.heat->pulp);
+  if (const auto& sent = result.stream) {
+    say("  stream             %llu clients, %llu samples, %llu of them dropped\n",
+        static_cast<unsigned long long>(sent->clients),
+        static_cast<unsigned long long>(sent->samples),
+        static_cast<unsigned long long>(sent->dropped));
+  }
   if (result.frames > 0) {
     say("  pictures           %llu\n", static_cast<unsigned long long>(result.frames));
   }

@@ -384,6 +384,11 @@ nlohmann::ordered_json make_summary(const Simulation& simulation, const SessionR
   if (result.part) {
     j["since_fork"] = {{"ticks", s.ticks}, {"outcome", outcome_json(scene, *result.part)}};
   }
+  if (result.stream) {
+    j["stream"] = {{"clients", result.stream->clients},
+                   {"samples", result.stream->samples},
+                   {"dropped", result.stream->dropped}};
+  }
   if (result.heat) j["heat"] = heat_json(*result.heat);
   j["memory_MiB"] = memory_json(parts);
   j["volume_hash"] = hex(simulation.workpiece().hash());

@@ -116,11 +116,12 @@ struct Feeds {
   std::optional<Feed> frames;        // with [render], where it is to be drawn
   std::optional<Feed> watch;         // of a window
   std::optional<Feed> pieces;        // with [loose_pieces]
+  std::optional<Feed> stream;        // with [stream], where it is to be sent
 
   /// All but the recorder's.
   std::vector<Feed*> without_record() {
     std::vector<Feed*> feeds{&reports};
-    for (auto* feed : {&frames, &watch, &pieces}) {
+    for (auto* feed : {&frames, &watch, &pieces, &stream}) {
       if (*feed) feeds.push_back(&**feed);
     }
     return feeds;

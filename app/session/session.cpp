@@ -13,6 +13,7 @@
 #include "app/session/recorder_thread.hpp"
 #include "app/session/render_thread.hpp"
 #include "app/session/report_thread.hpp"
+#include "app/session/stream_thread.hpp"
 #include "app/terminal/progress.hpp"
 #include "engine/core/realtime.hpp"
 #include "engine/core/stop.hpp"
@@ -68,6 +69,7 @@ class Consumers {
   ReportThread reports_;
   std::optional<RecorderThread> recorder_;
   std::optional<RenderThread> renderer_;
+  std::optional<StreamThread> stream_;
   std::optional<PiecesThread> pieces_;  // the first to end: others wait for its news
 };
 
@@ -93,6 +95,9 @@ Consumers::Consumers(const Simulation& simulation, const SessionOptions& options
   }
   if (scene.render && options.render) renderer_.emplace(open(feeds_.frames), simulation, options);
   if (options.watch) open(feeds_.watch);
+  if (scene.stream && options.stream) {
+    stream_.emplace(feeds_.stream.emplace(rate_hz), simulation, options);
+  }
   if (scene.loose_pieces) {
     const PartTimer timer(pieces_part_);
     std::vector<PieceFeed*> followers = feeds_.of_pieces();
@@ -130,6 +135,11 @@ void Consumers::finish(FirstFailure& failure, SessionResult& result) {
     result.parts.push_back(record_part_);
   }
   if (pieces_) result.parts.push_back(pieces_part_);
+  if (stream_) {
+    failure.guard([&] { stream_->finish(); });
+    result.stream = stream_->result();
+    result.parts.push_back({"stream", stream_->seconds(), stream_->memory_bytes()});
+  }
   failure.guard([&] { reports_.finish(); });
   result.statistics = reports_.statistics();
   if (renderer_) {

@@ -27,6 +27,7 @@ namespace sulcus {
 //   the ticks              +---> RecorderThread  recording.h5      with [record]
 //       ^                  +---> RenderThread    frames/           with [render]
 //       |                  +---> watch           a window          where one is open
+//       |                  +---> StreamThread    OpenIGTLink       with [stream]
 //       |                  +---> PiecesThread    loose pieces      with [loose_pieces]
 //       |  voxels that leave         |   |
 //       +----------------------------+   +---> poses, to recorder, renderer and watch
@@ -47,6 +48,7 @@ namespace sulcus {
 
 enum class Pace : std::uint8_t { kReal, kFast };
 
+class StreamPort;
 struct SessionResult;
 
 struct SessionOptions {
@@ -67,6 +69,9 @@ struct SessionOptions {
   std::function<void()> begins = {};
   /// No tick while it is true; null: never.
   const std::atomic<bool>* paused = nullptr;
+  /// Where the run is sent to who connects (app/stream/stream_port.hpp), where the scene has
+  /// [stream]; null: to nobody.
+  std::shared_ptr<StreamPort> stream = {};
   /// Of a run that goes on from a recording: from which, and where; else empty.
   std::string parent = {};
   /// What came before the first tick, of a run that goes on from a recording; null else.
@@ -84,11 +89,19 @@ struct PartUse {
   std::optional<bool> cached = {};  // of what may come from the load cache: whether it did
 };
 
+/// What was sent while a run went on.
+struct StreamResult {
+  std::uint64_t clients = 0;  // that connected
+  std::uint64_t samples = 0;  // for any of them
+  std::uint64_t dropped = 0;  // of those, not sent: the client did not keep up, or had gone
+};
+
 struct SessionResult {
   RunStatistics statistics;
   std::optional<OutcomeResult> outcome;  // of a scene with [cutting], from the first tooth on
   std::optional<OutcomeResult> part;     // of a run that goes on from another: its own alone
   std::optional<HeatResult> heat;        // of a scene with [heat]
+  std::optional<StreamResult> stream;    // where it was sent
   std::string summary;                   // as `summarise` made it
   std::vector<PartUse> parts;
   std::uint64_t missed_ticks = 0;  // whole periods that late wakes cost

@@ -20,6 +20,7 @@
 #include "app/session/live_film.hpp"
 #include "app/session/loaded_run.hpp"
 #include "app/session/session.hpp"
+#include "app/stream/stream_port.hpp"
 #include "app/terminal/progress.hpp"
 #include "app/terminal/terminal.hpp"
 #include "app/window/mouse_device.hpp"
@@ -311,6 +312,9 @@ void view_scene(const ViewOptions& options) {
       by_mouse ? nullptr
                : open_plugin(options.file, overrides, {}, options.plugin_folders, true, trajectory,
                              scene);
+  // For all parts: who was connected to one may come again to the next.
+  std::shared_ptr<StreamPort> stream;
+  if (scene.stream) stream = std::make_shared<StreamPort>(scene);
   LoadCache cache = LoadCache::of_user();
   LivePart part;
   part.start = trajectory.pose_at(0.0);
@@ -338,6 +342,7 @@ void view_scene(const ViewOptions& options) {
   const EndsItself stopped_by_itself;
   for (int number = 2;; ++number) {
     part.session.pace = Pace::kReal;
+    part.session.stream = stream;
     part.session.render = false;
     part.session.ticks = longest;
     const std::size_t burr = live.burr;

@@ -302,6 +302,17 @@ struct BurrChoice {
   std::string name, as_override;
 };
 
+/// What a run says of itself by OpenIGTLink, while it goes on, to who connects to it.
+struct StreamSettings {
+  std::string address = "127.0.0.1";  // IPv4, of this machine, at which it is waited for clients
+  int port = 18944;                   // TCP
+  double rate_hz = 50.0;              // samples a second of the run's time, at most one a tick
+  // The device names of its messages; empty: that one is not sent.
+  std::string tick = "Tick", tool = "ToolToScene", hand = "HandToScene", force = "Force",
+              torque = "Torque", speed = "Speed", removed = "Removed", state = "State",
+              tooth = "Tooth";
+};
+
 struct Scene {
   std::string title;
   WorkpieceSettings workpiece;
@@ -321,6 +332,7 @@ struct Scene {
   std::optional<HeatSettings> heat;             // only beside [cutting]
   std::optional<RenderSettings> render;
   std::optional<RecordSettings> record;
+  std::optional<StreamSettings> stream;
 
   std::string text;    // the TOML as run, with every --set in it: a recording carries this
   std::string file;    // where it came from, for messages

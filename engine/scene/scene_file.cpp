@@ -247,6 +247,7 @@ void read_optional_tables(SceneTable& root, Scene& scene) {
     scene.record->queue_s = table->number("queue_s");
     table->finish();
   }
+  if (auto table = root.table("stream")) scene.stream = read_stream(*table);
 }
 
 }  // namespace

@@ -300,6 +300,21 @@ constexpr std::array kRecord{
     number("queue_s", {0.1, 600.0}, "10",
            "of a stalled disk that is waited for, before rows are left out"),
 };
+// Device names of messages: at most 20 characters, "" leaves a message out.
+constexpr std::array kStream{
+    text("address", "\"127.0.0.1\"", "IPv4, where it waits for clients; \"0.0.0.0\": everywhere"),
+    whole("port", {1, 65535}, "18944", "TCP"),
+    number("rate_hz", {0.01, 1e5}, "50", "samples a second of the run's time"),
+    text("tick", "\"Tick\"", "name of the SENSOR of tick, contacts, fault bits; \"\": not sent"),
+    text("tool", "\"ToolToScene\"", "name of the burr's TRANSFORM; so with all names below"),
+    text("hand", "\"HandToScene\"", "the device's TRANSFORM, with [device] or [coupling]"),
+    text("force", "\"Force\"", "SENSOR, N: on the hand, of the contact"),
+    text("torque", "\"Torque\"", "SENSOR, N mm: on the hand, of the contact"),
+    text("speed", "\"Speed\"", "SENSOR, rad/s: the spindle's, with [cutting]"),
+    text("removed", "\"Removed\"", "SENSOR, m3: in all, then by tissue, with [cutting]"),
+    text("state", "\"State\"", "STATUS: running, paused, fault, over"),
+    text("tooth", "\"Tooth\"", "POLYDATA and IMAGE, of who asks"),
+};
 
 // Lengths along the path of insertion or across it. At most, unless a range or "at least" is said.
 constexpr std::array kMeasures{
@@ -410,6 +425,7 @@ constexpr std::array<SceneTableKeys, 25> kTables{{
     {"heat", false, "how warm the tooth becomes; with [cutting]", kHeat, {}},
     {"render", false, "pictures are drawn", kRender, {}},
     {"record", false, "recording.h5 is written", kRecord, {}},
+    {"stream", false, "sent by OpenIGTLink while it runs", kStream, {}},
 }};
 
 // Longest first: the first that fits is taken.

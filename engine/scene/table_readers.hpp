@@ -47,4 +47,7 @@ DeviceSettings read_device(SceneTable& table, double rate_hz);
 /// [coupling] of a scene; what it does not say comes from the device, where there is one.
 CouplingSettings read_coupling(SceneTable& table, const std::optional<DeviceSettings>& device);
 
+/// [stream].
+StreamSettings read_stream(SceneTable& table);
+
 }  // namespace sulcus

@@ -144,10 +144,11 @@ TEST(Layers, OnlyDrawingAndAppKnowDrawing) {
 //   playback                 recordings run again
 //   session                  a run and its threads
 //   report/page              what pages in a browser are made of
-//   terminal                 what is said, other programs
+//   terminal   stream        what is said, other programs; a run as OpenIGTLink's messages
 TEST(Layers, AFolderOfAppSeesThoseBelowIt) {
   const auto height = [](std::string_view file) {
-    constexpr std::array<std::pair<std::string_view, int>, 11> kHeights{{{"app/terminal/", 1},
+    constexpr std::array<std::pair<std::string_view, int>, 12> kHeights{{{"app/terminal/", 1},
+                                                                         {"app/stream/", 1},
                                                                          {"app/report/page/", 2},
                                                                          {"app/session/", 2},
                                                                          {"app/playback/", 3},
@@ -221,6 +222,12 @@ TEST(Layers, OnlyImportNamesItk) {
 TEST(Layers, OnlyImportNamesAssimp) {
   expect_none("assimp writes mesh files", [](const Include& i) {
     return is_of(i.header, {"assimp/"}) && !is_in(i.file, "engine/import/");
+  });
+}
+
+TEST(Layers, OnlyTheStreamNamesOpenIgtLink) {
+  expect_none("messages are app/stream's", [](const Include& i) {
+    return is_of(i.header, {"igtl"}) && !is_in(i.file, "app/stream/");
   });
 }
 
