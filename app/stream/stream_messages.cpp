@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <initializer_list>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -10,7 +10,7 @@
 #include <igtlSensorMessage.h>
 #include <igtlStatusMessage.h>
 #include <igtlTransformMessage.h>
-#include <igtlUnit.h>
+#include <igtl_unit.h>
 
 #include "app/stream/message_time.hpp"
 
@@ -20,11 +20,17 @@ namespace {
 
 constexpr std::size_t kMostValues = 255;  // of a SENSOR
 
-igtlUint64 unit(int prefix, std::initializer_list<std::pair<int, int>> powers) {
-  const auto packed = igtl::Unit::New();
-  packed->SetPrefix(prefix);
-  for (const auto& [base, exponent] : powers) packed->Append(base, exponent);
-  return packed->Pack();
+/// By the library's function in C: its class igtl::Unit packs one unit only.
+igtl_unit unit(int prefix, std::initializer_list<std::pair<int, int>> powers) {
+  igtl_unit_data data;
+  igtl_unit_init(&data);
+  data.prefix = static_cast<igtl_uint8>(prefix);
+  std::size_t place = 0;
+  for (const auto& [base, exponent] : powers) {
+    data.unit[place] = static_cast<igtl_uint8>(base);
+    data.exp[place++] = static_cast<igtl_int8>(exponent);
+  }
+  return igtl_unit_pack(&data);
 }
 
 void append(igtl::MessageBase& message, std::vector<std::byte>& bytes) {
@@ -39,16 +45,14 @@ struct StreamMessages::Packed {
   igtl::TransformMessage::Pointer transform = igtl::TransformMessage::New();
   igtl::SensorMessage::Pointer sensor = igtl::SensorMessage::New();
   igtl::StatusMessage::Pointer status = igtl::StatusMessage::New();
-  const igtlUint64 none = unit(igtl::Unit::SI_PREFIX_NONE, {});
-  const igtlUint64 newton = unit(igtl::Unit::SI_PREFIX_NONE, {{igtl::Unit::SI_DERIVED_NEWTON, 1}});
-  const igtlUint64 newton_millimetre =
-      unit(igtl::Unit::SI_PREFIX_MILLI,
-           {{igtl::Unit::SI_DERIVED_NEWTON, 1}, {igtl::Unit::SI_BASE_METER, 1}});
-  const igtlUint64 radian_per_second =
-      unit(igtl::Unit::SI_PREFIX_NONE,
-           {{igtl::Unit::SI_DERIVED_RADIAN, 1}, {igtl::Unit::SI_BASE_SECOND, -1}});
+  const igtl_unit none = unit(IGTL_UNIT_PREFIX_NONE, {});
+  const igtl_unit newton = unit(IGTL_UNIT_PREFIX_NONE, {{IGTL_UNIT_SI_DERIVED_NEWTON, 1}});
+  const igtl_unit newton_millimetre = unit(
+      IGTL_UNIT_PREFIX_MILLI, {{IGTL_UNIT_SI_DERIVED_NEWTON, 1}, {IGTL_UNIT_SI_BASE_METER, 1}});
+  const igtl_unit radian_per_second = unit(
+      IGTL_UNIT_PREFIX_NONE, {{IGTL_UNIT_SI_DERIVED_RADIAN, 1}, {IGTL_UNIT_SI_BASE_SECOND, -1}});
   // Without a prefix: whether that of m^3 would be raised to the third power is not said anywhere.
-  const igtlUint64 cubic_metre = unit(igtl::Unit::SI_PREFIX_NONE, {{igtl::Unit::SI_BASE_METER, 3}});
+  const igtl_unit cubic_metre = unit(IGTL_UNIT_PREFIX_NONE, {{IGTL_UNIT_SI_BASE_METER, 3}});
   MessageTime time;  // of the tick in hand
   std::vector<std::byte> bytes;
 };

@@ -17,6 +17,7 @@
 #include "app/session/simulation.hpp"
 #include "app/stream/stream_port.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/fault.hpp"
 #include "engine/recording/recording_reader.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "engine/scene/trajectory.hpp"
@@ -39,8 +40,10 @@ constexpr double kRate_hz = 1000.0;
 
 /// The cut of small_scenes.hpp with tissues that are removed, every tick of it sent.
 std::string streamed_scene(int port, const std::string& more = {}) {
-  return test::kCutScene + "[coupling]\n[stream]\nrate_hz = 1000\nport = " + std::to_string(port) +
-         "\n" + more;
+  return test::kCutScene +
+         "[coupling]\nstiffness_N_per_mm = 20\nforce_limit_N = 20\n[stream]\nrate_hz = 1000\nport "
+         "= " +
+         std::to_string(port) + "\n" + more;
 }
 
 struct StreamedRun {
@@ -120,14 +123,16 @@ void expect_recorded(StreamReader& reader, const RecordingReader& recording, std
   const std::vector<TickRecord> rows = recording.ticks();
   const std::vector<CuttingRecord> cuts = recording.cutting();
   const std::vector<Edit> edits = recording.edits();
-  EXPECT_GT(edits.size(), 100u);
+  EXPECT_GT(edits.size(), 50u);
   EXPECT_EQ(reader.bodies_refused, 0u);
   auto& devices = reader.devices;
   ASSERT_EQ(devices["Tick"].numbers.size(), ticks);
   for (std::size_t n = 0; n < ticks; ++n) {
     const auto tick = static_cast<std::size_t>(devices["Tick"].numbers[n].at(0));
     ASSERT_LT(tick, rows.size());
-    if (n > 0) EXPECT_GT(tick, devices["Tick"].numbers[n - 1][0]);
+    if (n > 0) {
+      EXPECT_GT(tick, devices["Tick"].numbers[n - 1][0]);
+    }
     const TickRecord& row = rows[tick];
     for (const char* name :
          {"Tick", "ToolToScene", "HandToScene", "Force", "Torque", "Speed", "Removed"}) {
@@ -151,6 +156,21 @@ void expect_recorded(StreamReader& reader, const RecordingReader& recording, std
   }
 }
 
+/// What is told of a run of which every tick is sent.
+std::vector<std::string> states_of(const std::vector<TickRecord>& rows) {
+  std::vector<std::string> states{"running: running"};
+  for (const TickRecord& row : rows) {
+    std::string faults;
+    for (const FaultInfo& fault : kFaults) {
+      if (row.faults & fault.bit) faults += (faults.empty() ? "" : ", ") + std::string(fault.name);
+    }
+    const std::string state = faults.empty() ? "running: running" : "fault: " + faults;
+    if (state != states.back()) states.push_back(state);
+  }
+  states.emplace_back("over: over");
+  return states;
+}
+
 TEST_F(StreamSession, AClientReadsWhatIsRecorded) {
   for (const Pace pace : {Pace::kFast, Pace::kReal}) {
     StreamedRun run(streamed_scene(port_));
@@ -165,9 +185,7 @@ TEST_F(StreamSession, AClientReadsWhatIsRecorded) {
     EXPECT_EQ(reader.devices["Removed"].unit, unit_code(0, 0x01, 3));
     EXPECT_EQ(reader.devices["Tick"].unit, 0u);
     const ReadMessages& state = reader.devices["State"];
-    ASSERT_GE(state.words.size(), 2u);
-    EXPECT_EQ(state.words.front(), "running: running");
-    EXPECT_EQ(state.words.back(), "over: over");
+    EXPECT_EQ(state.words, states_of(recording().ticks()));
     EXPECT_EQ(state.codes[state.codes.size() - 2], igtl::StatusMessage::STATUS_SHUT_DOWN);
     EXPECT_EQ(state.codes.back(), 399);
     EXPECT_EQ(run.result.stream->clients, 1u);
@@ -341,6 +359,7 @@ TEST_F(StreamSession, NonsenseOfOneClientDoesNotReachTheOthers) {
     std::mt19937 random(3);
     while (!over) {
       StreamReader hostile(port_);
+      if (!hostile.is_connected()) break;  // the run is over
       std::string bytes(1 + random() % 3000, '\0');
       for (char& byte : bytes) byte = static_cast<char>(random());
       // At times a header that says how large a body is to come.
@@ -373,7 +392,7 @@ TEST_F(StreamSession, WhoAsksWithoutEndIsAnsweredInTurn) {
 }
 
 TEST_F(StreamSession, ItSaysThatItIsPaused) {
-  StreamedRun run(streamed_scene(port_));
+  StreamedRun run(test::kCutScene + "[stream]\nport = " + std::to_string(port_) + "\n");
   StreamReader reader(port_);
   std::atomic<bool> paused{true};
   std::thread reads([&] {

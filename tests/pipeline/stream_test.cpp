@@ -88,7 +88,9 @@ TEST_F(Stream, TheExampleInPythonReadsWhatIsRecorded) {
   double p[3], f[3];
   while (lines >> tick >> p[0] >> p[1] >> p[2] >> f[0] >> f[1] >> f[2]) {
     ASSERT_LT(tick, rows.size());
-    if (count++ > 0) EXPECT_GT(tick, last);
+    if (count++ > 0) {
+      EXPECT_GT(tick, last);
+    }
     last = tick;
     for (int axis = 0; axis < 3; ++axis) {
       EXPECT_EQ(static_cast<float>(p[axis]),

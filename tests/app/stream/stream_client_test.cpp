@@ -81,7 +81,7 @@ TEST_F(StreamClientTest, WhatIsNoMessageEndsIt) {
     int ends[2];
     ASSERT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends), 0);
     other_ = Socket(ends[1]);
-    StreamClient client(Socket(ends[0]), 0, 3);
+    StreamClient client(Socket{ends[0]}, 0, 3);
     say(wrong);
     EXPECT_FALSE(client.receive(requests_));
     EXPECT_TRUE(requests_.empty());
@@ -108,7 +108,7 @@ TEST_F(StreamClientTest, RandomBytesDoNoHarm) {
     int ends[2];
     ASSERT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends), 0);
     other_ = Socket(ends[1]);
-    StreamClient client(Socket(ends[0]), 0, 3);
+    StreamClient client(Socket{ends[0]}, 0, 3);
     // Random from a place on, so that headers are gone into at all depths.
     std::string bytes = header(1, "GET_POLYDATA", "Tooth", 0) + header(1, "IMAGE", "", 10);
     bytes.resize(300);
