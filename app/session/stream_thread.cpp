@@ -26,6 +26,9 @@ std::size_t most_waiting(const StreamSettings& settings) {
   return std::max(kFewestWaiting, static_cast<std::size_t>(kLongestWait_s * settings.rate_hz));
 }
 
+/// For who still takes what waits for it when the run is over: a tooth may be large.
+constexpr milliseconds kLongestEnd{5000};
+
 /// Between two looks at the feed: a quarter of the time between samples, within 1 to 10 ms.
 milliseconds look_every(double rate_hz) {
   return milliseconds(std::clamp(std::lround(250.0 / rate_hz), 1L, 10L));
@@ -101,7 +104,7 @@ void StreamThread::run() {
   const StreamBytes over =
       messages_.state(StreamState::kOver, last_.tick, last_.time_s, text_of(StreamState::kOver, 0));
   if (over) server_.send_to_all(over, StreamKind::kNews);
-  server_.finish(milliseconds(500));
+  server_.finish(kLongestEnd);
   result_ = {server_.clients(), server_.samples(), server_.dropped()};
   seconds_ = 1e-9 * static_cast<double>(thread_cpu_ns());
 }
@@ -168,7 +171,7 @@ void StreamThread::tell_state() {
 
 void StreamThread::take_requests() {
   for (StreamServer::Asked& asked : server_.take_requests()) {
-    const auto& [type, device] = asked.request;
+    const std::string &type = asked.request.type, &device = asked.request.device;
     const auto answer = [&](const StreamBytes& bytes) {
       server_.send_to(asked.client, bytes, StreamKind::kNews);
     };

@@ -18,8 +18,9 @@
 namespace sulcus {
 
 /// Sends the run to who has connected, while it goes on: rate_hz samples a second of its time, its
-/// state, and the tooth to who asks for it. Clients are never waited for but at the end, for half a
-/// second at most. The tooth is meshed on a thread of its own, one at a time.
+/// state, and the tooth to who asks for it. Clients are never waited for but at the end, those
+/// that still take what waits for them, for 5 s at most. The tooth is meshed on a thread of its
+/// own, one at a time.
 class StreamThread {
  public:
   /// The scene has [stream], and the options its port. Of the simulation it keeps the scene, which
