@@ -392,7 +392,7 @@ constexpr auto kWeights = [] {
   return keys;
 }();
 
-constexpr std::array<SceneTableKeys, 25> kTables{{
+constexpr std::array<SceneTableKeys, 26> kTables{{
     {"", false, "at the top of the file", kTop, {}},
     {"workpiece", false, "what is probed and cut; must be there", kWorkpiece, {}},
     {"workpiece.molar", false, "with shape = \"molar\"; its crown points to +z", kMolar, {}},
