@@ -1,5 +1,5 @@
 """500 pushes of a burr over a molar: how far each method's force is from that by exact normals.
-PYTHONPATH=build/release/python /usr/bin/python3 tools/examples/pushes.py [pushes.png]"""
+PYTHONPATH=build/release/python /usr/bin/python3 tools/examples/pushes.py [pushes.png]; by gnuplot"""
 import subprocess, sys
 import numpy as np
 import sulcus
@@ -24,4 +24,4 @@ for method in list(runs)[1:]:
     plots.append(f"'-' title '{method}' noenhanced")
 subprocess.run(["gnuplot"], text=True, check=True, input=f"""set terminal png size 900,600
 set output '{(sys.argv + ["pushes.png"])[1]}'; set xlabel 'force by exact normals, N'; set logscale y
-set ylabel 'angle to it, degrees'; plot {", ".join(plots)}\n{data}""")
+set key outside top horizontal; set ylabel 'angle to it, degrees'; plot {", ".join(plots)}\n{data}""")
