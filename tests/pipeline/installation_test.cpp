@@ -125,5 +125,20 @@ TEST(Installation, TheProgramRunsItsScenesFromAnyFolder) {
   EXPECT_NE(missing.err.find("moved/lib/sulcus/plugins"), std::string::npos) << missing.err;
 }
 
+TEST(Installation, AProgramInCIsBuiltByWhatPkgConfigSays) {
+  const ScratchFolder scratch;
+  install(scratch, "program");
+  fs::rename(scratch.path("installed"), scratch.path("moved"));
+  const std::string moved = scratch.path("moved"), press = scratch.path("press");
+  const std::string says =
+      run(scratch, "env",
+          "PKG_CONFIG_PATH=" + moved + "/lib/pkgconfig pkg-config --cflags --libs sulcus");
+  run(scratch, "cc",
+      SULCUS_SOURCE_DIR "/tools/examples/press.c -o " + press + " " +
+          says.substr(0, says.find('\n')));
+  const std::string out = run(scratch, "env", "LD_LIBRARY_PATH=" + moved + "/lib " + press);
+  EXPECT_NE(out.find("300 ms"), std::string::npos) << out;
+}
+
 }  // namespace
 }  // namespace sulcus

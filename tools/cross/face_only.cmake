@@ -32,6 +32,8 @@ set_target_properties(sulcus_shared PROPERTIES
 install(TARGETS sulcus_shared sulcus_hashes COMPONENT library
   RUNTIME DESTINATION bin LIBRARY DESTINATION lib ARCHIVE DESTINATION lib PUBLIC_HEADER DESTINATION include)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION . COMPONENT library)
+install(FILES ${PROJECT_SOURCE_DIR}/tools/examples/press.c ${PROJECT_SOURCE_DIR}/tools/examples/hashes.c
+  DESTINATION examples COMPONENT library)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/tests/golden/ DESTINATION scenes COMPONENT library
   FILES_MATCHING PATTERN *.toml)
 set(CPACK_GENERATOR ZIP)
