@@ -81,8 +81,8 @@ void add_rows(const nlohmann::ordered_json& value, const std::string& name, std:
 /// What came of `ticks` ticks.
 std::string outcome_table(const FrameState& end, std::uint64_t ticks, double rate_hz) {
   std::string table = "<table class=\"facts\">\n";
-  table += row_of("Lasted", formatted("%.3f s, %ju ticks", static_cast<double>(ticks) / rate_hz,
-                                      std::uintmax_t{ticks}));
+  table += row_of("Duration", formatted("%.3f s, %ju ticks", static_cast<double>(ticks) / rate_hz,
+                                        std::uintmax_t{ticks}));
   table += row_of("Removed", formatted("%.3f mm\xC2\xB3", end.removed_mm3));
   for (const OutcomeLine& line : end.outcome) table += row_of(line.name, line.value);
   return table + "</table>\n";

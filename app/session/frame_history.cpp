@@ -87,7 +87,8 @@ std::vector<OutcomeLine> FrameHistory::outcome() const {
     }
     if (progress_->has_pulp()) {
       const std::optional<std::uint64_t> tick = progress_->pulp_exposed_tick();
-      lines.push_back({"Pulp", tick ? formatted("exposed at %.1f s", seconds(*tick)) : "covered"});
+      lines.push_back(
+          {"Pulp", tick ? formatted("exposed at %.1f s", seconds(*tick)) : "not exposed"});
       if (const auto wall_m = progress_->wall_over_pulp_m(); wall_m && !tick) {
         lines.push_back({"Tooth over it", formatted("%.2f mm", *wall_m / kMillimetre)});
       }
@@ -100,7 +101,7 @@ std::vector<OutcomeLine> FrameHistory::outcome() const {
   if (progress_ && measures_.ticks_in_contact > 0) {
     lines.push_back({"Peak, mean force", formatted("%.2f, %.2f N", measures_.peak_force_N,
                                                    measures_.mean_force_in_contact_N())});
-    lines.push_back({"In contact", formatted("%.1f s", seconds(measures_.ticks_in_contact))});
+    lines.push_back({"Contact time", formatted("%.1f s", seconds(measures_.ticks_in_contact))});
   }
   if (latest_spindle_rad_per_s_) {
     const double speed = *latest_spindle_rad_per_s_;
@@ -122,7 +123,7 @@ void FrameHistory::add_warnings(std::vector<OutcomeLine>& lines) const {
     lines.push_back({"Energy given out", formatted("%.2f mJ", given_out_J_ * 1e3)});
   }
   for (const auto& [name, ticks] :
-       {std::pair{"Not sent in full", measures_.limited_ticks},
+       {std::pair{"Force limited for", measures_.limited_ticks},
         std::pair{"Buzz", measures_.buzz_ticks}, std::pair{"Device silent", measures_.silent_ticks},
         std::pair{"Device jumped", measures_.jumped_ticks},
         std::pair{"Step too long", measures_.long_step_ticks},

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -30,6 +31,7 @@ class LiveFilm {
            const EarlierRun* earlier = nullptr)
       : feed_(feed),
         history_(scene, start, earlier),
+        dt_s_(1.0 / scene.haptics.rate_hz),
         removed_(1 + scene.bodies.size()),
         lowered_(removed_.size()) {}
 
@@ -42,6 +44,7 @@ class LiveFilm {
   std::optional<TickReport> take() {
     TickReport report;
     if (!feed_.reports.try_dequeue(report)) return {};
+    last_edits_.clear();
     for (Edit edit; edits_taken_ < report.all_edits_end() && feed_.edits.try_dequeue(edit);) {
       if (edit.is_gone()) {
         removed_[edit.body].push_back(edit.voxel);
@@ -50,6 +53,7 @@ class LiveFilm {
       }
       history_.add(edit);
       if (heat_) heat_->add(edit);
+      last_edits_.push_back(edit);
       ++edits_taken_;
     }
     history_.add(report);
@@ -57,6 +61,17 @@ class LiveFilm {
     return report;
   }
   bool empty() const { return history_.empty(); }
+  /// Of the tick that was taken last.
+  std::span<const Edit> last_edits() const { return last_edits_; }
+
+  /// What a picture before the first tick shows: where the tool is, and what came before.
+  FrameState before_the_first(std::uint64_t first_tick, const Pose& tool) const {
+    FrameState state = history_.state();
+    state.tick = first_tick;
+    state.time_s = static_cast<double>(first_tick) * dt_s_;
+    state.world_from_tool = tool;
+    return state;
+  }
 
   /// Brings the drawing to the last tick that was taken.
   template <class Drawing>
@@ -102,11 +117,13 @@ class LiveFilm {
 
   Feed& feed_;
   FrameHistory history_;
+  double dt_s_;
   std::optional<LiveHeat> heat_;
   // By body, since the last picture.
   std::vector<std::vector<std::uint32_t>> removed_;
   std::vector<std::vector<VoxelLevel>> lowered_;
   std::uint64_t edits_taken_ = 0;
+  std::vector<Edit> last_edits_;
   std::vector<Pose> piece_poses_;
   std::optional<PieceNews> ahead_;  // of a later tick than is drawn
 };

@@ -16,6 +16,9 @@
 #include "app/session/session.hpp"
 #include "app/terminal/progress.hpp"
 #include "app/terminal/terminal.hpp"
+#include "app/window/goal_view.hpp"
+#include "app/window/picture_tools.hpp"
+#include "app/window/view_keys.hpp"
 #include "app/window/view_windows.hpp"
 #include "engine/core/realtime.hpp"
 #include "engine/graphics/gl_scene.hpp"
@@ -38,11 +41,12 @@ std::string export_tooth(const RecordedFilm& film, const std::string& folder, do
 
 void take_keys(const WindowInput& input, double tick_s, PlayerControls& player) {
   for (const char key : input.keys) {
-    if (key == ' ') player.playing = !player.playing;
+    const std::optional<ViewAction> action = action_of(key, true);
+    if (action == ViewAction::kPause) player.playing = !player.playing;
     const double step_s = input.shift ? tick_s : 0.1;
-    if (key == '<') player.time_s -= static_cast<float>(step_s);
-    if (key == '>') player.time_s += static_cast<float>(step_s);
-    if (key == 'e') player.export_asked = true;
+    if (action == ViewAction::kStepBack) player.time_s -= static_cast<float>(step_s);
+    if (action == ViewAction::kStepOn) player.time_s += static_cast<float>(step_s);
+    if (action == ViewAction::kExport) player.export_asked = true;
   }
 }
 
@@ -80,8 +84,13 @@ void view_recording(const ViewOptions& options) {
   settings.height = options.height;
   Window window("Sulcus: " + film.scene().title, options.width, options.height);
   GlScene drawing(settings, film.bodies(), film.burr().mesh_tool, film.burr().head_length_m);
-  ViewCamera camera(settings.camera);
+  CameraHand camera(settings.camera);
+  PictureTools tools(film.scene(), film.start(), film.burr(), PictureTools::Turns::kLeft);
+  const std::optional<VoxelModel> goal_file = reader.goal();
+  GoalView plan(film.scene(), film.earlier() ? film.earlier()->start : film.start(),
+                goal_file ? &*goal_file : nullptr);
   PlayerControls player;
+  player.picture.has_plan = plan.has_goal();
   player.marks = std::move(marks);
   player.picture.arrows = settings.arrows;
   const double tick_s = 1.0 / film.scene().haptics.rate_hz;  // a float's time may lie before it
@@ -100,15 +109,14 @@ void view_recording(const ViewOptions& options) {
     player.time_s = std::clamp(wanted_s, player.first_s, player.end_s);
     if (player.time_s != wanted_s) player.playing = false;  // an end of the recording
 
-    camera.follow(input);
-    if (input.left && !input.shift) camera.turn(input);
-    if (input.middle || (input.left && input.shift)) camera.move(input);
+    tools.follow(input, drawing, camera, window, player.picture, true);
     drawing.set_hurried(player.playing);
-    const bool turning = input.left || input.middle || input.wheel != 0.0;
-    set_picture(drawing, camera, player.picture, window, turning);
-    drawing.draw(
-        film.seek_row(film.row_at(static_cast<double>(player.time_s) + 0.5 * tick_s), drawing));
-    window.end(drawing.frame());
+    set_picture(drawing, camera, player.picture, window, tools.is_moving());
+    const FrameState state =
+        film.seek_row(film.row_at(static_cast<double>(player.time_s) + 0.5 * tick_s), drawing);
+    plan.show(drawing, player.picture);
+    drawing.draw(state);
+    tools.end_frame(drawing, state, camera, window, player.picture, true);
     if (player.export_asked) {
       player.export_asked = false;
       try {

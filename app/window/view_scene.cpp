@@ -23,7 +23,12 @@
 #include "app/stream/stream_port.hpp"
 #include "app/terminal/progress.hpp"
 #include "app/terminal/terminal.hpp"
+#include "app/window/goal_view.hpp"
+#include "app/window/held_burr.hpp"
 #include "app/window/mouse_device.hpp"
+#include "app/window/picture_tools.hpp"
+#include "app/window/rewind_film.hpp"
+#include "app/window/view_keys.hpp"
 #include "app/window/view_windows.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/realtime.hpp"
@@ -58,34 +63,6 @@ std::vector<std::string> overrides_for_the_hand(const ViewOptions& options) {
 
 /// A device that a hand holds, or one that is simulated with its hand.
 bool has_hand(const Scene& scene) { return scene.device && !scene.device->played_back; }
-
-/// The burr under the mouse: in the plane of the picture, away from the eye with shift, tilted
-/// about its tip with control.
-class HeldBurr {
- public:
-  explicit HeldBurr(const Pose& start) : pose_(start) {}
-
-  bool drag(const WindowInput& input, const View& view, int height) {
-    if (!input.left || input.drag.isZero()) return false;
-    const Eigen::Vector3d right = view.right_world.cast<double>(),
-                          up = view.up_world.cast<double>(), back = view.back_world.cast<double>();
-    if (input.control) {
-      constexpr double kTilt = 1.0;  // rad for half a height
-      pose_.orientation = Eigen::AngleAxisd(kTilt * input.drag.x(), back) *
-                          Eigen::AngleAxisd(-kTilt * input.drag.y(), right) * pose_.orientation;
-      pose_.orientation.normalize();
-      return true;
-    }
-    const double half_m = 0.5 * height * view.metres_per_pixel;
-    pose_.position += half_m * input.drag.x() * right;
-    pose_.position += half_m * input.drag.y() * (input.shift ? Eigen::Vector3d(-back) : up);
-    return true;
-  }
-  const Pose& pose() const { return pose_; }
-
- private:
-  Pose pose_;
-};
 
 /// Who holds the burr: the mouse, or the scene's device, which is held on to through all parts.
 class Holder {
@@ -156,11 +133,14 @@ std::string save_scene(const LivePart& part, const PictureControls& picture) {
 /// What keys and panel ask of who holds the burr.
 void control(Holder& holder, LiveControls& live, const std::string& keys) {
   for (const char key : keys) {
-    if (key == ' ') live.paused = !live.paused;
-    if (key == 'p') live.spindle_on = !live.spindle_on;
-    if (key == 'k') live.clutch = !live.clutch;
-    if (key == 'r') live.recentre_asked = true;
-    if (key == 'b' && !live.burrs.empty()) live.burr = (live.burr + 1) % live.burrs.size();
+    const std::optional<ViewAction> action = action_of(key, false);
+    if (action == ViewAction::kPause) live.paused = !live.paused;
+    if (action == ViewAction::kSpindle) live.spindle_on = !live.spindle_on;
+    if (action == ViewAction::kClutch) live.clutch = !live.clutch;
+    if (action == ViewAction::kRecentre) live.recentre_asked = true;
+    if (action == ViewAction::kNextBurr && !live.burrs.empty()) {
+      live.burr = (live.burr + 1) % live.burrs.size();
+    }
   }
   holder.device().set_pedal(live.spindle_on ? static_cast<double>(live.pedal) : 0.0);
   if (!holder.by_mouse()) holder.device().let_go(live.paused);
@@ -174,7 +154,7 @@ void control(Holder& holder, LiveControls& live, const std::string& keys) {
 /// A part in the window.
 class PartInWindow {
  public:
-  PartInWindow(LivePart& part, Holder& holder, Window& window, ViewCamera& camera,
+  PartInWindow(LivePart& part, Holder& holder, Window& window, CameraHand& camera,
                LiveControls& live)
       : part_(part),
         scene_(part.simulation->scene()),
@@ -189,7 +169,6 @@ class PartInWindow {
 
   /// Until the window is closed, the device says that it is over or another part is asked for.
   std::optional<GoOn> run() {
-    live_.first_s = std::numeric_limits<float>::max();
     first_tick_ = part_.simulation->state().tick;
     if (holder_.by_mouse()) part_.session.paused = &paused_;
     part_.session.watch = [this](Feed& feed) { watch(feed); };
@@ -207,52 +186,83 @@ class PartInWindow {
     RenderSettings settings = scene_.render.value_or(RenderSettings{});
     settings.width = window_.size().x();
     settings.height = window_.size().y();
-    LiveFilm film(feed, scene_, bodies_.front().model, part_.session.earlier.get());
+    const Burr& burr = part_.simulation->burr();
+    const EarlierRun* const earlier = part_.session.earlier.get();
+    RewindFilm rewind(bodies_);
+    LiveFilm film(feed, scene_, bodies_.front().model, earlier);
     if (scene_.heat) film.show_heat(scene_, bodies_.front().model, first_tick_);
-    GlScene drawing(settings, std::move(bodies_), part_.simulation->burr().mesh_tool,
-                    part_.simulation->burr().head_length_m);
+    GlScene drawing(settings, std::move(bodies_), burr.mesh_tool, burr.head_length_m);
+    PictureTools tools(
+        scene_, drawing.surface().model(), burr,
+        holder_.by_mouse() ? PictureTools::Turns::kRight : PictureTools::Turns::kLeft);
+    GoalView plan(scene_, earlier ? earlier->start : drawing.surface().model(),
+                  part_.session.goal ? &*part_.session.goal : nullptr);
     drawing.set_hurried(true);
-    const std::uint64_t begin = steady_ns();
+    begin(film, drawing, plan);
+    const std::uint64_t begin_ns = steady_ns();
     while (window_.is_open() && !feed.ended && !stop_requested()) {
-      show(film, drawing);
+      show(rewind, film, drawing, tools, plan);
       ++pictures_;
       if (!go_on_) continue;
       if (holder_.by_mouse()) break;
       holder_.device().end_part();  // and on, until the force has fallen
     }
-    seconds_ = seconds_since(begin);
+    seconds_ = seconds_since(begin_ns);
   }
 
-  void show(LiveFilm& film, GlScene& drawing) {
+  void begin(const LiveFilm& film, const GlScene& drawing, const GoalView& plan) {
+    const Pose tool = first_tick_ > 0 ? part_.simulation->state().tool : part_.start;
+    live_.picture.has_plan = plan.has_goal();
+    live_.looks_back = false;
+    state_ = film.before_the_first(first_tick_, tool);
+    live_.time_s = live_.first_s = static_cast<float>(state_.time_s);
+    if (!holder_.by_mouse()) return;
+    if (burr_.begin(tool, drawing.surface().model(), part_.simulation->burr())) {
+      holder_.mouse()->go_to(burr_.pose());
+    }
+  }
+
+  void show(RewindFilm& rewind, LiveFilm& film, GlScene& drawing, PictureTools& tools,
+            GoalView& plan) {
     const WindowInput input = window_.begin();
     draw_panels(live_);
     control(holder_, live_, input.keys);
     paused_ = live_.paused;
-    while (const std::optional<TickReport> report = film.take()) health_.add(*report);
+    while (const std::optional<TickReport> report = film.take()) {
+      health_.add(*report);
+      rewind.come_back(drawing);
+      rewind.add(*report, film.last_edits());
+    }
     live_.timing = health_.timing();
     live_.faults = health_.faults();
-    camera_.follow(input);
-    const bool turns = input.right || (input.left && !holder_.by_mouse());
-    if (turns) camera_.turn(input);
-    if (input.middle) camera_.move(input);
-    if (holder_.by_mouse() && burr_.drag(input, drawing.view(), window_.size().y())) {
+    tools.follow(input, drawing, camera_, window_, live_.picture, false);
+    if (holder_.by_mouse() &&
+        burr_.follow(input, drawing.view(), window_.size().y(), state_.world_from_tool,
+                     drawing.surface().model(), part_.simulation->burr())) {
       holder_.mouse()->go_to(burr_.pose());
     }
-    set_picture(drawing, camera_, live_.picture, window_,
-                turns || input.middle || input.wheel != 0.0);
-    FrameState state;
-    if (film.empty()) {
-      state.world_from_tool = part_.start;
-    } else {
-      state = film.bring(drawing, LiveFilm::Pieces::kThatAreThere);
-      if (holder_.by_mouse()) state.device = burr_.pose();
-      live_.time_s = static_cast<float>(state.time_s);
-      live_.first_s = std::min(live_.first_s, live_.time_s);
-    }
-    drawing.draw(state);
-    window_.end(drawing.frame());
+    set_picture(drawing, camera_, live_.picture, window_, tools.is_moving());
+    if (live_.looks_back) drawing.set_hud({.figures = false, .arrows = false});  // of now
+    if (!film.empty()) bring(rewind, film, drawing);
+    plan.show(drawing, live_.picture);
+    drawing.draw(state_);
+    tools.end_frame(drawing, state_, camera_, window_, live_.picture, false);
     if (live_.save_asked) save();
     if (!film.empty() && !go_on_) ask_to_go_on();
+  }
+
+  /// The drawing to the last tick, or to the time that is looked back to.
+  void bring(RewindFilm& rewind, LiveFilm& film, GlScene& drawing) {
+    state_ = film.bring(drawing, LiveFilm::Pieces::kThatAreThere);
+    if (holder_.by_mouse()) state_.device = burr_.pose();
+    live_.time_s = static_cast<float>(state_.time_s);
+    live_.first_s = std::min(live_.first_s, live_.time_s);
+    if (live_.looks_back) {
+      rewind.look_back(static_cast<double>(live_.time_s) - static_cast<double>(live_.back_s),
+                       drawing, state_);
+    } else {
+      rewind.come_back(drawing);
+    }
   }
 
   void save() {
@@ -276,12 +286,13 @@ class PartInWindow {
   const Scene& scene_;
   Holder& holder_;
   Window& window_;
-  ViewCamera& camera_;
+  CameraHand& camera_;
   LiveControls& live_;
   HeldBurr burr_;  // of the mouse
   std::size_t burr_number_;
   std::vector<RenderedBody> bodies_;
   LiveHealth health_;
+  FrameState state_;  // that is drawn
   std::uint64_t first_tick_ = 0;
   std::atomic<bool> paused_{true};  // until it can be seen
   std::optional<GoOn> go_on_;
@@ -323,7 +334,7 @@ void view_scene(const ViewOptions& options) {
   loading.reset();
   leave_realtime_core();  // the haptic thread's; the rasteriser's threads stay with this one
   Window window("Sulcus: " + scene.title, options.width, options.height);
-  ViewCamera camera(scene.render ? scene.render->camera : Camera::kReview);
+  CameraHand camera(scene.render ? scene.render->camera : Camera::kReview);
   LiveControls live = controls_of(scene, by_mouse);
 
   part.folder.emplace(

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/graphics/camera.hpp"
+#include "app/window/camera_hand.hpp"
 #include "engine/graphics/gl_scene.hpp"
 #include "engine/graphics/panels.hpp"
 #include "engine/graphics/window.hpp"
@@ -27,28 +27,9 @@ void view_scene(const ViewOptions& options);
 
 // What both windows have.
 
-/// A camera that the mouse turns round the tooth, moves and brings near; keys 1 to 5 take the named
-/// ones.
-class ViewCamera {
- public:
-  explicit ViewCamera(Camera start);
-
-  void turn(const WindowInput& input);  // by its drag
-  void move(const WindowInput& input);
-  /// What wheel and keys ask for.
-  void follow(const WindowInput& input);
-  Viewpoint from() const;
-
- private:
-  void take(Camera named);
-
-  double azimuth_deg_ = 0.0, elevation_deg_ = 0.0;
-  Viewpoint at_;  // with its zoom and pan; direction by the angles
-};
-
 /// Sets what the picture is of: the camera, the controls, the window's size. `moves`: the camera
 /// does, so that less has to be drawn. Without the handpiece, which would be in the way.
-void set_picture(GlScene& drawing, const ViewCamera& camera, const PictureControls& controls,
+void set_picture(GlScene& drawing, const CameraHand& camera, const PictureControls& controls,
                  const Window& window, bool moves);
 
 }  // namespace sulcus

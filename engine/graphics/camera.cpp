@@ -90,14 +90,19 @@ View make_view(const Viewpoint& from, std::span<const Eigen::AlignedBox3d> solid
 
   Eigen::Vector3d focus = box.center();
   double distance = 0.0;
-  if (from.follows_burr) {
+  if (from.look_at) {
+    focus = from.look_at->point_world;
+    distance = from.look_at->distance_m;
+  } else if (from.follows_burr) {
     focus = tip_world + Eigen::Vector3d::UnitZ() * 0.5 * burr_radius_m;
     distance = std::max(1.5 * kMillimetre, 3.2 * burr_radius_m) / slope_y;
   } else {
     distance = fill_frame(solid_world, {right, up, back}, {slope_x, slope_y}, focus);
   }
-  distance /= from.zoom;
-  focus += slope_y * distance * (from.pan.x() * right + from.pan.y() * up);
+  if (!from.look_at) {
+    distance /= from.zoom;
+    focus += slope_y * distance * (from.pan.x() * right + from.pan.y() * up);
+  }
   const Eigen::Vector3d eye = focus + distance * back;
   // The burr's shank may reach far behind the box and towards the eye.
   double far = distance + box.diagonal().norm() + 60.0 * kMillimetre;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include <Eigen/Core>
@@ -24,6 +25,12 @@ struct View {
   Eigen::Vector4f shown_world = Eigen::Vector4f::UnitW();
 };
 
+/// A point that a camera looks at, and from how far.
+struct LookAt {
+  Eigen::Vector3d point_world;
+  double distance_m;  // of the eye
+};
+
 /// Where a picture is taken from.
 struct Viewpoint {
   Viewpoint(Camera named);  // NOLINT(google-explicit-constructor): a named one is one
@@ -35,6 +42,8 @@ struct Viewpoint {
   bool follows_burr = false;                      // else it frames what is solid
   double zoom = 1.0;                              // 2: twice as near
   Eigen::Vector2d pan = Eigen::Vector2d::Zero();  // to the right and up, in half heights of a frame
+  // In place of a frame, of the burr or of what is solid, with its zoom and pan.
+  std::optional<LookAt> look_at = {};
 };
 
 /// The view from there. `solid_world`: boxes that hold all that is solid at the start, which it

@@ -43,6 +43,7 @@ class GlBody {
   void colour_by_values(const ColourScale& scale, VoxelValues values) {
     surface_.colour_by_values(scale, std::move(values));
   }
+  void colour_by_tissue() { surface_.colour_by_tissue(); }
   /// As GlScene::add_piece.
   void add_piece(std::span<const std::uint32_t> voxels);
 

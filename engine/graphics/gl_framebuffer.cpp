@@ -110,6 +110,15 @@ void GlFramebuffer::show(int width, int height) const {
   glViewport(0, 0, width, height);
 }
 
+void GlFramebuffer::show_at(int x, int y) const {
+  glDisable(GL_SCISSOR_TEST);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, picture_.framebuffer);
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+  glBlitFramebuffer(0, 0, width_, height_, x, y, x + width_, y + height_, GL_COLOR_BUFFER_BIT,
+                    GL_NEAREST);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+}
+
 void GlFramebuffer::finish() const { glFinish(); }
 
 Image GlFramebuffer::read() const {

@@ -35,6 +35,8 @@ class GlFramebuffer {
   void begin_picture() const;
   /// Copies the picture, scaled, into the framebuffer of a window, and binds that.
   void show(int width, int height) const;
+  /// The same unscaled, with its lower left corner at a pixel from the window's.
+  void show_at(int x, int y) const;
   Image read() const;
   /// Waits until all that was drawn is there.
   void finish() const;

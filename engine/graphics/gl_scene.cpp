@@ -83,6 +83,8 @@ void GlScene::draw_bodies(const FrameState& state, const PixelRect& pixels) {
   glEnable(GL_CULL_FACE);
   glFrontFace(GL_CCW);
   const std::vector<std::size_t> shown = bodies_in_sight(state);
+  shown_.clear();
+  for (const std::size_t i : shown) shown_.push_back(bodies_[i].get());
   if (settings_.section) glEnable(GL_CLIP_DISTANCE0);
   for (const std::size_t i : shown) {
     bodies_[i]->draw(tooth_program_, view_, i == 0 ? state.pieces : std::span<const Pose>{}, pixels,

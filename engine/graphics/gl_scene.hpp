@@ -76,6 +76,7 @@ class GlScene {
   void colour_by_values(std::size_t body, const ColourScale& scale, VoxelValues values) {
     bodies_.at(body)->colour_by_values(scale, std::move(values));
   }
+  void colour_by_tissue(std::size_t body) { bodies_.at(body)->colour_by_tissue(); }
   /// A piece that was cut loose from the workpiece, by its voxels (VoxelGrid::linear), each once: a
   /// body of its own from now on, drawn where FrameState::pieces says. It is meshed here, once, by
   /// `piece_mesh`, which says what it throws. The caller also removes its voxels, in the same
@@ -99,6 +100,10 @@ class GlScene {
     ghost_.emplace(std::move(shape));
     drawn_ = false;
   }
+  void take_ghost_away() {
+    ghost_.reset();
+    drawn_ = false;
+  }
   /// Whether the handpiece is drawn with the burr (it is), where it is not in the way: left out of
   /// close-ups of the burr, and where one looks down on it along the burr.
   void set_handpiece(bool shown) { handpiece_ = shown; }
@@ -113,8 +118,15 @@ class GlScene {
   GeometryImage draw_geometry(const FrameState& state);
 
   const GlFramebuffer& frame() const { return *frame_; }
+  /// What a mouth mirror shows: all bodies and the burr from there, left and right exchanged,
+  /// without section and figures. After `draw`, whose meshes it takes; costs as much as drawing all
+  /// anew. Valid until the next call.
+  const GlFramebuffer& draw_mirror(const Viewpoint& from, const FrameState& state, int width,
+                                   int height);
   /// Of the last picture.
   const View& view() const { return view_; }
+  /// Bodies that were not left out of it, the workpiece first.
+  std::span<const GlBody* const> shown_bodies() const { return shown_; }
   /// Of a body, by default of the workpiece; throws std::out_of_range beyond.
   const DrawnSurface& surface(std::size_t body = 0) const { return bodies_.at(body)->surface(); }
   const Pose& world_from_grid(std::size_t body) const {
@@ -143,8 +155,10 @@ class GlScene {
   View view_;
   std::vector<std::unique_ptr<GlBody>> bodies_;    // the first: the workpiece
   std::vector<Eigen::AlignedBox3d> others_world_;  // a box for each of the others
+  std::vector<const GlBody*> shown_;               // in the last picture
   GlBurr burr_;
   std::unique_ptr<GlFramebuffer> frame_;
+  std::unique_ptr<GlFramebuffer> mirror_;  // once one has been drawn
   bool drawn_ = false;  // its layer of bodies is as of `view_`, but for `undrawn_`
   PixelRect undrawn_;
   PixelRect burr_before_;

@@ -167,7 +167,13 @@ void draw_arrow(const Pen& pen, ImVec2 from, ImVec2 way, float length, int heads
                                 pen.at(root.x + 8.0f * way.y, root.y - 8.0f * way.x),
                                 pen.at(root.x - 8.0f * way.y, root.y + 8.0f * way.x), colour);
   }
-  pen.text(to.x + 14.0f, to.y - 8.0f, colour, value);
+  // Beyond the head, whichever way it points.
+  const ImVec2 beyond(to.x + 20.0f * way.x, to.y + 20.0f * way.y - 8.0f);
+  if (way.x < 0.0f) {
+    pen.text_right(beyond.x, beyond.y, colour, value);
+  } else {
+    pen.text(beyond.x, beyond.y, colour, value);
+  }
 }
 
 void draw_arrows(const Pen& pen, const FrameState& state, const View& view, float wide,
@@ -183,9 +189,12 @@ void draw_arrows(const Pen& pen, const FrameState& state, const View& view, floa
     const Eigen::Vector3f v = vector.cast<float>();
     const float right = v.dot(view.right_world), up = v.dot(view.up_world);
     const float seen = std::hypot(right, up);
-    // One that comes straight at the eye has no direction in the picture.
-    if (seen * pixels < kShortest) return;
-    const float length = std::min(static_cast<float>(seen * pixels), 0.4f * tall);
+    // One that comes straight at the eye has no direction in the picture, and less than a tenth of
+    // an arrow's head is as good as nothing.
+    constexpr double kAcross = 0.2, kLeast = 0.1 * kShortest;
+    if (seen < kAcross * vector.norm() || seen * pixels < kLeast) return;
+    const auto length =
+        static_cast<float>(std::clamp(seen * pixels, kShortest, std::max(kShortest, 0.4 * tall)));
     draw_arrow(pen, from, ImVec2(right / seen, -up / seen), length, heads, colour, value);
   };
   constexpr double kPixelsPerNewton = 80.0, kPixelsPerNewtonMetre = 2000.0;
@@ -277,6 +286,7 @@ Hud::~Hud() {
 
 void Hud::draw(const FrameState& state, int width, int height, const View& view,
                const HudParts& parts, const ColourScale* colours) {
+  ImGuiContext* const previous = ImGui::GetCurrentContext();
   ImGui::SetCurrentContext(context_);
   ImGuiIO& io = ImGui::GetIO();
   io.DisplaySize = ImVec2(static_cast<float>(width), static_cast<float>(height));
@@ -303,6 +313,7 @@ void Hud::draw(const FrameState& state, int width, int height, const View& view,
   if (parts.figures) draw_figures(pen, state, wide, tall);
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  if (previous) ImGui::SetCurrentContext(previous);
 }
 
 }  // namespace sulcus

@@ -11,6 +11,7 @@ namespace sulcus {
 namespace {
 
 constexpr float kLeft = 18.0f, kTop = 100.0f, kWide = 250.0f;
+constexpr float kSecond = 110.0f;    // of two in a row
 constexpr float kScaleBar = 190.0f;  // left to it, in the corner below
 
 void begin_side_panel(const char* name) {
@@ -29,20 +30,37 @@ void end_panel() {
 }
 
 void draw_picture_controls(PictureControls& picture) {
-  ImGui::Checkbox("figures", &picture.figures);
-  ImGui::SameLine();
-  ImGui::Checkbox("arrows", &picture.arrows);
-  ImGui::Checkbox("cut open at", &picture.cut_open);
+  ImGui::Checkbox("Figures", &picture.figures);
+  ImGui::SameLine(kSecond);
+  ImGui::Checkbox("Arrows", &picture.arrows);
+  ImGui::Checkbox("Tissues", &picture.legend);
+  ImGui::SameLine(kSecond);
+  ImGui::Checkbox("Mirror", &picture.mirror);
+  if (picture.mirror) ImGui::SliderFloat("down, deg", &picture.mirror_deg, -60.0f, 60.0f, "%.0f");
+  if (picture.has_plan) {
+    ImGui::Checkbox("Plan", &picture.plan);
+    ImGui::SameLine(kSecond);
+    ImGui::Checkbox("Colours by plan", &picture.by_plan);
+  }
+  ImGui::Checkbox("Section at", &picture.cut_open);
   if (picture.cut_open) {
     ImGui::Combo("axis", &picture.axis, "x\0y\0z\0");
     ImGui::SliderFloat("mm", &picture.at_mm, -10.0f, 10.0f, "%.2f");
   }
 }
 
+/// Dark enough to be read on the panel. Where a scale of colours stands below it has no room.
+void draw_help(const PictureControls& picture, const char* text) {
+  if (picture.by_plan) return;
+  ImGui::PushStyleColor(ImGuiCol_Text, IM_COL32(60, 66, 76, 255));
+  ImGui::TextUnformatted(text);
+  ImGui::PopStyleColor();
+}
+
 void draw_mark_list(PlayerControls& controls) {
   if (controls.marks.empty()) return;
   ImGui::Separator();
-  ImGui::TextUnformatted("not met");
+  ImGui::TextUnformatted("Not met");
   for (const PlayerControls::Mark& mark : controls.marks) {
     if (ImGui::SmallButton(mark.what.c_str())) {
       controls.time_s = mark.time_s;
@@ -101,11 +119,12 @@ std::optional<Section> PictureControls::section() const {
 void draw_panels(PlayerControls& controls) {
   begin_side_panel("picture");
   draw_picture_controls(controls.picture);
-  ImGui::SliderFloat("speed", &controls.speed, -4.0f, 4.0f, "%.2f");
-  controls.export_asked = ImGui::Button("export the tooth as it is here");
+  ImGui::SliderFloat("Speed", &controls.speed, -4.0f, 4.0f, "%.2f");
+  controls.export_asked = ImGui::Button("Export the tooth as it is here");
   if (!controls.said.empty()) ImGui::TextWrapped("%s", controls.said.c_str());
-  ImGui::TextDisabled("drag: turn, shift: move, wheel: near");
-  ImGui::TextDisabled("1-5 cameras, space plays, < > steps");
+  draw_help(controls.picture,
+            "drag: turn, with shift: move\nwheel: nearer to the pointer\n1-6, 0: cameras\n"
+            "space: play, arrow keys: step\nc: copy place, d: caliper\nq, Esc: end");
   draw_mark_list(controls);
   end_panel();
 
@@ -116,7 +135,7 @@ void draw_panels(PlayerControls& controls) {
   ImGui::Begin("time", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav);
-  if (ImGui::Button(controls.playing ? "pause" : "play ", {60.0f, 0.0f})) {
+  if (ImGui::Button(controls.playing ? "Pause" : "Play", {60.0f, 0.0f})) {
     controls.playing = !controls.playing;
   }
   ImGui::SameLine();
@@ -132,18 +151,20 @@ void draw_panels(LiveControls& controls) {
   draw_picture_controls(controls.picture);
   ImGui::Separator();
   draw_hand_controls(controls);
-  if (ImGui::Button(controls.paused ? "go on" : "pause", {60.0f, 0.0f})) {
+  if (ImGui::Button(controls.paused ? "Resume" : "Pause", {70.0f, 0.0f})) {
     controls.paused = !controls.paused;
   }
   ImGui::SameLine();
   ImGui::Text("%.1f s", static_cast<double>(controls.time_s));
   const float most_s = std::max(0.0f, controls.time_s - controls.first_s);
-  ImGui::SliderFloat("s back", &controls.back_s, 0.0f, most_s, "%.1f",
+  ImGui::SliderFloat("Rewind by", &controls.back_s, 0.0f, most_s, "%.1f s",
                      ImGuiSliderFlags_AlwaysClamp);
+  if (ImGui::IsItemActive() && most_s > 0.0f) controls.looks_back = controls.paused = true;
+  if (!controls.paused) controls.looks_back = false;
   ImGui::InputFloat("rpm", &controls.speed_rpm, 0.0f, 0.0f, "%.0f");
   constexpr float kMost_rpm = 500'000.0f;  // as in a scene
   controls.speed_rpm = std::clamp(controls.speed_rpm, 0.0f, kMost_rpm);
-  ImGui::Checkbox("another burr", &controls.other_burr);
+  ImGui::Checkbox("Change burr", &controls.other_burr);
   if (controls.other_burr) {
     if (ImGui::BeginCombo("shape", controls.burr_shapes[controls.burr_shape].data())) {
       for (std::size_t i = 0; i < controls.burr_shapes.size(); ++i) {
@@ -156,11 +177,17 @@ void draw_panels(LiveControls& controls) {
     ImGui::InputFloat("mm", &controls.burr_mm, 0.1f, 0.0f, "%.2f");
     controls.burr_mm = std::clamp(controls.burr_mm, 0.3f, 10.0f);
   }
-  controls.go_on_asked = ImGui::Button("go on from there");
-  controls.save_asked = ImGui::Button("save as a scene");
+  controls.go_on_asked = ImGui::Button("Rewind and continue");
+  controls.save_asked = ImGui::Button("Save as a scene");
   if (!controls.said.empty()) ImGui::TextWrapped("%s", controls.said.c_str());
-  if (controls.by_mouse) ImGui::TextDisabled("left: burr, shift: deeper, ctrl: tilt");
-  ImGui::TextDisabled("right: turn, wheel: near, 1-5 cameras");
+  draw_help(controls.picture,
+            controls.by_mouse ? "left: burr, with shift: deeper,\nctrl: tilt; release: lifted off\n"
+                                "right: turn, with shift: move\nwheel: nearer to the pointer\n"
+                                "1-6, 0: cameras\nc: copy place, d: caliper\n"
+                                "space: pause, q, Esc: end"
+                              : "left: turn, with shift: move\nwheel: nearer to the pointer\n"
+                                "1-6, 0: cameras\nc: copy place, d: caliper\n"
+                                "space: let go, q, Esc: end");
   draw_timing(controls);
   end_panel();
 }

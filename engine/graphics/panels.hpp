@@ -18,6 +18,11 @@ struct PictureControls {
   bool figures = true, arrows = false, cut_open = false;
   int axis = 1;  // of the section
   float at_mm = 0.0f;
+  bool legend = true;     // of the tissues
+  bool has_plan = false;  // a [goal], which is shown, or coloured by
+  bool plan = false, by_plan = false;
+  bool mirror = false;       // a mouth mirror behind the tooth
+  float mirror_deg = 20.0f;  // how far it looks down on it
 
   std::optional<Section> section() const;
 };
@@ -52,6 +57,7 @@ struct LiveControls {
   std::size_t burr = 0;                         // of them
   float first_s = 0.0f, time_s = 0.0f;          // of this part, its first tick and so far
   float back_s = 1.0f;                          // to take back
+  bool looks_back = false;                      // the picture is of then, until it is resumed
   // From where it goes on: the spindle's speed, and the burr, where another is to be taken.
   float speed_rpm = 0.0f;
   bool other_burr = false;

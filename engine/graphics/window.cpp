@@ -14,6 +14,8 @@
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 
+#include "engine/graphics/display_loss.hpp"
+
 namespace sulcus {
 
 namespace {
@@ -60,6 +62,7 @@ Window::Window(const std::string& title, int width, int height) {
     const bool arrow = key == GLFW_KEY_LEFT || key == GLFW_KEY_RIGHT;
     if (action == GLFW_RELEASE || (action == GLFW_REPEAT && !arrow)) return;
     std::string& keys = *static_cast<std::string*>(glfwGetWindowUserPointer(window));
+    if (key == GLFW_KEY_ESCAPE) keys += WindowInput::kEscape;
     if (key == GLFW_KEY_LEFT) keys += '<';
     if (key == GLFW_KEY_RIGHT) keys += '>';
     if (key == GLFW_KEY_SPACE || (key >= GLFW_KEY_0 && key <= GLFW_KEY_Z)) {
@@ -78,9 +81,13 @@ Window::Window(const std::string& title, int width, int height) {
   ImGui::GetStyle().WindowRounding = 6.0f;
   ImGui_ImplGlfw_InitForOpenGL(window_, true);
   ImGui_ImplOpenGL3_Init("#version 330 core");
+  watch_for_display_loss();
+  glfwGetFramebufferSize(window_, &size_.x(), &size_.y());
+  size_ = size_.cwiseMax(16);
 }
 
 Window::~Window() {
+  if (display_is_lost()) return;  // with all that was on it
   ImGui::SetCurrentContext(context_);
   ImGui_ImplOpenGL3_Shutdown();
   ImGui_ImplGlfw_Shutdown();
@@ -89,31 +96,48 @@ Window::~Window() {
   glfwTerminate();
 }
 
-bool Window::is_open() const { return !glfwWindowShouldClose(window_); }
+bool Window::is_open() const { return !display_is_lost() && !glfwWindowShouldClose(window_); }
 
-Eigen::Vector2i Window::size() const {
-  Eigen::Vector2i size;
-  glfwGetFramebufferSize(window_, &size.x(), &size.y());
-  return size.cwiseMax(16);
+void Window::close() {
+  if (!display_is_lost()) glfwSetWindowShouldClose(window_, GLFW_TRUE);
+}
+
+void Window::copy(const std::string& text) {
+  if (!display_is_lost()) glfwSetClipboardString(window_, text.c_str());
 }
 
 WindowInput Window::begin() {
   keys_.clear();
+  watch_for_display_loss();
   glfwPollEvents();
   ImGui::SetCurrentContext(context_);
   ImGui_ImplOpenGL3_NewFrame();
-  ImGui_ImplGlfw_NewFrame();
+  Eigen::Vector2i size = size_;
+  if (!display_is_lost()) ImGui_ImplGlfw_NewFrame();
+  if (!display_is_lost()) glfwGetFramebufferSize(window_, &size.x(), &size.y());
+  ImGuiIO& io = ImGui::GetIO();
+  if (display_is_lost()) {  // whose sizes are anything
+    io.DisplaySize = {static_cast<float>(size_.x()), static_cast<float>(size_.y())};
+    io.DisplayFramebufferScale = {1.0f, 1.0f};
+  } else {
+    size_ = size.cwiseMax(16);
+  }
   ImGui::NewFrame();
-  const ImGuiIO& io = ImGui::GetIO();
   WindowInput input;
+  if (display_is_lost()) return input;
   if (!io.WantCaptureKeyboard) input.keys = keys_;
   input.shift = io.KeyShift;
   input.control = io.KeyCtrl;
   if (io.WantCaptureMouse) return input;
   const double half_height = 0.5 * static_cast<double>(io.DisplaySize.y);
+  input.pressed = io.MouseClicked[0] || io.MouseClicked[1] || io.MouseClicked[2];
   // The way to where a button was pressed is none that it was held on.
-  if (!io.MouseClicked[0] && !io.MouseClicked[1] && !io.MouseClicked[2]) {
+  if (!input.pressed) {
     input.drag = {io.MouseDelta.x / half_height, -io.MouseDelta.y / half_height};
+  }
+  if (ImGui::IsMousePosValid()) {
+    input.pointer = {io.MousePos.x / half_height - io.DisplaySize.x / (2.0 * half_height),
+                     1.0 - io.MousePos.y / half_height};
   }
   input.wheel = static_cast<double>(io.MouseWheel);
   input.left = io.MouseDown[0];
@@ -122,10 +146,13 @@ WindowInput Window::begin() {
   return input;
 }
 
-void Window::end(const GlFramebuffer& picture) {
+void Window::end(const GlFramebuffer& picture, const GlFramebuffer* inset,
+                 const Eigen::Vector2i& inset_at) {
   ImGui::SetCurrentContext(context_);
-  picture.show(size().x(), size().y());
   ImGui::Render();
+  if (display_is_lost()) return;
+  picture.show(size().x(), size().y());
+  if (inset) inset->show_at(inset_at.x(), inset_at.y());
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   glfwSwapBuffers(window_);
   // Not every display makes us wait.

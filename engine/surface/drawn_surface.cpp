@@ -220,6 +220,12 @@ void DrawnSurface::take_in(std::vector<std::uint32_t> leaves) {
   stale_leaves_.insert(stale_leaves_.end(), leaves.begin(), leaves.end());
 }
 
+void DrawnSurface::colour_by_tissue() {
+  if (!colour_.scale()) return;
+  for (Lattice& l : lattices_) std::ranges::fill(l.changed, kShape);
+  colour_.by_tissue();
+}
+
 void DrawnSurface::colour_by_values(const ColourScale& scale, VoxelValues values) {
   const bool all = !colour_.values() || colour_.scale() != scale;
   if (all) {

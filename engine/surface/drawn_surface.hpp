@@ -70,6 +70,8 @@ class DrawnSurface {
   /// Draws a quantity of the voxels at the surface by a scale; what has none is grey. At any time;
   /// what looks otherwise than before is meshed again.
   void colour_by_values(const ColourScale& scale, VoxelValues values);
+  /// As it is at first. At any time; all is meshed again where it was otherwise.
+  void colour_by_tissue();
   /// Of what is not drawn by tissue.
   const std::optional<ColourScale>& colour_scale() const { return colour_.scale(); }
   /// As given to colour_by_values; none where something else is drawn.

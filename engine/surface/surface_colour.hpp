@@ -40,6 +40,7 @@ class SurfaceColour {
   void by_time(double span_s);
   /// As DrawnSurface::colour_by_values.
   void by_values(const ColourScale& scale, VoxelValues values);
+  void by_tissue() { by_time(0.0); }
   /// Of what is not drawn by tissue.
   const std::optional<ColourScale>& scale() const { return scale_; }
   const std::optional<VoxelValues>& values() const { return values_; }

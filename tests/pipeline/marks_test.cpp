@@ -152,7 +152,7 @@ TEST_F(Marks, ARecordingCopiedAwayGivesTheSamePage) {
   EXPECT_EQ(test::read_file(scratch_.path("away.html")), page);
   const json told = json::parse(text);
   EXPECT_NE(page.find(told["force_hash"].get<std::string>()), std::string::npos);
-  EXPECT_NE(page.find("<th>Lasted</th><td>0.440 s, 440 ticks</td>"), std::string::npos);
+  EXPECT_NE(page.find("<th>Duration</th><td>0.440 s, 440 ticks</td>"), std::string::npos);
 }
 
 TEST_F(Marks, OfARunThatWasNotEndedAreFromItsRows) {

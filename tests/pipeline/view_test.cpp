@@ -1,60 +1,20 @@
 // The window, on a display without a screen.
 
-#include <array>
-#include <csignal>
 #include <filesystem>
 #include <string>
 
-#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "tests/pipeline/small_scenes.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
+#include "tests/support/x_display.hpp"
 
 namespace sulcus {
 namespace {
 
 namespace fs = std::filesystem;
 using test::CommandResult;
-
-/// An X server of its own, gone with it.
-class Display {
- public:
-  Display() {
-    std::array<int, 2> ends{};
-    if (pipe(ends.data()) != 0) return;
-    server_ = fork();
-    if (server_ == 0) {
-      const int nowhere = open("/dev/null", O_RDWR);
-      dup2(nowhere, STDOUT_FILENO);
-      dup2(nowhere, STDERR_FILENO);
-      const std::string number = std::to_string(ends[1]);
-      execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", "800x600x24",
-             "+extension", "GLX", nullptr);
-      _exit(127);
-    }
-    close(ends[1]);
-    for (char c = 0; read(ends[0], &c, 1) == 1 && c != '\n';) number_ += c;
-    close(ends[0]);
-  }
-  ~Display() {
-    if (server_ <= 0) return;
-    kill(server_, SIGTERM);
-    waitpid(server_, nullptr, 0);
-  }
-  Display(const Display&) = delete;
-  Display& operator=(const Display&) = delete;
-
-  /// Empty where there is none.
-  const std::string& number() const { return number_; }
-
- private:
-  pid_t server_ = -1;
-  std::string number_;
-};
 
 class View : public testing::Test {
  protected:
@@ -74,7 +34,7 @@ class View : public testing::Test {
   }
 
   ScratchFolder scratch_;
-  Display display_;
+  test::XDisplay display_;
 };
 
 TEST_F(View, AStoppedSessionOfTheHandKeepsWhatWasDone) {

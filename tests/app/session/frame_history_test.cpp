@@ -42,7 +42,7 @@ TEST(FrameHistory, TellsWhatThePreparationHasComeTo) {
   const VoxelModel start = layers();
   FrameHistory history(cutting_scene(), start);
   EXPECT_EQ(line(history, "Caries left"), "1.024 mm\xC2\xB3");
-  EXPECT_EQ(line(history, "Pulp"), "covered");
+  EXPECT_EQ(line(history, "Pulp"), "not exposed");
   history.add(Edit{100, start.grid.linear({5, 5, 15}), 0, EditCause::kCut});
   EXPECT_EQ(line(history, "Caries left"), "1.023 mm\xC2\xB3");
   EXPECT_EQ(line(history, "  caries"), "0.001 mm\xC2\xB3");
@@ -61,7 +61,7 @@ TEST(FrameHistory, TellsOfWhatIsOnlyLessFilled) {
   history.add(Edit{100, start.grid.linear({5, 5, 4}), 0, EditCause::kCut, 1});
   EXPECT_EQ(line(history, "  caries"), "0.002 mm\xC2\xB3");
   EXPECT_NEAR(history.state().removed_mm3, 1e-3 * (2.0 + 254.0 / 255), 1e-12);
-  EXPECT_EQ(line(history, "Pulp"), "covered");
+  EXPECT_EQ(line(history, "Pulp"), "not exposed");
 }
 
 TEST(FrameHistory, TellsHowMuchToothIsLeftOverThePulpAndWarnsOnce) {
@@ -113,14 +113,14 @@ TEST(FrameHistory, TellsTheForceWhileInContact) {
   TickRecord record;
   record.force_N[0] = 9.0;  // with no contact: not counted
   history.add(record, nullptr);
-  EXPECT_EQ(line(history, "In contact"), "none");
+  EXPECT_EQ(line(history, "Contact time"), "none");
   for (int i = 0; i < 200; ++i) {
     record.contacts = 5;
     record.force_N[0] = i < 100 ? 1.0 : 2.0;
     history.add(record, nullptr);
   }
   EXPECT_EQ(line(history, "Peak, mean force"), "2.00, 1.50 N");
-  EXPECT_EQ(line(history, "In contact"), "0.2 s");
+  EXPECT_EQ(line(history, "Contact time"), "0.2 s");
 }
 
 TEST(FrameHistory, TellsTheDamageToOtherBodiesOnceThereIsAny) {

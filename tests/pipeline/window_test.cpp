@@ -1,0 +1,129 @@
+// What mouse and keys do in a window: xdotool is the hand.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "engine/recording/recording_reader.hpp"
+#include "tests/pipeline/small_scenes.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/scratch_folder.hpp"
+#include "tests/support/x_display.hpp"
+
+namespace sulcus {
+namespace {
+
+namespace fs = std::filesystem;
+using test::CommandResult;
+
+/// From the side: what is down in the picture is down in the world.
+const std::string kSeenFromBuccal = test::kCutScene + "[render]\ncamera = \"buccal\"\n";
+
+class HandInWindow : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_FALSE(display_.number().empty()) << "Xvfb does not start"; }
+
+  /// Opens a window, and once `file` is there does what the script says; then waits for its end.
+  CommandResult view(const std::string& arguments, const std::string& file,
+                     const std::string& script) {
+    const std::string path = scratch_.write(
+        "script", "[ -x \"$(command -v xdotool)\" ] || exit 77\n" + std::string(SULCUS_PROGRAM) +
+                      " view " + arguments + " &\nprogram=$!\n" + "for i in $(seq 300); do [ -e " +
+                      file + " ] && break; sleep 0.1; done\n" +
+                      "for i in $(seq 300); do xdotool search --onlyvisible --name Sulcus "
+                      ">/dev/null 2>&1 && break; sleep 0.1; done\nsleep 2\n" +
+                      script + "\nwait $program\n");
+    return test::program_command(
+        "bash", path, scratch_.path("stderr"),
+        "DISPLAY=:" + display_.number() + " SULCUS_CACHE=off ASAN_OPTIONS=detect_leaks=0");
+  }
+  CommandResult view_scene(const std::string& script) {
+    out_ = scratch_.path("out");
+    const std::string scene = scratch_.write("s.toml", kSeenFromBuccal);
+    return view(scene + " -o " + out_, out_ + "/recording.h5", script);
+  }
+  void expect_whole() const {
+    EXPECT_TRUE(fs::exists(out_ + "/summary.json"));
+    const CommandResult verified =
+        test::sulcus_command("replay " + out_ + "/recording.h5 --verify", scratch_.path("stderr"));
+    EXPECT_EQ(verified.status, 0) << verified.err;
+  }
+
+  ScratchFolder scratch_;
+  test::XDisplay display_{"1300x760x24"};
+  std::string out_;
+};
+
+TEST_F(HandInWindow, ABurrThatIsLetGoIsLiftedOffAndCutsNoMore) {
+  const CommandResult result = view_scene(R"(
+xdotool mousemove 640 250 mousedown 1
+for i in $(seq 40); do xdotool mousemove_relative 0 5; sleep 0.03; done
+sleep 0.7
+xdotool mouseup 1
+sleep 2
+xdotool key Escape)");
+  ASSERT_EQ(result.status, 0) << result.err;
+  const RecordingReader reader(out_ + "/recording.h5");
+  const std::vector<TickRecord> rows = reader.ticks();
+  ASSERT_GT(rows.size(), 2500u);
+  EXPECT_GT(rows.back().edits_end, 100u) << "it has cut";
+  const TickRecord& before_end = rows[rows.size() - 1000];
+  EXPECT_EQ(rows.back().edits_end, before_end.edits_end);
+  double lowest = 1.0;
+  for (const TickRecord& row : rows) lowest = std::min(lowest, row.device_position_m[2]);
+  EXPECT_GT(rows.back().device_position_m[2], lowest + 0.3e-3);
+  EXPECT_EQ(rows.back().contacts, 0u);
+  // Along its axis, which points up here.
+  const auto deepest = std::ranges::min_element(
+      rows, {}, [](const TickRecord& row) { return row.device_position_m[2]; });
+  EXPECT_NEAR(rows.back().device_position_m[1], deepest->device_position_m[1], 0.1e-3);
+  expect_whole();
+}
+
+TEST_F(HandInWindow, AWindowThatIsDestroyedKeepsWhatWasDone) {
+  for (const char* end : {"windowclose", "windowkill"}) {
+    const CommandResult result =
+        view_scene(std::string("xdotool search --onlyvisible --name Sulcus ") + end);
+    EXPECT_EQ(result.status, 0) << end << ": " << result.err;
+    expect_whole();
+    fs::remove_all(out_);
+  }
+}
+
+TEST_F(HandInWindow, ADisplayThatBreaksDownKeepsWhatWasDone) {
+  const CommandResult result =
+      view_scene("kill -9 " + std::to_string(static_cast<long>(display_.process())));
+  EXPECT_EQ(result.status, 0) << result.err;
+  expect_whole();
+}
+
+TEST_F(HandInWindow, CopiesThePlaceUnderThePointerAndIsEndedByAKey) {
+  const std::string copied = scratch_.path("copied");
+  const std::string scene = scratch_.write("s.toml", kSeenFromBuccal);
+  out_ = scratch_.path("out");
+  ASSERT_EQ(
+      test::sulcus_command("run --no-render " + scene + " -o " + out_, scratch_.path("stderr"))
+          .status,
+      0);
+  const CommandResult result = view(out_ + "/recording.h5", out_ + "/recording.h5",
+                                    "xdotool key 2 mousemove 700 420\nsleep 1\nxdotool key c\n"
+                                    "sleep 0.5\ntimeout 5 xclip -o -selection clipboard > " +
+                                        copied + "\nxdotool key q");
+  EXPECT_EQ(result.status, 0) << result.err;
+  double x = 0.0, y = 0.0, z = 0.0;
+  const std::string text = test::read_file(copied);
+  ASSERT_EQ(std::sscanf(text.c_str(), "[%lf, %lf, %lf]", &x, &y, &z), 3) << text;
+  // On the face of the block towards buccal, to the right of its middle and below it.
+  EXPECT_NEAR(y, -1.0, 0.051);
+  EXPECT_GT(x, 0.05);
+  EXPECT_LT(x, 1.0);
+  EXPECT_LT(z, -0.05);
+  EXPECT_GT(z, -1.0);
+}
+
+}  // namespace
+}  // namespace sulcus
