@@ -180,7 +180,7 @@ void StreamThread::take_requests() {
       return !name.empty() && (device.empty() || device == name);
     };
     if (type == "CAPABIL") {
-      answer(messages_.capability(device));
+      answer(capability(device));
     } else if (type == "STATUS" && is_named(names.state)) {
       answer(greeting_);
     } else if ((type == "POLYDATA" || type == "IMAGE") && is_named(names.tooth)) {

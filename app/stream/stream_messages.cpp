@@ -6,7 +6,6 @@
 #include <utility>
 
 #include <Eigen/Geometry>
-#include <igtlCapabilityMessage.h>
 #include <igtlSensorMessage.h>
 #include <igtlStatusMessage.h>
 #include <igtlTransformMessage.h>
@@ -135,15 +134,6 @@ StreamBytes StreamMessages::state(StreamState state, std::uint64_t tick, double 
   status.SetStatusString(text.c_str());
   std::vector<std::byte> bytes;
   append(status, bytes);
-  return std::make_shared<const std::vector<std::byte>>(std::move(bytes));
-}
-
-StreamBytes StreamMessages::capability(const std::string& device) {
-  const auto message = igtl::CapabilityMessage::New();
-  message->SetDeviceName(device.c_str());
-  message->SetTypes({"CAPABILITY", "IMAGE", "POLYDATA", "SENSOR", "STATUS", "TRANSFORM"});
-  std::vector<std::byte> bytes;
-  append(*message, bytes);
   return std::make_shared<const std::vector<std::byte>>(std::move(bytes));
 }
 

@@ -43,8 +43,6 @@ class StreamMessages {
   StreamBytes sample(const StreamSample& sample);
   /// STATUS; its sub-code is the tick. `text`: more of it, for people. Null without a name.
   StreamBytes state(StreamState state, std::uint64_t tick, double time_s, const std::string& text);
-  /// CAPABILITY: the types of messages that may be sent.
-  StreamBytes capability(const std::string& device);
 
  private:
   struct Packed;  // of the library

@@ -1,6 +1,7 @@
 #include "app/stream/tooth_messages.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <utility>
 
@@ -120,6 +121,18 @@ StreamBytes tooth_image(const VoxelModel& model, const std::string& name, Messag
 StreamBytes no_data(const std::string& type, const std::string& name) {
   std::vector<std::byte> message(IGTL_HEADER_SIZE);
   put_header(type, name, {}, message);
+  return shared(std::move(message));
+}
+
+StreamBytes capability(const std::string& name) {
+  constexpr std::array kTypes{"CAPABILITY", "IMAGE", "POLYDATA", "SENSOR", "STATUS", "TRANSFORM"};
+  std::vector<std::byte> message(IGTL_HEADER_SIZE + kTypes.size() * IGTL_HEADER_TYPE_SIZE);
+  auto* field = reinterpret_cast<char*>(message.data()) + IGTL_HEADER_SIZE;
+  for (const std::string type : kTypes) {  // the rest of each stays zero
+    std::copy(type.begin(), type.end(), field);
+    field += IGTL_HEADER_TYPE_SIZE;
+  }
+  put_header("CAPABILITY", name, {}, message);
   return shared(std::move(message));
 }
 

@@ -19,7 +19,12 @@ StreamBytes tooth_polydata(const VoxelModel& model, const std::string& name, Mes
 /// leaves that hold what is left. The axes are the scene's. Without a body where nothing is left.
 StreamBytes tooth_image(const VoxelModel& model, const std::string& name, MessageTime time);
 
-/// What says that there is no such data: a message without a body.
+// What answers other requests, in a moment.
+
+/// That there is no such data: a message without a body.
 StreamBytes no_data(const std::string& type, const std::string& name);
+/// CAPABILITY: the types of messages that may be sent. (The library's class for it loses memory
+/// each time that it packs.)
+StreamBytes capability(const std::string& name);
 
 }  // namespace sulcus

@@ -299,7 +299,9 @@ TEST_F(StreamSession, TheToothIsGivenToWhoAsks) {
   EXPECT_EQ(reader.bodies_refused, 0u);
   EXPECT_EQ(reader.without_body, 2u);
   EXPECT_EQ(reader.devices["Nothing"].type, "POLYDATA");
-  EXPECT_EQ(reader.devices[""].type, "CAPABILITY");
+  const std::vector<std::string> types{"CAPABILITY", "IMAGE",  "POLYDATA",
+                                       "SENSOR",     "STATUS", "TRANSFORM"};
+  EXPECT_EQ(reader.devices[""].words, types);
   // The surface, the image, and that there is no transform of it.
   std::vector<std::uint64_t> stamps = reader.devices["Tooth"].stamps;
   ASSERT_EQ(stamps.size(), 3u);

@@ -111,6 +111,9 @@ class StreamReader {
       surface = body_of<igtl::PolyDataMessage>(*header);
     } else if (device.type == "IMAGE") {
       image = body_of<igtl::ImageMessage>(*header);
+    } else if (device.type == "CAPABILITY") {
+      const auto capability = body_of<igtl::CapabilityMessage>(*header);
+      for (const std::string& type : capability->GetTypes()) device.words.push_back(type.c_str());
     } else {
       socket_->Skip(header->GetBodySizeToRead());
     }
