@@ -1,6 +1,7 @@
 #include "engine/graphics/display_loss.hpp"
 
 #include <dlfcn.h>
+#include <poll.h>
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -25,6 +26,7 @@ using IoErrorHandler = int (*)(void* display);
 using IoErrorExitHandler = void (*)(void* display, void* user_data);
 
 unsigned long window_id = 0;
+int connection = -1;  // to the display
 
 int on_error(void*, XError* error) {
   const bool is_gone = error->error_code == kBadWindow || error->error_code == kBadDrawable;
@@ -53,6 +55,7 @@ void watch_for_display_loss() {
   GLFWwindow* const window = glfwGetCurrentContext();
   if (display && window) {
     window_id = window_of(window);
+    if (auto* number = find<int(void*)>(xlib, "XConnectionNumber")) connection = number(display);
     if (auto* set = find<void*(ErrorHandler)>(xlib, "XSetErrorHandler")) set(on_error);
     // Of libX11 1.7 on: before, Xlib ends the process whatever is said here.
     if (auto* set = find<void(void*, IoErrorExitHandler, void*)>(xlib, "XSetIOErrorExitHandler")) {
@@ -63,6 +66,13 @@ void watch_for_display_loss() {
   dlclose(xlib);
 }
 
-bool display_is_lost() { return lost; }
+/// Also asks the connection: Mesa, told to show a picture on one that is broken, may take a minute.
+bool display_is_lost() {
+  pollfd state{.fd = connection, .events = 0, .revents = 0};
+  if (!lost && connection >= 0 && poll(&state, 1, 0) > 0) {
+    lost = (state.revents & (POLLHUP | POLLERR | POLLNVAL)) != 0;
+  }
+  return lost;
+}
 
 }  // namespace sulcus
