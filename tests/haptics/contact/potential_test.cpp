@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "haptics/contact/normal_cache.hpp"
+#include "haptics/contact/normals.hpp"
 #include "tests/haptics/contact/contact_evaluation.hpp"
 
 namespace sulcus {
@@ -31,6 +33,31 @@ Evaluation at(const Workpiece& workpiece, const Pose& pose,
               Outputs outputs = Outputs::kForceAndStiffness) {
   return Evaluation(workpiece, fine_burr(), pose, Scaling::kPotential, nullptr, outputs);
 }
+
+/// The force at many poses of a burr at a workpiece that stays as it is: memory and normals are
+/// kept from one to the next, as from tick to tick, which changes no force.
+class Forces {
+ public:
+  Forces(const Workpiece& workpiece, Scaling scaling)
+      : workpiece_(workpiece),
+        settings_(test::with(scaling)),
+        scratch_(settings_),
+        normals_(workpiece.grid(), settings_) {}
+  Vector3d at(const Pose& pose) {
+    const ContactResult result = evaluate_contact(
+        workpiece_, {fine_burr(), pose, test::one_tissue(), settings_, nullptr, Outputs::kForce},
+        scratch_, &normals_);
+    keep_normals(settings_, ++tick_, scratch_, normals_);
+    return result.wrench.force_N;
+  }
+
+ private:
+  const Workpiece& workpiece_;
+  const HapticsSettings settings_;
+  ContactScratch scratch_;
+  NormalCache normals_;
+  std::uint64_t tick_ = 0;
+};
 
 /// Half a cube, cut at z = 0 and x = 0.
 const Workpiece& edge_block() {
@@ -86,13 +113,12 @@ struct WayWork {
 template <class Way>
 WayWork work_along(const Workpiece& workpiece, Scaling scaling, int steps, const Way& way) {
   WayWork work;
+  Forces forces(workpiece, scaling);
   Vector3d force_before = Vector3d::Zero(), place_before = Vector3d::Zero();
   for (int i = 0; i <= steps; ++i) {
     const Vector3d place = way(static_cast<double>(i) / steps);
     const Pose pose = test::upright(place - Vector3d(0, 0, kRadius));
-    const Vector3d force =
-        Evaluation(workpiece, fine_burr(), pose, scaling, nullptr, Outputs::kForce)
-            .result.wrench.force_N;
+    const Vector3d force = forces.at(pose);
     if (i > 0) work.in_J -= 0.5 * (force + force_before).dot(place - place_before);
     work.most_J = std::max(work.most_J, work.in_J);
     force_before = force, place_before = place;
@@ -169,12 +195,12 @@ TEST(Potential, StiffnessIsTheDerivativeOfTheForceAcrossAFace) {
 TEST(Potential, APointComesInWithoutAStepOfForce) {
   // Over a corner, where few points come one by one.
   const Workpiece corner(test::block({64, 64, 64}, kVoxel, {0, 0, 0}, {32, 32, 32}));
+  Forces forces(corner, Scaling::kPotential);
   Vector3d before = Vector3d::Zero();
   double largest_N = 0.0;
   for (int n = 0; n < 2000; ++n) {
     const Vector3d middle = Vector3d(0.5, 0.4, 0.8).normalized() * (kRadius - 0.1e-6 * n);
-    const Vector3d force =
-        at(corner, test::upright(middle - Vector3d(0, 0, kRadius))).result.wrench.force_N;
+    const Vector3d force = forces.at(test::upright(middle - Vector3d(0, 0, kRadius)));
     if (n > 0) largest_N = std::max(largest_N, (force - before).norm());
     before = force;
   }
