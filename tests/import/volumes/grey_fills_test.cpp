@@ -29,11 +29,28 @@ constexpr double kAir = 400.0, kTooth = 900.0, kHalf = 650.0, kSpacing = 1e-4;
 constexpr int kCells = 56;
 const std::vector<TissueSettings> kOneTissue = {{.name = "tooth", .above = {}, .file = {}}};
 
+/// The share of the voxel around `middle` that is inside, by 8^3 points. A solid has nothing
+/// thinner than 3 voxels here: where 27 points that far around are all alike, so is what lies
+/// between.
+template <class Inside>
+double averaged_share(const Inside& inside, const Vector3d& middle) {
+  constexpr int kParts = 8, kAround = 3;
+  int around = 0, in = 0;
+  for_each_cell(Cell::Constant(-1), Cell::Constant(2), [&](const Cell& to) {
+    around += inside(Vector3d(middle + 1.5 * to.cast<double>())) ? 1 : 0;
+  });
+  if (around == 0 || around == kAround * kAround * kAround) return around > 0 ? 1.0 : 0.0;
+  for_each_cell(Cell::Zero(), Cell::Constant(kParts), [&](const Cell& part) {
+    const Vector3d to = (part.cast<double>().array() + 0.5) / kParts - 0.5;
+    in += inside(Vector3d(middle + to)) ? 1 : 0;
+  });
+  return in / double(kParts * kParts * kParts);
+}
+
 /// Grey values of 56^3 voxels, each the mean over 8^3 points of what `inside(p)` says, p in voxels
 /// from the middle; with noise of a deviation.
 template <class Inside>
 MedicalVolume averaged(const Inside& inside, double noise = 0.0) {
-  constexpr int kParts = 8;
   MedicalVolume volume;
   volume.file = "averaged.nrrd";
   volume.sizes = Eigen::Vector3i::Constant(kCells);
@@ -41,13 +58,8 @@ MedicalVolume averaged(const Inside& inside, double noise = 0.0) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
   for_each_cell(Cell::Zero(), volume.sizes, [&](const Cell& c) {
-    int in = 0;
-    for_each_cell(Cell::Zero(), Cell::Constant(kParts), [&](const Cell& part) {
-      const Vector3d to = (part.cast<double>().array() + 0.5) / kParts - 0.5;
-      in +=
-          inside(Vector3d(c.cast<double>() + to - Vector3d::Constant(0.5 * (kCells - 1)))) ? 1 : 0;
-    });
-    const double grey = kAir + (kTooth - kAir) * in / (kParts * kParts * kParts);
+    const Vector3d middle = c.cast<double>() - Vector3d::Constant(0.5 * (kCells - 1));
+    const double grey = kAir + (kTooth - kAir) * averaged_share(inside, middle);
     volume.values.push_back(static_cast<float>(grey + noise * normal(random)));
   });
   return volume;
