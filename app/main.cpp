@@ -20,7 +20,14 @@ namespace {
 int refuse_arguments(const CLI::App& program, int argc, char** argv, const CLI::ParseError& error) {
   const std::vector<CLI::App*> named = program.get_subcommands();
   if (named.empty() && argc > 1 && argv[1][0] != '-') {
-    sulcus::say_error("sulcus: no command '%s' (see sulcus --help)\n", argv[1]);
+    std::string commands;
+    for (const CLI::App* command : program.get_subcommands({})) {
+      commands += (commands.empty() ? "" : ", ") + command->get_name();
+    }
+    sulcus::say_error("sulcus: no command '%s': %s (see sulcus --help)\n", argv[1],
+                      commands.c_str());
+  } else if (named.empty() && argc > 1) {
+    sulcus::say_error("sulcus: no option '%s' of the program (see sulcus --help)\n", argv[1]);
   } else {
     const std::string command = named.empty() ? "" : " " + named.front()->get_name();
     sulcus::say_error("sulcus: %s (see sulcus%s --help)\n", error.what(), command.c_str());

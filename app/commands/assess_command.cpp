@@ -130,12 +130,13 @@ void assess_pair(const AssessOptions& options) {
   write_json(folder, result);
 }
 
-void assess(const AssessOptions& options) {
+void assess(AssessOptions options) {
   check_output_folder("-o", options.folder);
   if (!options.before.empty() || !options.after.empty()) return assess_pair(options);
   if (options.recordings.empty()) {
     throw InputError("", "assess", "nothing to assess", "RECORDING..., or --before and --after");
   }
+  for (std::string& recording : options.recordings) recording = recording_file_of(recording);
   std::vector<Assessment> attempts;
   std::vector<ComparedAttempt> compared;
   for (const std::string& recording : options.recordings) {

@@ -9,6 +9,7 @@
 #include <tbb/global_control.h>
 
 #include "app/commands/commands.hpp"
+#include "app/commands/shipped_files.hpp"
 
 namespace sulcus {
 
@@ -16,7 +17,7 @@ namespace sulcus {
 
 inline constexpr const char* kSceneArgument =
     "Scene, .toml, or the name of one that came with the program";
-inline constexpr const char* kRecordingArgument = "Recording, .h5";
+inline constexpr const char* kRecordingArgument = "Recording, .h5, or the folder of a run with one";
 
 /// An option with a value; `type` names that in the help.
 template <class Value>
@@ -26,7 +27,14 @@ CLI::Option* add_option(CLI::App& command, const char* name, Value& value, const
 }
 
 inline void add_recording_argument(CLI::App& command, std::string& file) {
-  add_option(command, "RECORDING", file, "FILE", kRecordingArgument)->required();
+  add_option(command, "RECORDING", file, "FILE", kRecordingArgument)
+      ->required()
+      ->transform(CLI::Validator(
+          [](std::string& given) {
+            given = recording_file_of(given);
+            return std::string();
+          },
+          ""));
 }
 
 /// -o and --force. `usual`: where the results go without them.

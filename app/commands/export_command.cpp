@@ -12,6 +12,7 @@
 #include "app/commands/common_options.hpp"
 #include "app/playback/recorded_run.hpp"
 #include "app/playback/recorded_sound.hpp"
+#include "app/playback/ticks_csv.hpp"
 #include "app/report/output_file.hpp"
 #include "app/report/page/page_mesh.hpp"
 #include "app/terminal/progress.hpp"
@@ -34,32 +35,6 @@ struct ExportOptions {
   std::optional<double> at_s;  // none: the end
   bool per_tissue = false;
 };
-
-void write_csv(const std::string& file, std::span<const TickRecord> rows) {
-  WholeFile table(file);
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(std::fopen(table.beside().c_str(), "w"),
-                                                      std::fclose);
-  if (!out) table.fail_incomplete();
-  std::fputs(
-      "tick,time_s,tool_x_mm,tool_y_mm,tool_z_mm,tool_qw,tool_qx,tool_qy,tool_qz,"
-      "force_x_N,force_y_N,force_z_N,torque_x_mNm,torque_y_mNm,torque_z_mNm,"
-      "contacts,removed,step_us,late_us,faults\n",
-      out.get());
-  for (const TickRecord& r : rows) {
-    const double *p = r.tool_position_m, *q = r.tool_orientation;
-    const double *f = r.force_N, *t = r.torque_Nm;
-    std::fprintf(out.get(),
-                 "%llu,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,"
-                 "%u,%u,%.4g,%.4g,%llu\n",
-                 static_cast<unsigned long long>(r.tick), r.time_s, p[0] * 1e3, p[1] * 1e3,
-                 p[2] * 1e3, q[0], q[1], q[2], q[3], f[0], f[1], f[2], t[0] * 1e3, t[1] * 1e3,
-                 t[2] * 1e3, r.contacts, r.removed, static_cast<double>(r.step_us),
-                 static_cast<double>(r.late_us), static_cast<unsigned long long>(r.faults));
-  }
-  const bool failed = std::ferror(out.get()) != 0;
-  if (std::fclose(out.release()) != 0 || failed) table.fail_incomplete();
-  table.finish();
-}
 
 /// In which space the result is written; none: the scene's.
 std::optional<InputGeometry> wanted_space(const ExportOptions& options,
@@ -210,7 +185,7 @@ void export_recording(const ExportOptions& options) {
     say("%s: fill levels\n", options.fills.c_str());
   }
   if (!options.csv.empty()) {
-    write_csv(options.csv, std::span(shape.rows()).first(row + 1));
+    write_ticks_csv(options.csv, reader, shape, row + 1);
     say("%s: %zu rows\n", options.csv.c_str(), row + 1);
   }
 }
@@ -238,7 +213,8 @@ void add_export_command(CLI::App& program) {
              "file: in the space of the workpiece's file, over the scan (the default where\n"
              "it came from one); input: on the scan's own voxels; scene: the scene's space")
       ->check(CLI::IsMember({"file", "input", "scene"}));
-  add_option(*command, "--csv", options->csv, "FILE", "One row per tick up to then, .csv");
+  add_option(*command, "--csv", options->csv, "FILE",
+             "One row per tick up to then, .csv: times, poses, forces; a [trajectory] takes it");
   add_option(*command, "--sound", options->sound, "FILE",
              "The handpiece as it sounds over the whole recording, .wav");
   command->callback([options] { export_recording(*options); });

@@ -5,6 +5,7 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/help_text.hpp"
 #include "app/commands/manual.hpp"
+#include "app/commands/shipped_files.hpp"
 #include "app/report/output_file.hpp"
 #include "engine/core/whole_file.hpp"
 
@@ -41,6 +42,8 @@ void help(const CLI::App& program, const HelpOptions& options) {
     text = program.get_formatter()->make_help(&program, "sulcus", CLI::AppFormatMode::Normal);
   } else if (options.topic == "scene") {
     text = scene_help();
+  } else if (options.topic == "scenes") {
+    text = shipped_scene_help();
   } else if (options.topic == "recording") {
     text = recording_help();
   } else if (options.topic == "burrs") {
@@ -55,14 +58,14 @@ void help(const CLI::App& program, const HelpOptions& options) {
 
 void add_help_command(CLI::App& program) {
   auto options = std::make_shared<HelpOptions>();
-  std::vector<std::string> topics{"scene", "recording", "burrs"};
+  std::vector<std::string> topics{"scene", "scenes", "recording", "burrs"};
   for (const CLI::App* command : program.get_subcommands({})) topics.push_back(command->get_name());
   topics.emplace_back("help");
   CLI::App* command = program.add_subcommand(
       "help",
-      "Tell of a command, every key of a scene, all that a recording holds, or burrs by number");
+      "Show help on a command, a scene's keys, shipped scenes, recordings, or burrs by number");
   add_option(*command, "TOPIC", options->topic, "TOPIC",
-             "scene, recording, burrs, or a command (the program)")
+             "scene, scenes, recording, burrs, or a command (the program)")
       ->check(CLI::IsMember(topics));
   add_option(*command, "--write", options->folder, "DIR",
              "Write manual pages and the completion of bash below this folder, as they lie "

@@ -90,7 +90,7 @@ void repair(const std::string& recording, const std::string& file) {
   if (fs::equivalent(recording, file, error)) {
     throw InputError(file, "-o", "the recording itself", "another file");
   }
-  if (fs::exists(file)) throw InputError(file, "-o", "a file that is there", "a new one");
+  if (fs::exists(file)) throw InputError(file, "-o", "a file that already exists", "a new name");
   const std::string missing = what_is_missing(reader);
   WholeFile copy(file);
   try {

@@ -82,7 +82,7 @@ void run(const RunOptions& options) {
   // All input is read before anything is written.
   const InputLimits limits{
       .memory_bytes = static_cast<std::uint64_t>(options.limit_gib * InputLimits::kGibibyte)};
-  const std::string file = scene_file_of(options.scene);
+  const std::string file = scene_to_run(options.scene);
   Scene scene = load_scene(file, options.overrides, limits);
   const Trajectory trajectory = scene_trajectory(scene, limits);
   std::unique_ptr<PluginDevice> plugin =
@@ -117,6 +117,10 @@ void run(const RunOptions& options) {
   part.folder.emplace(place);
   open_log(part.folder->at());
   log_loading(scene, loaded, cache);
+  if (const double clock_s = trajectory.clock_at_start_s(); clock_s != 0.0) {
+    spdlog::warn("{}: its first pose is at {} s, which is 0 s of the run", scene.trajectory.file,
+                 clock_s);
+  }
   part.simulation = std::move(loaded.simulation);
   part.loading = std::move(loaded.loading);
   SceneDevice held(scene, trajectory, session.ticks, std::move(plugin));

@@ -12,8 +12,19 @@ namespace sulcus {
 /// built; else `given`, for whoever reads it to refuse.
 std::string scene_file_of(const std::string& given);
 
-/// Where plug-ins are looked for: `given` (of --plugins) first where it is not empty, then the
-/// folder of the installation. A scene has no say in it.
+/// For whoever runs one: as scene_file_of; @throws InputError where there is no such file, with the
+/// names of the scenes that came with the program, and where it is a recording, a mesh or a volume,
+/// with what takes it.
+std::string scene_to_run(const std::string& given);
+
+/// Names and titles of the scenes that came with the program, a line each.
+std::string shipped_scene_help();
+
+/// The recording that is meant: of a folder of results that in it, else `given`.
+std::string recording_file_of(const std::string& given);
+
+/// Where plug-ins are looked for: `given` (of --plugins) first where it is not empty, then those
+/// built beside the program, then the folder of the installation. A scene has no say in it.
 std::vector<std::string> plugin_folders(const std::string& given);
 
 }  // namespace sulcus

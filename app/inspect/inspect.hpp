@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include "engine/scene/scene.hpp"
+
 namespace sulcus {
 
 // What `sulcus inspect` prints, one room for each kind of file. All throw InputError for a file
@@ -14,14 +16,17 @@ namespace sulcus {
 
 /// Header, ticks, edits, what is missing.
 void inspect_recording(const std::string& file);
-/// What it names; the files that it names are not opened, but for a picture, which is of its burr.
+/// What it names: workpiece, burr, haptics, device, way, goal. InputError where a file that it
+/// names is not there; but for its trajectory they are not opened, save for a picture, which is of
+/// its burr.
 void inspect_scene(const std::string& file, const std::vector<std::string>& overrides,
                    const std::string& picture_png);
-/// Size, shells, edges that close nothing, and the volume within: as the triangles sum it up, and
-/// as it would be voxelised.
-void inspect_mesh(const std::string& file);
+/// Size and place, in the file and in a scene; shells, edges that close nothing, the volume within,
+/// as the triangles sum it up and as it would be voxelised; the command that cuts it, or where it
+/// is as large as no tooth the unit that it may be in. Pictured from three sides, with axes.
+void inspect_mesh(const std::string& file, MeshUnit unit, const std::string& picture_png);
 /// A mesh as the burr of a scene that says no more of it; pictured as a scene's burr is.
-void inspect_burr(const std::string& file_mesh, const std::string& picture_png);
+void inspect_burr(const std::string& file_mesh, MeshUnit unit, const std::string& picture_png);
 /// Size, place, grey values with the thresholds they suggest, and the command that cuts it; of a
 /// mask or a label map each value with its box and its middle. Pictured: three sections and the
 /// histogram. `spacing_m`: in place of the file's, which may say none; then there are no lengths.

@@ -99,11 +99,12 @@ void show_burr(const Scene& scene, const std::string& picture_png) {
   }
 }
 
-void inspect_burr(const std::string& file_mesh, const std::string& picture_png) {
+void inspect_burr(const std::string& file_mesh, MeshUnit unit, const std::string& picture_png) {
   Scene scene;
   scene.file = file_mesh;
   scene.burr.shape = BurrShape::kFile;
   scene.burr.file = file_mesh;
+  scene.burr.unit = unit;
   show_burr(scene, picture_png);
 }
 

@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 
 #include "app/inspect/inspect.hpp"
+#include "app/inspect/suggested_run.hpp"
 #include "app/inspect/volume_facts.hpp"
 #include "app/terminal/terminal.hpp"
 #include "engine/core/error.hpp"
@@ -32,8 +33,12 @@ void print_place(const MedicalVolume& volume) {
   say("origin           %g, %g, %g mm\n", origin.x(), origin.y(), origin.z());
   constexpr double kSeen = 1e-3;
   const bool sheared = std::abs(std::abs(d.determinant()) - 1.0) > kSeen;
-  say("directions       (%g %g %g), (%g %g %g), (%g %g %g)%s\n", d(0, 0), d(1, 0), d(2, 0), d(0, 1),
-      d(1, 1), d(2, 1), d(0, 2), d(1, 2), d(2, 2), sheared ? ", not at right angles" : "");
+  const auto axis = [&d](Eigen::Index a) {  // rounded: no 2e-16, no -0
+    return "(" + short_number(d(0, a)) + " " + short_number(d(1, a)) + " " + short_number(d(2, a)) +
+           ")";
+  };
+  say("directions       %s, %s, %s%s\n", axis(0).c_str(), axis(1).c_str(), axis(2).c_str(),
+      sheared ? ", not at right angles" : "");
   say("memory           %.1f MiB when read\n",
       static_cast<double>(volume.values.size() * InputLimits::kVoxelBytes) / kMebibyte);
 }

@@ -5,13 +5,11 @@
 
 #include <Eigen/LU>
 
-#include "app/terminal/terminal.hpp"
+#include "app/inspect/suggested_run.hpp"
 #include "engine/core/units.hpp"
-#include "engine/core/user_text.hpp"
 #include "engine/import/meshes/solid_components.hpp"
 #include "engine/import/volumes/grey_fills.hpp"
 #include "engine/scene/scene_file.hpp"
-#include "engine/volume/grid.hpp"
 
 namespace sulcus {
 
@@ -44,16 +42,6 @@ SolidFacts solid_facts(const MedicalVolume& volume, const SolidComponents& compo
   return facts;
 }
 
-/// Up to two digits: 0.0434 becomes 0.044.
-double rounded_up(double value) {
-  const double power = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
-  return std::ceil(value / power - 1e-9) * power;
-}
-
-std::string triple(const Eigen::Vector3d& p) {
-  return "[" + short_number(p.x()) + ", " + short_number(p.y()) + ", " + short_number(p.z()) + "]";
-}
-
 /// A tissue for each value of a label map, as TOML; empty of a mask, which has one alone.
 std::string tissues_of(const std::vector<LabelCount>& labels) {
   std::string tissues;
@@ -68,10 +56,6 @@ std::string tissues_of(const std::vector<LabelCount>& labels) {
 }
 
 }  // namespace
-
-std::string short_number(double value) {
-  return formatted("%.5g", std::abs(value) < 1e-9 ? 0.0 : value);
-}
 
 double voxel_volume_mm3(const MedicalVolume& volume) {
   return (volume.spacing_m / kMillimetre).prod() * std::abs(volume.direction.determinant());
@@ -105,22 +89,14 @@ std::string cutting_command(const MedicalVolume& volume, const VolumeFacts& fact
   if (!facts.solid) return {};
   const Eigen::AlignedBox3d& box = facts.solid->box_file_m;
   const Eigen::Vector3d size_mm = box.sizes() / kMillimetre;
-  // As fine as the file tells apart, and as a grid of 512 along the longest way holds.
-  constexpr double kMargin = 8.0, kMost = 512.0, kFine_mm = 0.05;
-  const double voxel_mm = std::clamp(
-      rounded_up(std::max(size_mm.maxCoeff() / (kMost - 2.0 * kMargin),
-                          std::min(kFine_mm, volume.spacing_m.minCoeff() / kMillimetre / 3.0))),
-      1e-3, 10.0);
-  const Eigen::Vector3d leaves =
-      ((size_mm.array() / voxel_mm + 2.0 * kMargin) / kLeafEdge).ceil().matrix();
-  const Eigen::Vector3d cells =
-      (leaves * kLeafEdge).cwiseMin(static_cast<double>(kMaxCellsPerAxis));
+  // As fine as the file tells apart.
+  constexpr double kFine_mm = 0.05;
+  const double finest_mm = std::min(kFine_mm, volume.spacing_m.minCoeff() / kMillimetre / 3.0);
   const Eigen::Vector3d tip_mm = (facts.solid->top_file_m - box.center()) / kMillimetre;
-  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
 
   std::vector<std::string> settings{string_override("workpiece.file", volume.file)};
   if (spacing == SpacingFrom::kUser) {
-    settings.push_back("workpiece.spacing_mm=" + triple(volume.spacing_m / kMillimetre));
+    settings.push_back("workpiece.spacing_mm=" + short_triple(volume.spacing_m / kMillimetre));
   }
   if (facts.solid_above) {
     settings.push_back("workpiece.solid_above=" + short_number(*facts.solid_above));
@@ -136,15 +112,9 @@ std::string cutting_command(const MedicalVolume& volume, const VolumeFacts& fact
     settings.emplace_back("cutting={}");
     settings.emplace_back("record={}");
   }
-  settings.push_back("workpiece.voxel_mm=" + short_number(voxel_mm));
-  settings.push_back("workpiece.cells=" + triple(cells));
-  settings.push_back("trajectory.points_mm=[" + triple(tip_mm + up) + ", " +
-                     triple(tip_mm - 0.5 * up) + "]");
+  add_grid_and_way(size_mm, finest_mm, tip_mm, settings);
   // A mask has no grey values, which the other scene sorts its tissues by.
-  std::string command = "sulcus run scenes/";
-  command += facts.solid_above ? "cut_ct_tooth.toml" : "minimal.toml";
-  for (const std::string& setting : settings) command += " --set " + for_shell(setting);
-  return command;
+  return shell_command(facts.solid_above ? "cut_ct_tooth.toml" : "minimal.toml", settings);
 }
 
 }  // namespace sulcus

@@ -56,7 +56,4 @@ std::string cutting_command(const MedicalVolume& volume, const VolumeFacts& fact
 bool draw_volume(const MedicalVolume& volume, const VolumeFacts& facts,
                  const std::string& file_png);
 
-/// A number to five digits, as it is printed and as commands take it.
-std::string short_number(double value);
-
 }  // namespace sulcus

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "app/inspect/section_plot.hpp"
+#include "app/inspect/suggested_run.hpp"
 #include "app/inspect/volume_facts.hpp"
 #include "app/report/gnuplot.hpp"
 #include "engine/core/units.hpp"

@@ -24,8 +24,8 @@ void check_overrides(const std::vector<std::string>& overrides) {
     const std::string table = key.substr(0, key.find('.'));
     if (table == "workpiece" || table == "trajectory" || table == "goal" ||
         key == "haptics.rate_hz") {
-      throw InputError("", "--set " + key, "what the recording holds already",
-                       "a key of how it is felt, cut or drawn");
+      throw InputError("", "--set " + key, "a key that is fixed by the recording",
+                       "one of how it is felt, cut or drawn");
     }
   }
 }

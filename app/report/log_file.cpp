@@ -31,8 +31,8 @@ LogFile::LogFile(std::string path)
   if (file_ >= 0) return;
   if (errno == ENOSPC || errno == EDQUOT) fail(path_, errno);
   throw InputError(path_, "",
-                   std::string("that it cannot be written (") + std::strerror(errno) + ")",
-                   "a file to write");
+                   std::string("a file that cannot be written (") + std::strerror(errno) + ")",
+                   "one that can");
 }
 
 LogFile::~LogFile() { ::close(file_); }

@@ -14,7 +14,7 @@ namespace sulcus {
 namespace {
 
 constexpr int kMomentWide = 640, kMomentTall = 400;  // pixels
-constexpr double kFps = 30.0, kBefore_s = 1.5, kAfter_s = 0.5;
+constexpr double kMomentFps = 30.0, kBefore_s = 1.5, kAfter_s = 0.5;
 
 /// Beside the burr, from buccal.
 Viewpoint beside_the_burr() {
@@ -42,9 +42,9 @@ class MomentPictures {
     renderer_.set_section(measure.position_m ? std::optional(Section{1, measure.position_m->y()})
                                              : std::nullopt);
     measure.film = measure.name + ".mp4";
-    VideoWriter video(folder + "/" + measure.film, kMomentWide, kMomentTall, kFps);
-    for (int i = 0; i < static_cast<int>((kBefore_s + kAfter_s) * kFps); ++i) {
-      video.add(picture_at(*measure.time_s - kBefore_s + i / kFps));
+    VideoWriter video(folder + "/" + measure.film, kMomentWide, kMomentTall, kMomentFps);
+    for (int i = 0; i < static_cast<int>((kBefore_s + kAfter_s) * kMomentFps); ++i) {
+      video.add(picture_at(*measure.time_s - kBefore_s + i / kMomentFps));
     }
     video.close();
     measure.picture = measure.name + ".png";

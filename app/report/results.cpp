@@ -5,55 +5,23 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <string_view>
 
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
-#include "app/report/gnuplot.hpp"
+#include "app/report/force_chart.hpp"
 #include "app/report/log_file.hpp"
 #include "app/report/summary.hpp"
+#include "app/report/untouched.hpp"
 #include "app/terminal/terminal.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
-#include "engine/core/user_text.hpp"
 #include "engine/core/whole_file.hpp"
 
 namespace sulcus {
 
 namespace {
-
-/// Draws force, torque and contacts over the ticks, as figs. 5 and 6 of [Kim and Park 2019], and
-/// the speed of a spindle that `sags`, with gnuplot. False, and no file, where gnuplot cannot be
-/// run.
-bool draw_force_chart(const RunStatistics& statistics, const std::string& title, bool sags,
-                      const std::string& file_png) {
-  return draw_with_gnuplot(file_png, 1200, 900, [&](std::FILE* gnuplot) {
-    std::fputs("$data << EOD\n", gnuplot);
-    for (const ChartPoint& p : statistics.chart.points()) {
-      std::fprintf(gnuplot, "%llu %g %g %u %g %g\n", static_cast<unsigned long long>(p.tick),
-                   static_cast<double>(p.force_N), static_cast<double>(p.torque_mNm), p.contacts,
-                   static_cast<double>(p.tick_us), static_cast<double>(p.spindle_krpm));
-    }
-    if (statistics.ticks == 0) std::fputs("0 0 0 0 0 0\n", gnuplot);
-    std::fprintf(
-        gnuplot,
-        "EOD\n"
-        "set multiplot layout %d,1 title %s\n"
-        "set grid lc rgb '#dddddd'\nset key off\nset lmargin 9\nset yrange [0:*]\n"
-        "set ylabel 'force, N'\nplot $data using 1:2 with lines lw 1 lc rgb '#1f4e9c'\n"
-        "set ylabel 'torque, mN m'\nplot $data using 1:3 with lines lw 1 lc rgb '#1f4e9c'\n"
-        "set ylabel 'voxels in contact'\n"
-        "plot $data using 1:4 with lines lw 1 lc rgb '#555555'\n"
-        "%s"
-        "set ylabel 'tick, us'\nset xlabel 'tick'\n"
-        "plot $data using 1:5 with lines lw 1 lc rgb '#b5651d'\n"
-        "unset multiplot\n",
-        sags ? 5 : 4, for_gnuplot(title).c_str(),
-        sags ? "set ylabel 'speed, krpm'\n"
-               "plot $data using 1:6 with lines lw 1 lc rgb '#6b4aa0'\n"
-             : "");
-  });
-}
 
 /// How a tick at real pace kept its time.
 void say_lateness(const SessionResult& result) {
@@ -94,6 +62,15 @@ void say_heat(const PulpHeat& pulp) {
   }
 }
 
+/// Of a fault that a scene's simulated device is to have: which key says so.
+std::string asked_for(const Scene& scene, std::string_view fault) {
+  if (!scene.device) return {};
+  const bool silence = fault == "device_silent" || fault == "pose_bridged";
+  if (silence && !scene.device->silences.empty()) return ", as device.silent_s asks";
+  if (fault == "device_jumped" && !scene.device->jumps.empty()) return ", as device.jump_s_mm asks";
+  return {};
+}
+
 }  // namespace
 
 std::string folder_of_scene(const std::string& file, const std::string& suffix) {
@@ -109,8 +86,10 @@ std::string folder_of_recording(const std::string& file, const std::string& suff
 
 namespace {
 
-void write_and_tell(ResultsFolder& folder, const Scene& scene, const SessionResult& result,
-                    const SessionOptions& options, const nlohmann::ordered_json& summary) {
+void write_and_tell(ResultsFolder& folder, const Simulation& simulation,
+                    const SessionResult& result, const SessionOptions& options,
+                    const nlohmann::ordered_json& summary) {
+  const Scene& scene = simulation.scene();
   const RunStatistics& s = result.statistics;
   std::vector<std::string> files{options.folder + "/summary.json"};
   write_whole_file(files.back(), result.summary);
@@ -126,12 +105,16 @@ void write_and_tell(ResultsFolder& folder, const Scene& scene, const SessionResu
 
   for (const std::string& refused : result.refused) spdlog::warn("not granted: {}", refused);
   for (const auto& [fault, ticks] : summary["faults"].items()) {
-    spdlog::warn("fault {} in {} ticks", fault, ticks.dump());
+    spdlog::warn("{}: fault {} in {} ticks{}", scene.title, fault, ticks.dump(),
+                 asked_for(scene, fault));
   }
   if (scene.least_pulp_distance_m && result.outcome && result.outcome->progress.pulp_near_tick()) {
     spdlog::warn("{:.2f} mm of tooth are left over the pulp, and {:.2f} mm were to stay",
                  result.outcome->progress.wall_over_pulp_m().value_or(0.0) / kMillimetre,
                  *scene.least_pulp_distance_m / kMillimetre);
+  }
+  if (const std::string text = say_untouched(simulation, s); !text.empty()) {
+    spdlog::warn("{}", text);
   }
   if (result.interrupted) spdlog::warn("stopped on request after {} ticks", s.ticks);
 
@@ -173,7 +156,7 @@ void run_into(ResultsFolder& folder, Simulation& simulation, Device& device,
   const SessionResult result = run_session(simulation, device, options);
   options.summarise = nullptr;  // it refers into this call
   try {
-    write_and_tell(folder, simulation.scene(), result, options, summary);
+    write_and_tell(folder, simulation, result, options, summary);
     check_log();
   } catch (const std::exception&) {
     if (!result.failure) throw;

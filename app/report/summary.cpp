@@ -4,11 +4,13 @@
 #include <array>
 #include <bit>
 #include <span>
+#include <string>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "app/build_info.hpp"
+#include "app/terminal/terminal.hpp"
 #include "engine/core/hash.hpp"
 #include "engine/core/instruction_set.hpp"
 #include "engine/core/realtime.hpp"
@@ -333,9 +335,27 @@ void add_contact(const RunStatistics& s, Json& j) {
   j["leaves_in_contact"] = {{"mean", s.leaves_sum / ticks}, {"max", s.leaves_max}};
   j["voxels_tested"] = {{"mean", s.tested_sum / ticks}, {"max", s.tested_max}};
   j["voxels_in_contact"] = {{"mean", s.contacts_sum / ticks}, {"max", s.contacts_max}};
-  j["force_N"] = {{"mean", s.force_N.mean()}, {"max", s.force_N.largest()}};
+  const double in_contact = std::max<double>(1.0, static_cast<double>(s.ticks_in_contact));
+  j["force_N"] = {{"mean", s.force_N.mean()},
+                  {"mean_in_contact", s.force_in_contact_sum_N / in_contact},
+                  {"max", s.force_N.largest()}};
   j["force_step_N"] = {{"max", s.force_step_max_N}};
   j["torque_mNm"] = {{"mean", s.torque_mNm.mean()}, {"max", s.torque_mNm.largest()}};
+}
+
+/// The numbers below a value to as many digits as say something; energies stay as they are, whose
+/// balance is checked.
+void round_numbers(Json& value) {
+  constexpr int kDigits = 7;
+  if (value.is_number_float()) {
+    value = std::stod(formatted("%.*g", kDigits, value.get<double>()));
+  } else if (value.is_array()) {
+    for (Json& item : value) round_numbers(item);
+  } else if (value.is_object()) {
+    for (const auto& [name, item] : value.items()) {
+      if (!name.ends_with("_J")) round_numbers(item);
+    }
+  }
 }
 
 }  // namespace
@@ -394,6 +414,7 @@ nlohmann::ordered_json make_summary(const Simulation& simulation, const SessionR
   j["volume_hash"] = hex(simulation.workpiece().hash());
   j["force_hash"] = hex(s.force_hash);
   j["faults"] = faults_json(s, result.dropped_rows);
+  round_numbers(j);
   return j;
 }
 

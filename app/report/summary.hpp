@@ -7,7 +7,8 @@
 namespace sulcus {
 
 /// summary.json of a run, with the pinned keys of the README. `workpiece` is what is left at the
-/// end, `workpiece_start` what there was before the first tick of all. Of a run that goes on from
+/// end, `workpiece_start` what there was before the first tick of all; ticks and stages are timed
+/// by the thread's own time; numbers have seven digits, energies all. Of a run that goes on from
 /// another, `outcome` and `goal` mark the whole, `since_fork` its own part, `parent` says from what
 /// it goes on.
 nlohmann::ordered_json make_summary(const Simulation& simulation, const SessionResult& result,

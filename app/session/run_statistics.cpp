@@ -69,8 +69,23 @@ void RunStatistics::add(const TickReport& report) {
   contacts_sum += r.contacts;
   contacts_max = std::max(contacts_max, r.contacts);
   const double spindle_krpm = 1e-3 * report.cutting.spindle_rad_per_s / kRevolutionPerMinute;
-  chart.add({ticks, static_cast<float>(force_now_N), static_cast<float>(torque_now_mNm), r.step_us,
-             static_cast<float>(spindle_krpm), r.contacts});
+  if (r.contacts > 0) {
+    force_in_contact_sum_N += force_now_N;
+    ++ticks_in_contact;
+  }
+  ChartPoint point{.time_s = r.time_s,
+                   .tick_us = r.step_us,
+                   .spindle_krpm = static_cast<float>(spindle_krpm),
+                   .contacts = r.contacts};
+  const Eigen::Vector3d axis =
+      pose_of(r.tool_position_m, r.tool_orientation).direction(Eigen::Vector3d::UnitY());
+  for (std::size_t a = 0; a < 3; ++a) {
+    point.force_N[a] = static_cast<float>(force[a]);
+    point.torque_mNm[a] = static_cast<float>(1e3 * torque[a]);
+    point.tip_m[a] = static_cast<float>(r.tool_position_m[a]);
+    point.axis[a] = static_cast<float>(axis[static_cast<Eigen::Index>(a)]);
+  }
+  chart.add(point);
   leaves_sum += r.leaves;
   tested_sum += r.tested;
   leaves_max = std::max<std::uint32_t>(leaves_max, r.leaves);

@@ -36,11 +36,13 @@ class Distribution {
   double sum_ = 0.0, largest_ = 0.0;
 };
 
-/// What a chart of a run shows of a tick.
+/// What a chart of a run shows of a tick, and where the tool was in it.
 struct ChartPoint {
-  std::uint64_t tick = 0;
-  float force_N = 0.0f, torque_mNm = 0.0f, tick_us = 0.0f, spindle_krpm = 0.0f;
+  double time_s = 0.0;
+  std::array<float, 3> force_N{}, torque_mNm{};  // world axes
+  float tick_us = 0.0f, spindle_krpm = 0.0f;
   std::uint32_t contacts = 0;
+  std::array<float, 3> tip_m{}, axis{};  // world; the axis from tip to shank, unit
 };
 
 /// Every n-th tick, n growing with the run, so that there are never more than a chart can show.
@@ -69,6 +71,8 @@ struct RunStatistics {
   Distribution tick_us, late_us;
   std::array<Distribution, kStageCount> stage_us;
   Distribution force_N, torque_mNm;  // magnitudes
+  double force_in_contact_sum_N = 0.0;
+  std::uint64_t ticks_in_contact = 0;
   double contacts_sum = 0.0;
   std::uint32_t contacts_max = 0;
   ChartSeries chart;

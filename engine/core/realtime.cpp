@@ -60,7 +60,9 @@ std::vector<std::string> request_realtime() {
   sched_param priority{};
   priority.sched_priority = kPriority;
   if (const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority)) {
-    refused.push_back(std::string("SCHED_FIFO: ") + std::strerror(error));
+    refused.push_back(std::string("SCHED_FIFO: ") + std::strerror(error) +
+                      " ('ulimit -r' says up to which priority; a line 'USER - rtprio 95' in "
+                      "/etc/security/limits.conf grants it from the next login on)");
   }
   if (const std::optional<size_t> core = realtime_core()) {
     cpu_set_t own;
@@ -76,7 +78,7 @@ std::vector<std::string> request_realtime() {
 
 std::string lock_memory() {
   if (mlockall(MCL_CURRENT) == 0) return {};
-  return std::string("locked memory: ") + std::strerror(errno);
+  return std::string("locked memory: ") + std::strerror(errno) + " ('ulimit -l' says how much)";
 }
 
 void leave_realtime_core() {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -15,6 +16,7 @@
 #include "engine/core/units.hpp"
 #include "engine/import/input_files.hpp"
 #include "engine/import/meshes/mesh_file.hpp"
+#include "engine/import/meshes/mesh_size.hpp"
 #include "engine/import/meshes/voxelise_mesh.hpp"
 #include "engine/import/volumes/medical_volume.hpp"
 #include "engine/import/volumes/volume_part.hpp"
@@ -24,12 +26,23 @@
 namespace sulcus {
 namespace {
 
+constexpr std::string_view kWorkpiecePlace = "[workpiece]";
+
+/// Says where what is to be cut is as large as no tooth, as a file in another unit is.
+void warn_of_size(std::span<const TissueSurface> surfaces, const WorkpieceSettings& settings,
+                  ImportNotes& notes) {
+  const std::string doubt = doubt_size(longest_side_m(surfaces), settings.unit);
+  if (!doubt.empty()) notes.warnings.push_back("the mesh is " + doubt);
+}
+
 /// The meshes of the workpiece and of the tissues that have one.
-VoxelModel import_meshes(const Scene& scene, const VoxelGrid& grid, ImportNotes& notes) {
+VoxelModel import_meshes(const Scene& scene, std::string_view place, const VoxelGrid& grid,
+                         ImportNotes& notes) {
   InputLimits left = scene.limits;  // they are all held at once
   std::vector<TissueSurface> surfaces;
   const auto add = [&](const std::string& file, std::size_t tissue) {
-    surfaces.push_back({read_mesh(file, left), file, static_cast<std::uint8_t>(tissue)});
+    surfaces.push_back({read_mesh(file, left, metres_of(scene.workpiece.unit)), file,
+                        static_cast<std::uint8_t>(tissue)});
     left.memory_bytes -= std::min<std::uint64_t>(
         left.memory_bytes, surfaces.back().mesh.triangles.size() * InputLimits::kTriangleBytes);
   };
@@ -37,6 +50,7 @@ VoxelModel import_meshes(const Scene& scene, const VoxelGrid& grid, ImportNotes&
   for (std::size_t t = 1; t < scene.tissues.size(); ++t) {
     if (!scene.tissues[t].file.empty()) add(scene.tissues[t].file, t);
   }
+  if (place == kWorkpiecePlace) warn_of_size(surfaces, scene.workpiece, notes);
   notes.input.emplace().file_from_world = world_from_surfaces(surfaces, scene.workpiece).inverse();
   return voxelise_surfaces(surfaces, grid, scene.workpiece);
 }
@@ -102,7 +116,7 @@ VoxelModel make_model(const Scene& scene, std::string_view place, const VoxelGri
   }
   if (w.shape || mesh) warn_of_greys(scene.tissues, notes);
   VoxelModel model = w.shape ? build_shape(scene)
-                     : mesh  ? import_meshes(scene, grid, notes)
+                     : mesh  ? import_meshes(scene, place, grid, notes)
                              : import_volume(scene, grid, notes);
   const bool solid =
       std::ranges::any_of(model.leaves, [](const LeafBits& leaf) { return any(leaf); });
@@ -119,7 +133,7 @@ std::optional<Hash128> key_of(const Scene& scene) {
   const auto& [shape, file, sphere_radius_m, box_size_m, plate_thickness_m, plate_tilt,
                torus_major_m, torus_minor_m, groove_angle, groove_depth_m, molar_caries_radius_m,
                solid_above, spacing_m, box_file, labels, label, surface, voxel_m, cells, position_m,
-               rotation] = scene.workpiece;
+               rotation, unit] = scene.workpiece;
   Hash128Stream key = LoadCache::key_of(CacheKind::kModel);
   key.add(shape);
   if (shape) {
@@ -129,7 +143,7 @@ std::optional<Hash128> key_of(const Scene& scene) {
   } else {
     const std::optional<Hash128> contents = hash_input(file);
     if (!contents) return std::nullopt;
-    key.add(*contents).add(solid_above).add(spacing_m).add(label);
+    key.add(*contents).add(unit).add(solid_above).add(spacing_m).add(label);
     key.add(box_file.has_value());
     if (box_file) {
       const Eigen::Vector3d low = box_file->min(), high = box_file->max();
@@ -195,7 +209,7 @@ VoxelModel build_beside(const Scene& alone, const std::string& place, LoadCache*
 }  // namespace
 
 VoxelModel build_workpiece(const Scene& scene, LoadCache* cache, ImportNotes* notes) {
-  return build(scene, "[workpiece]", cache, notes);
+  return build(scene, kWorkpiecePlace, cache, notes);
 }
 
 std::vector<VoxelModel> build_bodies(const Scene& scene, LoadCache* cache,
@@ -223,6 +237,7 @@ std::optional<VoxelModel> build_goal(const Scene& scene, LoadCache* cache,
   alone.tissues = {all_of(scene.tissues.front())};
   WorkpieceSettings& solid = alone.workpiece;
   solid.file = scene.goal->file;
+  solid.unit = scene.goal->unit;
   solid.solid_above = scene.goal->solid_above;
   solid.position_m = scene.goal->position_m;
   solid.rotation = scene.goal->rotation;

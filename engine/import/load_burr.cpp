@@ -16,7 +16,7 @@ namespace {
 Hash128 key_of(const BurrSettings& settings, const FieldGrid& grid, const TriangleMesh* mesh_tool) {
   // A setting that is added does not compile until it has a place here.
   const auto& [shape, file, diameter_m, length_m, speed, ratio, samples, spacing_m, reference_m,
-               material, grit, worn_m] = settings;
+               material, grit, worn_m, unit] = settings;
   Hash128Stream key = LoadCache::key_of(CacheKind::kField);
   key.add(grid.samples).add(grid.origin_tool).add(grid.spacing_m);
   key.add(mesh_tool != nullptr);
@@ -45,7 +45,7 @@ Burr load_burr(const Scene& scene, LoadCache* cache) {
     };
   }
   if (settings.shape != BurrShape::kFile) return make_burr(settings, voxel_m, scene.file, source);
-  const TriangleMesh mesh = read_mesh(settings.file, scene.limits);
+  const TriangleMesh mesh = read_mesh(settings.file, scene.limits, metres_of(settings.unit));
   const auto [grid, positions_index] = lattice_about(mesh);
   check_shells(mesh, grid, positions_index, settings.file);
   return make_burr(settings, voxel_m, tool_from_file(mesh), scene.file, source);

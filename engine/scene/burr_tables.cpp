@@ -73,6 +73,10 @@ BurrSettings read_burr(SceneTable& table, bool saturates, BurrSettings b) {
   const auto shape = table.choice_if("shape");
   if (shape && !b.file.empty()) table.fail("shape", "both a shape and a file", "one of them");
   if (!b.file.empty()) b.shape = BurrShape::kFile;
+  b.unit = MeshUnit(table.choice("unit"));
+  if (b.file.empty() && table.has("unit")) {
+    table.fail("unit", "a unit beside no file", "both of them");
+  }
   if (shape) b.shape = BurrShape(*shape);
   b.diameter_m = table.number("diameter_mm") * kMillimetre;
   if (const auto length = table.number_if("length_mm")) {

@@ -28,6 +28,12 @@ enum class ShapeKind : std::uint8_t { kMolar, kSphere, kBox, kPlate, kTorus, kGr
 enum class SurfaceKind : std::uint8_t { kBinary, kFractions };
 inline constexpr std::array<std::string_view, 2> kSurfaceNames{"binary", "fractions"};
 
+/// Of the numbers in a mesh file, which does not say it itself.
+enum class MeshUnit : std::uint8_t { kMicrometre, kMillimetre, kCentimetre, kMetre, kInch };
+inline constexpr std::array<std::string_view, 5> kMeshUnitNames{"um", "mm", "cm", "m", "in"};
+inline constexpr std::array<double, 5> kMeshUnits_m{1e-6, 1e-3, 1e-2, 1.0, 25.4e-3};
+constexpr double metres_of(MeshUnit unit) { return kMeshUnits_m[static_cast<std::size_t>(unit)]; }
+
 struct WorkpieceSettings {
   std::optional<ShapeKind> shape;  // exactly one of `shape` and `file` is set
   std::string file;                // volume or mesh, resolved against the scene's folder
@@ -49,6 +55,7 @@ struct WorkpieceSettings {
   Eigen::Vector3i cells{512, 512, 512};
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  // of the solid in the grid
   Eigen::Vector3d rotation = Eigen::Vector3d::Zero();    // rad, about x, then y, then z
+  MeshUnit unit = MeshUnit::kMillimetre;  // of `file`, a mesh, and of the tissues' meshes
 };
 
 struct TissueSettings {
@@ -83,8 +90,9 @@ struct BurrSettings {
   double reference_m = 40e-3;             // torque reference from the tip along the axis
   // What CuttingLaw::kSaturating asks for besides.
   BurrMaterial material = BurrMaterial::kDiamond;
-  Grit grit = Grit::kMedium;  // of diamonds
-  double worn_m = 0.0;        // length that diamonds have cut since they were new
+  Grit grit = Grit::kMedium;              // of diamonds
+  double worn_m = 0.0;                    // length that diamonds have cut since they were new
+  MeshUnit unit = MeshUnit::kMillimetre;  // of `file`
 };
 
 /// A timed pose of the burr's tip.
@@ -255,6 +263,7 @@ struct GoalSettings {
   double taper = 0.0;  // rad, of each wall: how far it leans outward towards its own +z
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  // of its centre
   Eigen::Vector3d rotation = Eigen::Vector3d::Zero();    // rad, about x, then y, then z
+  MeshUnit unit = MeshUnit::kMillimetre;                 // of `file`, a mesh
 };
 
 /// How the water comes out of the handpiece: by itself, or blown apart by air.

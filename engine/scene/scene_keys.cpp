@@ -64,6 +64,8 @@ constexpr SceneKey weight(const MeasureName& measure) {
 constexpr std::array<Text, 6> kShapes{"molar", "sphere", "box", "plate", "torus", "groove"};
 constexpr std::array<Text, 5> kBurrShapes{"round", "pear", "fissure", "inverted_cone", "flame"};
 constexpr std::array<Text, 2> kGoalShapes{"box", "cylinder"};
+constexpr SceneKey kUnit = choice("unit", kMeshUnitNames, "\"mm\"",
+                                  "of the numbers in a mesh file (sulcus inspect guesses it)");
 constexpr std::array<Text, 2> kModels{"simulated", "played_back"};
 
 constexpr std::array kTop{
@@ -74,7 +76,8 @@ constexpr std::array kWorkpiece{
     choice("shape", kShapes, "", "a built-in shape; either this or file"),
     path("file",
          "a volume (.nrrd .mha .mhd .nii .tif, a folder of DICOM, TIFF or PNG slices) or a mesh "
-         "(.stl .obj .ply, mm); relative to the scene file"),
+         "(.stl .obj .ply); relative to the scene file, or by --set to the current folder"),
+    kUnit,
     number("solid_above", kGrey, "(a binary mask: above 0)", "grey value from which it is solid"),
     numbers("spacing_mm", 3, {1e-4, 100}, "(the file's)", "of a volume's voxels"),
     numbers(
@@ -139,7 +142,8 @@ constexpr std::array kSpareBurr{
 
 constexpr std::array kBurr{
     choice("shape", kBurrShapes, "(\"round\", unless there is a file)", "of the head [ISO 6360]"),
-    path("file", "a closed mesh, mm, its axis along z from tip to shank"),
+    path("file", "a closed mesh, its axis along z from tip to shank"),
+    kUnit,
     text("iso", "",
          "a number of ISO 6360, \"806 314 001 524 014\", or shape and size of it, \"001 014\": "
          "shape, diameter and some lengths (sulcus help burrs)"),
@@ -164,7 +168,10 @@ constexpr std::array kBurr{
 
 constexpr std::array kTrajectory{
     rows("points_mm", 3, "x, y, z", kAnyLength_mm, "of the burr's tip; this, file or recording"),
-    path("file", "poses, .csv: t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz, world from tool"),
+    path("file",
+         "poses, .csv: columns t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz, or those of export --csv; world "
+         "from tool, whose +y goes from tip to shank: upright, shank up, is 0.70710678, "
+         "0.70710678, 0, 0"),
     path("recording", "an earlier recording, .h5, whose device's poses it is"),
     direction("axis", "[0, 0, 1]", "of the burr, from tip to shank"),
     number("speed_mm_per_s", {1e-3, 1e4}, "0.4", "from point to point"),
@@ -266,6 +273,7 @@ constexpr std::array kLoosePieces{
 constexpr std::array kGoal{
     choice("shape", kGoalShapes, "", "of the cavity; either this or file"),
     path("file", "a mesh or a volume of the cavity"),
+    kUnit,
     number("solid_above", kGrey, "(a binary mask: above 0)", "with file: what is of the cavity"),
     numbers("size_mm", 3, kSize_mm, "", "of a box, half way up"),
     number("diameter_mm", kSize_mm, "", "of a cylinder, half way up"),

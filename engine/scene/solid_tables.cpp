@@ -2,6 +2,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "engine/core/file_kind.hpp"
 #include "engine/core/units.hpp"
 #include "engine/scene/table_readers.hpp"
 #include "engine/volume/edit.hpp"
@@ -65,6 +66,16 @@ void read_part(SceneTable& table, WorkpieceSettings& w) {
   }
 }
 
+/// In what a mesh's numbers are, where the table says it; a volume has its own spacing.
+MeshUnit read_unit(SceneTable& table, const std::string& file) {
+  const auto unit = MeshUnit(table.choice("unit"));
+  if (table.has("unit") && !is_mesh_file(file)) {
+    table.fail("unit", file.empty() ? "a unit beside a built-in shape" : "a unit beside a volume",
+               "it beside a mesh, .stl, .obj or .ply; a volume has spacing_mm");
+  }
+  return unit;
+}
+
 /// What becomes voxels, of the workpiece or of another body.
 WorkpieceSettings read_solid(SceneTable& table) {
   WorkpieceSettings w;
@@ -74,6 +85,7 @@ WorkpieceSettings read_solid(SceneTable& table) {
     table.fail("shape", w.shape ? "both a shape and a file" : "neither a shape nor a file",
                "one of them");
   }
+  w.unit = read_unit(table, w.file);
   read_shape_tables(table, w);
   w.solid_above = table.number_if("solid_above");
   if (const std::vector<double> spacing = table.numbers_if("spacing_mm"); !spacing.empty()) {
@@ -146,6 +158,7 @@ GoalSettings read_goal(SceneTable& table) {
     table.fail("shape", shape ? "both a shape and a file" : "neither a shape nor a file",
                "box, cylinder, or a file");
   }
+  g.unit = read_unit(table, g.file);
   g.position_m = table.vector3("position_mm") * kMillimetre;
   g.rotation = table.vector3("rotation_deg") * kDegree;
   if (!shape) {

@@ -255,7 +255,7 @@ toml::table parse_toml(const std::string& text, const std::string& file,
     throw InputError(
         file,
         "line " + std::to_string(at.begin.line) + ", column " + std::to_string(at.begin.column),
-        "what is no TOML (" + std::string(error.description()) + ")", expected);
+        "text that is not valid TOML (" + std::string(error.description()) + ")", expected);
   }
 }
 

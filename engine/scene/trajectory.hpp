@@ -14,19 +14,20 @@ namespace sulcus {
 class Trajectory {
  public:
   /// At least one pose, times strictly rising from 0.
-  explicit Trajectory(std::vector<TimedPose> poses);
+  explicit Trajectory(std::vector<TimedPose> poses, double clock_at_start_s = 0.0);
 
   Pose pose_at(double time_s) const noexcept;
   double duration_s() const { return poses_.back().time_s; }
+  /// What the clock of the table that it came from says at its time 0.
+  double clock_at_start_s() const { return clock_at_start_s_; }
 
  private:
   std::vector<TimedPose> poses_;
+  double clock_at_start_s_;
 };
 
 /// Along `points_m` at constant speed with a fixed axis, or from the CSV that `file` names
-/// (t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz); a recording is read elsewhere. InputError on a gap in the
-/// form, time running backward, values that are not finite or beyond 1 km, more than 10^6 s, a
-/// quaternion that is not a rotation, more rows than the limits allow.
+/// (pose_table.hpp); a recording is read elsewhere. InputError as read_pose_table.
 Trajectory make_trajectory(const TrajectorySettings& settings, const InputLimits& limits = {});
 
 /// That of a scene which names no recording: the last row of a table has its tick as well.

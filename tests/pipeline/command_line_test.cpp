@@ -182,7 +182,10 @@ pack(old, "lzf.h5", compression="lzf")
 }
 
 TEST_F(CommandLine, WhatWasMeantIsNamed) {
-  expect_refused("expert x.h5", "no command 'expert' (see sulcus --help)");
+  expect_refused("expert x.h5",
+                 "no command 'expert': run, replay, render, view, export, assess, inspect, "
+                 "repair, help (see sulcus --help)");
+  expect_refused("--verbose", "no option '--verbose' of the program (see sulcus --help)");
   expect_refused("render --size", "(see sulcus render --help)");
   expect_refused("run", "(see sulcus run --help)");
 }

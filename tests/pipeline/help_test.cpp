@@ -168,7 +168,7 @@ TEST(Help, CompletesInBash) {
             "spindle.preset= spindle.stall_torque_mNm= spindle.inertia_g_mm2= spindle.droop= "
             "spindle.power_W=\n");
   EXPECT_EQ(completed(scratch, "sulcus run --duration 1"), "\n");
-  EXPECT_EQ(completed(scratch, "sulcus help sc"), "scene\n");
+  EXPECT_EQ(completed(scratch, "sulcus help sc"), "scene scenes\n");
   const std::string scene = scratch.write("a scene.toml", "");
   EXPECT_EQ(completed(scratch, "sulcus run '" + scratch.path("a s") + "'"), scene + "\n");
   EXPECT_EQ(completed(scratch, "sulcus run --no-render '" + scratch.path("a s") + "'"),

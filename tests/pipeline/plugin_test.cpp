@@ -305,7 +305,7 @@ TEST_F(Plugin, WhatCannotBeUsedIsRefusedBeforeAnythingRuns) {
        good,
        {"device.plugin", std::string(kGood) + "/sulcus_device_nowhere.so", "lib/sulcus/plugins/",
         "one of simulated, udp", "--plugins DIR"}},
-      {"plugin = 'nowhere'", "", {"those folders have none", "--plugins DIR"}},
+      {"plugin = 'nowhere'", "", {"one of simulated, udp", "--plugins DIR"}},
       {"plugin = 'simulated'", "--plugins " + scratch_.path("none"), {"--plugins"}},
       // Names by which a stranger's scene might reach a library.
       {"plugin = '../bad/sulcus_device_faulty'", good, {"device.plugin", "never a path"}},

@@ -116,7 +116,7 @@ TEST_F(Recording, RepairWritesOverNothing) {
   const std::string there = scratch_.write("there.h5", "mine");
   const auto result = command("repair " + file + " -o " + there);
   EXPECT_EQ(result.status, 2);
-  EXPECT_NE(result.err.find("found a file that is there"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("found a file that already exists"), std::string::npos) << result.err;
   EXPECT_EQ(test::read_file(there), "mine");
 }
 
@@ -187,7 +187,7 @@ TEST_F(Recording, GoesOnUnderOtherSettings) {
   for (const std::string set : {"workpiece.voxel_mm=0.1", "trajectory.speed_mm_per_s=1"}) {
     const auto refused = command("replay " + file + " --from 0.25 --set " + set);
     EXPECT_EQ(refused.status, 2) << set;
-    EXPECT_NE(refused.err.find("what the recording holds already"), std::string::npos);
+    EXPECT_NE(refused.err.find("fixed by the recording"), std::string::npos);
   }
   EXPECT_EQ(command("replay " + file + " --set haptics.scaling=count").status, 2);
   EXPECT_EQ(command("replay " + file + " --from 99").status, 2);

@@ -57,7 +57,7 @@ TEST(AssessmentTable, WhatItDoesNotKnowIsRefused) {
   EXPECT_NE(error_of("dept_mm = 1").find("expected 'depth_mm'"), std::string::npos);
   EXPECT_NE(error_of("weights.depth_mm = 2").find("a weight without a limit"), std::string::npos);
   EXPECT_NE(error_of("insertion = [0, 0, 0]").find("a direction"), std::string::npos);
-  EXPECT_NE(error_of("depth_mm = ").find("no TOML"), std::string::npos);
+  EXPECT_NE(error_of("depth_mm = ").find("not valid TOML"), std::string::npos);
   EXPECT_NE(test::error_of("[workpiece]\nshape = 'box'\n[trajectory]\npoints_mm = [[0, 0, 9]]\n"
                            "[assessment]\ndepth_mm = 1\n")
                 .find("[assessment] without [cutting]"),

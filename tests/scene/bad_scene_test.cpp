@@ -74,11 +74,13 @@ TEST(BadScene, OverridesAreNoDeeper) {
 }
 
 TEST(BadScene, KeysAreThereOnce) {
-  EXPECT_EQ(error_of("title = 'a'\ntitle = 'b'\n" + kLeast),
-            "/scenes/s.toml: line 2, column 9: found what is no TOML (Error while parsing "
-            "key-value pair: cannot redefine existing string 'title'), expected a scene");
+  EXPECT_EQ(
+      error_of("title = 'a'\ntitle = 'b'\n" + kLeast),
+      "/scenes/s.toml: line 2, column 9: found text that is not valid TOML (Error while parsing "
+      "key-value pair: cannot redefine existing string 'title'), expected a scene");
   EXPECT_EQ(error_of("[burr]\n[burr]\n" + kLeast),
-            "/scenes/s.toml: line 2, column 1: found what is no TOML (Error while parsing table "
+            "/scenes/s.toml: line 2, column 1: found text that is not valid TOML (Error while "
+            "parsing table "
             "header: cannot redefine existing table 'burr'), expected a scene");
 }
 

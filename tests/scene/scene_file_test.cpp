@@ -272,7 +272,8 @@ TEST(SceneFile, AnAxisMustBeFinite) {
 
 TEST(SceneFile, WhatIsNoTomlIsShownWithItsPlace) {
   const std::string message = error_of("[workpiece]\nshape = \n");
-  EXPECT_EQ(message.find("/scenes/s.toml: line 2, column 9: found what is no TOML ("), 0u)
+  EXPECT_EQ(message.find("/scenes/s.toml: line 2, column 9: found text that is not valid TOML ("),
+            0u)
       << message;
   EXPECT_EQ(message.find('\n'), std::string::npos) << "one line";
   EXPECT_NE(error_of("a = 1\na = 2\n").find("line 2"), std::string::npos);

@@ -170,7 +170,43 @@ TEST_F(TrajectoryFile, EachKindOfBadRowIsRefusedWithItsLine) {
   expect_form("1,nan,0,0,1,0,0,0");   // not finite
   expect_form("1,0,inf,0,1,0,0,0");
   expect_form("1,0,1e999,0,1,0,0,0");  // beyond a double
-  expect_form("1, 0,0,0,1,0,0,0");     // a blank
+}
+
+TEST_F(TrajectoryFile, WhatSpreadsheetsPutAboutTheNumbersMeansNothing) {
+  // The mark before UTF-8, blanks, comments, other columns, another order.
+  const Trajectory t = read(
+      "\xef\xbb\xbf# of the morning\r\nname, qw,qx , qy,qz,z_mm,y_mm,x_mm,t_s\r\n"
+      "a, 1,0,0,0, 3,2,1,  0\r\n\r\n  # a pause\nb,1, 0,0,0,\t6,4,2,2\n");
+  EXPECT_EQ(t.duration_s(), 2.0);
+  EXPECT_TRUE(t.pose_at(1.0).position.isApprox(Vector3d(1.5e-3, 3e-3, 4.5e-3), 1e-14));
+  EXPECT_EQ(error_of("t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,note\n0,0,0,0,1,0,0,0\n"),
+            "line 2: found '0,0,0,0,1,0,0,0', expected 9 fields, as the first line has, finite "
+            "numbers among them");
+}
+
+TEST_F(TrajectoryFile, TheColumnsOfAnExportAreKnown) {
+  const std::string tool = "tool_x_mm,tool_y_mm,tool_z_mm,tool_qw,tool_qx,tool_qy,tool_qz";
+  const std::string device =
+      "device_x_mm,device_y_mm,device_z_mm,device_qw,device_qx,device_qy,device_qz";
+  EXPECT_EQ(read("tick,time_s," + tool + "\n7,0,1,0,0,1,0,0,0\n").pose_at(0).position,
+            Vector3d(1e-3, 0, 0));
+  // The device's go before the tool's, which hangs on it.
+  EXPECT_EQ(read("time_s," + tool + "," + device + "\n0,1,0,0,1,0,0,0,2,0,0,1,0,0,0\n")
+                .pose_at(0)
+                .position,
+            Vector3d(2e-3, 0, 0));
+}
+
+TEST_F(TrajectoryFile, AColumnThatIsMissingOrThereTwiceIsNamed) {
+  EXPECT_EQ(error_of("t_s,x_mm,y_mm,qw,qx,qy,qz\n"),
+            "line 1: found no column z_mm, expected t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz");
+  EXPECT_EQ(error_of("t_s,x_mm,x_mm,y_mm,z_mm,qw,qx,qy,qz\n"),
+            "line 1: found x_mm twice, expected one column of that name");
+}
+
+TEST_F(TrajectoryFile, ItsClockIsKept) {
+  EXPECT_EQ(read(kHeader + "0.5,0,0,0,1,0,0,0\n").clock_at_start_s(), 0.5);
+  EXPECT_EQ(read(kHeader + "0,0,0,0,1,0,0,0\n").clock_at_start_s(), 0.0);
 }
 
 TEST_F(TrajectoryFile, TimeMustRise) {

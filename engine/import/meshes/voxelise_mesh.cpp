@@ -19,6 +19,7 @@
 #include "engine/import/leaf_contents.hpp"
 #include "engine/import/meshes/mesh_coverage.hpp"
 #include "engine/import/meshes/mesh_shells.hpp"
+#include "engine/import/meshes/mesh_size.hpp"
 #include "engine/import/meshes/ray_votes.hpp"
 #include "engine/import/meshes/winding_number.hpp"
 #include "engine/import/placement.hpp"
@@ -155,7 +156,8 @@ class OpenVoxels {
 /// Fills a mesh into the leaves of an empty model; `file` for messages. `centres`: takes the voxels
 /// whose centre is inside, where fractions are wanted and others are solid as well.
 void fill(const TriangleMesh& mesh, const Eigen::Affine3d& world_from_file, const std::string& file,
-          SurfaceKind surface, VoxelModel& model, std::vector<LeafBits>* centres = nullptr) {
+          const WorkpieceSettings& settings, VoxelModel& model,
+          std::vector<LeafBits>* centres = nullptr) {
   const VoxelGrid& grid = model.grid;
   const std::vector<Eigen::Vector3d> positions_index =
       positions_in_index(mesh, grid, world_from_file);
@@ -172,7 +174,7 @@ void fill(const TriangleMesh& mesh, const Eigen::Affine3d& world_from_file, cons
     model.leaves[leaf] = count_votes(grid, votes, leaf, open);
     if (open != LeafBits{}) open_voxels.decide(leaf, open, model.leaves[leaf]);
   });
-  if (surface == SurfaceKind::kFractions) {
+  if (settings.surface == SurfaceKind::kFractions) {
     if (centres) *centres = model.leaves;
     std::vector<LeafLevels> pages = mesh_coverage(model, positions_index, mesh.triangles, winding);
     for (const LeafLevels& page : pages) model.leaves[page.leaf] = filled_voxels(page.levels);
@@ -184,7 +186,10 @@ void fill(const TriangleMesh& mesh, const Eigen::Affine3d& world_from_file, cons
     std::ostringstream found;
     found << std::setprecision(3) << "a mesh " << box_file.sizes().maxCoeff() / kMillimetre
           << " mm long with no voxel of the grid inside";
-    throw InputError(file, "", found.str(), "a closed one, in mm, that reaches into the grid");
+    const std::string doubt = doubt_size(box_file.sizes().maxCoeff(), settings.unit);
+    throw InputError(file, "", found.str(),
+                     "a closed one, in mm, that reaches into the grid" +
+                         (doubt.empty() ? "" : "; it is " + doubt));
   }
 }
 
@@ -264,7 +269,7 @@ VoxelModel voxelise_mesh(const TriangleMesh& mesh, const VoxelGrid& grid,
   extend(box_file, mesh);
   VoxelModel model;
   model.grid = grid;
-  fill(mesh, placement(box_file.center(), settings), settings.file, settings.surface, model);
+  fill(mesh, placement(box_file.center(), settings), settings.file, settings, model);
   return model;
 }
 
@@ -292,7 +297,7 @@ VoxelModel voxelise_surfaces(std::span<const TissueSurface> surfaces, const Voxe
     VoxelModel part;
     part.grid = grid;
     std::vector<LeafBits> part_centres;
-    fill(surface.mesh, world_from_file, surface.file, settings.surface, part, &part_centres);
+    fill(surface.mesh, world_from_file, surface.file, settings, part, &part_centres);
     if (model.fills) {
       add_filled_tissue(part, part_centres, surface.label, model, centres, *tissues);
     } else {

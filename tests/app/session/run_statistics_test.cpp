@@ -59,21 +59,22 @@ TEST(Distribution, WhatIsZeroIsZeroAndWhatIsNoNumberIsCounted) {
 TEST(ChartSeries, NeverHoldsMoreThanAChartCanShow) {
   ChartSeries series;
   for (std::uint64_t tick = 0; tick < 1'000'000; ++tick) {
-    series.add({tick, static_cast<float>(tick % 7), 0.0f, 0.0f, 0});
+    series.add({.time_s = static_cast<double>(tick), .tick_us = static_cast<float>(tick % 7)});
     ASSERT_LT(series.points().size(), 40000u);
   }
   const auto& points = series.points();
   ASSERT_GT(points.size(), 10000u);
-  const std::uint64_t stride = points[1].tick;
+  const double stride = points[1].time_s;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    ASSERT_EQ(points[i].tick, i * stride);
-    ASSERT_EQ(points[i].force_N, static_cast<float>(points[i].tick % 7));
+    ASSERT_EQ(points[i].time_s, static_cast<double>(i) * stride);
+    ASSERT_EQ(points[i].tick_us, static_cast<float>(std::fmod(points[i].time_s, 7.0)));
   }
 }
 
 TEST(ChartSeries, OfAShortRunEveryTickIsThere) {
   ChartSeries series;
-  for (std::uint64_t tick = 0; tick < 1000; ++tick) series.add({tick, 0, 0, 0, 0});
+  for (std::uint64_t tick = 0; tick < 1000; ++tick)
+    series.add({.time_s = static_cast<double>(tick)});
   EXPECT_EQ(series.points().size(), 1000u);
 }
 

@@ -181,7 +181,8 @@ TEST(VoxeliseSurfaces, OneThatEnclosesNoVoxelIsNamed) {
     EXPECT_EQ(
         std::string(error.what()),
         "chamber.stl: found a mesh 0.002 mm long with no voxel of the grid inside, expected a "
-        "closed one, in mm, that reaches into the grid");
+        "closed one, in mm, that reaches into the grid; it is 0.002 mm long, as no tooth is, in "
+        "whatever unit");
   }
 }
 
