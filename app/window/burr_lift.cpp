@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <vector>
 
 #include "engine/core/units.hpp"
 
@@ -11,7 +13,7 @@ namespace sulcus {
 double room_round(const VoxelModel& model, const Burr& burr, const Pose& tool, double most_m) {
   const VoxelGrid& grid = model.grid;
   const Eigen::Vector3d wide(burr.rim_radius_m, 0.0, burr.rim_radius_m);
-  Eigen::AlignedBox3d head_tool(-wide, wide + burr.head_length_m * Eigen::Vector3d::UnitY());
+  const Eigen::AlignedBox3d head_tool(-wide, wide + burr.head_length_m * Eigen::Vector3d::UnitY());
   Eigen::AlignedBox3d box;
   for (int corner = 0; corner < 8; ++corner) {
     box.extend(tool.point(head_tool.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner))));
@@ -40,33 +42,81 @@ double room_round(const VoxelModel& model, const Burr& burr, const Pose& tool, d
   return room;
 }
 
+namespace {
+
+bool is_outer(const VoxelModel& model, const Cell& c) {
+  for (int side = 0; side < 6; ++side) {
+    Cell beside = c;
+    beside[side / 2] += side % 2 == 0 ? 1 : -1;
+    if (!model.solid(beside)) return true;
+  }
+  return false;
+}
+
+/// The centres of the solid's outer voxels in a box of tool space: who comes from outside meets
+/// them first.
+std::vector<Eigen::Vector3d> outer_voxels(const VoxelModel& model, const Pose& tool,
+                                          const Eigen::AlignedBox3d& box_tool) {
+  const VoxelGrid& grid = model.grid;
+  const double leaf_m = kLeafEdge * grid.voxel_m;  // more than from its middle to any of its voxels
+  std::vector<Eigen::Vector3d> outer;
+  for (std::uint32_t leaf = 0; leaf < grid.leaf_count(); ++leaf) {
+    if (!any(model.leaves[leaf])) continue;
+    const Cell first = grid.leaf_origin(leaf);
+    const Eigen::Vector3d middle =
+        tool.inverse_point(grid.centre_world(first + Cell::Constant(kLeafEdge / 2)));
+    if (box_tool.exteriorDistance(middle) > leaf_m) continue;
+    for_each_voxel(model.leaves[leaf], [&](int place) {
+      const Cell c = first + cell_in_leaf(place);
+      const Eigen::Vector3d p_tool = tool.inverse_point(grid.centre_world(c));
+      if (box_tool.contains(p_tool) && is_outer(model, c)) outer.push_back(p_tool);
+    });
+  }
+  return outer;
+}
+
+/// How far the head goes along a way, of unit length, until the gap is there; none where something
+/// is in the way that it would go deeper into than `least_m`.
+std::optional<double> way_out(const VoxelModel& model, const Burr& burr, const Pose& tool,
+                              const Eigen::Vector3d& along_tool, double longest_m, double least_m,
+                              double clearance_m) {
+  const Eigen::Vector3d wide(burr.rim_radius_m, 0.0, burr.rim_radius_m);
+  Eigen::AlignedBox3d swept(-wide, wide + burr.head_length_m * Eigen::Vector3d::UnitY());
+  swept.extend(Eigen::AlignedBox3d(swept).translate(longest_m * along_tool));
+  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(clearance_m);
+  const std::vector<Eigen::Vector3d> outer =
+      outer_voxels(model, tool, {swept.min() - margin, swept.max() + margin});
+  const double step = std::max(0.25 * clearance_m, model.grid.voxel_m);
+  for (double gone = step; gone <= longest_m; gone += step) {
+    double room = clearance_m;
+    for (const Eigen::Vector3d& p_tool : outer) {
+      const Eigen::Vector3d now = p_tool - gone * along_tool;
+      if (now.y() > burr.head_length_m + clearance_m) continue;  // at the shank
+      room = std::min(room, static_cast<double>(
+                                burr.field.sample(burr.field.field_from_tool(now).cast<float>())));
+      if (room < least_m) return {};
+    }
+    if (room >= clearance_m) return gone;
+  }
+  return {};
+}
+
+}  // namespace
+
 std::optional<Pose> drawn_back(const VoxelModel& model, const Burr& burr, const Pose& tool,
                                double clearance_m) {
   const double now = room_round(model, burr, tool, clearance_m);
   if (now >= clearance_m) return tool;
   // A burr in contact is a part of a voxel inside.
   const double least = std::min(now, 0.0) - 0.5 * model.grid.voxel_m;
-  struct Way {
-    Eigen::Vector3d along_tool;
-    double longest_m;
-  };
-  constexpr double kAcross_m = 4.0 * kMillimetre;
-  const std::array<Way, 5> ways{{{Eigen::Vector3d::UnitY(), 25.0 * kMillimetre},
-                                 {Eigen::Vector3d::UnitX(), kAcross_m},
-                                 {-Eigen::Vector3d::UnitX(), kAcross_m},
-                                 {Eigen::Vector3d::UnitZ(), kAcross_m},
-                                 {-Eigen::Vector3d::UnitZ(), kAcross_m}}};
-  // Steps as long as what is left to a gap: nothing is nearer after one, and none is stepped over
-  // that the head would go into by more than a part of a voxel.
-  const double step = std::min(0.5 * clearance_m, model.grid.voxel_m);
-  for (const Way& way : ways) {
-    Pose pose = tool;
-    for (double gone = step; gone <= way.longest_m; gone += step) {
-      pose.position = tool.position + gone * tool.direction(way.along_tool);
-      const double room = room_round(model, burr, pose, clearance_m);
-      if (room < least) break;
-      if (room >= clearance_m) return pose;
-    }
+  constexpr double kAlong_m = 25.0 * kMillimetre, kAcross_m = 4.0 * kMillimetre;
+  const std::array<Eigen::Vector3d, 5> ways{{Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitX(),
+                                             -Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(),
+                                             -Eigen::Vector3d::UnitZ()}};
+  for (const Eigen::Vector3d& along : ways) {
+    const double longest = along.y() > 0.0 ? kAlong_m : kAcross_m;
+    const auto gone = way_out(model, burr, tool, along, longest, least, clearance_m);
+    if (gone) return Pose{tool.position + *gone * tool.direction(along), tool.orientation};
   }
   return {};
 }
