@@ -16,8 +16,7 @@ double room_round(const VoxelModel& model, const Burr& burr, const Pose& tool, d
 /// The pose to which a burr is drawn back from a tooth that it may touch: along its axis, or where
 /// something is in the way there, across it, without going into the solid, until a gap of
 /// `clearance_m` is between them. That of the tool where there is one already; none where no way
-/// leads out. Walks the leaves of the model once for each
-/// way that is tried.
+/// leads out. Walks the leaves of the model once for each way that is tried.
 std::optional<Pose> drawn_back(const VoxelModel& model, const Burr& burr, const Pose& tool,
                                double clearance_m);
 

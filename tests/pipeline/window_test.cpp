@@ -96,7 +96,7 @@ TEST_F(HandInWindow, AWindowThatIsDestroyedKeepsWhatWasDone) {
 
 TEST_F(HandInWindow, ADisplayThatBreaksDownKeepsWhatWasDone) {
   const CommandResult result =
-      view_scene("kill -9 " + std::to_string(static_cast<long>(display_.process())));
+      view_scene("kill " + std::to_string(static_cast<long>(display_.process())));
   EXPECT_EQ(result.status, 0) << result.err;
   expect_whole();
 }
