@@ -34,8 +34,8 @@ constexpr std::array kNotRun{
     NotRun{"tools/package", "packs what is being tested; tools/test runs it first"},
 };
 
-// In place of sudo: apt may only look whether the machine could, and dpkg works in a folder, in which
-// there is no shell for the packages' scripts (which call ldconfig): the machine's runs them.
+// In place of sudo: apt may only look whether the machine could, and dpkg works in a folder, in
+// which there is no shell for the packages' scripts (which call ldconfig): the machine's runs them.
 constexpr const char* kSudo = R"(
 root="$(dirname "$0")/../root"
 case "$*" in

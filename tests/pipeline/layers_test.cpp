@@ -154,11 +154,11 @@ TEST(Layers, AFolderOfAppSeesThoseBelowIt) {
                                                                          {"app/playback/", 3},
                                                                          {"app/report/", 4},
                                                                          {"app/inspect/", 5},
-                                                                        {"app/live/", 5},
-                                                                        {"app/pictures/", 5},
-                                                                        {"app/window/", 6},
-                                                                        {"app/python/", 7},
-                                                                        {"app/commands/", 7}}};
+                                                                         {"app/live/", 5},
+                                                                         {"app/pictures/", 5},
+                                                                         {"app/window/", 6},
+                                                                         {"app/python/", 7},
+                                                                         {"app/commands/", 7}}};
     for (const auto& [below, level] : kHeights) {
       if (is_in(file, below)) return level;
     }
