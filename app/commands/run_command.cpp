@@ -47,7 +47,7 @@ void check_spare_burrs(const Scene& scene) {
 /// Runs with the device of a plug-in, and goes on with each other burr that it asks for.
 void run_with_plugin(LivePart part, const Scene& scene, SceneDevice& held) {
   PluginDevice& plugin = *held.plugin();
-  LiveDevice device(plugin, scene.haptics.rate_hz, true, false);
+  LiveDevice device(plugin, scene.haptics.rate_hz, true, false, scene.burrs.size());
   plugin.begin([&](const Pose& pose) { return part.simulation->is_free(pose); });
   const std::uint64_t last = part.session.ticks;
   const Pace pace = part.session.pace;
@@ -57,7 +57,7 @@ void run_with_plugin(LivePart part, const Scene& scene, SceneDevice& held) {
   for (int number = 2;; ++number) {
     run_into(*part.folder, *part.simulation, device, part.session, part.loading);
     const std::uint32_t burr = device.wanted_burr();
-    if (!device.goes_on() || burr >= scene.burrs.size() || part.simulation->state().tick >= last) {
+    if (!device.goes_on() || burr == kSameBurr || part.simulation->state().tick >= last) {
       break;
     }
     std::string refused;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -17,9 +18,10 @@ namespace sulcus {
 class LiveDevice final : public Device {
  public:
   /// `inner` outlives it. `feels`: there is a hand that a jump of the force would hurt; `switched`:
-  /// set_pedal may be called.
-  LiveDevice(Device& inner, double rate_hz, bool feels, bool switched)
+  /// set_pedal may be called; `burrs`: that there are to choose from, another one is not asked for.
+  LiveDevice(Device& inner, double rate_hz, bool feels, bool switched, std::size_t burrs)
       : inner_(inner),
+        burrs_(burrs),
         away_ticks_(feels ? static_cast<std::uint64_t>(kAway_s * rate_hz) : 0),
         feels_(feels),
         switched_(switched) {}
@@ -52,7 +54,7 @@ class LiveDevice final : public Device {
   std::optional<Pose> pose(std::uint64_t tick) noexcept override {
     const std::optional<Pose> pose = inner_.pose(tick);
     const std::uint32_t asked = inner_.burr();
-    if (asked != kSameBurr && asked != burr_ && !ends_) {
+    if (asked < burrs_ && asked != burr_ && !ends_) {
       wanted_ = asked;
       ends_ = true;
     }
@@ -81,6 +83,7 @@ class LiveDevice final : public Device {
   static constexpr double kAway_s = 0.1;
 
   Device& inner_;
+  std::size_t burrs_;
   std::uint64_t away_ticks_, left_ = 0;
   bool feels_, switched_, released_ = false;
   std::uint32_t burr_ = 0;

@@ -69,7 +69,7 @@ class Holder {
  public:
   /// `device`: none where it is the mouse.
   Holder(const Scene& scene, std::optional<SceneDevice> device)
-      : rate_hz_(scene.haptics.rate_hz), device_(std::move(device)) {}
+      : rate_hz_(scene.haptics.rate_hz), burrs_(scene.burrs.size()), device_(std::move(device)) {}
 
   bool by_mouse() const { return !device_; }
   LiveDevice& device() { return live_.value(); }
@@ -81,9 +81,9 @@ class Holder {
     const bool again = live_.has_value();
     if (by_mouse()) {
       live_.reset();
-      live_.emplace(mouse_.emplace(part.start, rate_hz_), rate_hz_, false, true);
+      live_.emplace(mouse_.emplace(part.start, rate_hz_), rate_hz_, false, true, burrs_);
     } else if (!again) {
-      live_.emplace(device_->device(), rate_hz_, true, true);
+      live_.emplace(device_->device(), rate_hz_, true, true, burrs_);
     }
     live_->begin_part(static_cast<std::uint32_t>(burr), again);
     if (!plugin()) return;
@@ -103,6 +103,7 @@ class Holder {
 
  private:
   double rate_hz_;
+  std::size_t burrs_;
   std::optional<SceneDevice> device_;
   std::optional<MouseDevice> mouse_;
   std::optional<LiveDevice> live_;
@@ -176,8 +177,8 @@ class PartInWindow {
              part_.loading);
     if (seconds_ > 0.0) say("  pictures           %.1f a second\n", pictures_ / seconds_);
     const std::uint32_t wanted = holder_.device().wanted_burr();
-    if (!go_on_ && holder_.device().goes_on() && wanted < scene_.burrs.size()) go_on_.emplace();
-    if (wanted < scene_.burrs.size()) live_.burr = wanted;
+    if (wanted != kSameBurr) live_.burr = wanted;
+    if (!go_on_ && holder_.device().goes_on() && wanted != kSameBurr) go_on_.emplace();
     return go_on_;
   }
 
