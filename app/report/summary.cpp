@@ -343,21 +343,6 @@ void add_contact(const RunStatistics& s, Json& j) {
   j["torque_mNm"] = {{"mean", s.torque_mNm.mean()}, {"max", s.torque_mNm.largest()}};
 }
 
-/// The numbers below a value to as many digits as say something; energies stay as they are, whose
-/// balance is checked.
-void round_numbers(Json& value) {
-  constexpr int kDigits = 7;
-  if (value.is_number_float()) {
-    value = std::stod(formatted("%.*g", kDigits, value.get<double>()));
-  } else if (value.is_array()) {
-    for (Json& item : value) round_numbers(item);
-  } else if (value.is_object()) {
-    for (const auto& [name, item] : value.items()) {
-      if (!name.ends_with("_J")) round_numbers(item);
-    }
-  }
-}
-
 }  // namespace
 
 nlohmann::ordered_json make_summary(const Simulation& simulation, const SessionResult& result,
@@ -414,7 +399,6 @@ nlohmann::ordered_json make_summary(const Simulation& simulation, const SessionR
   j["volume_hash"] = hex(simulation.workpiece().hash());
   j["force_hash"] = hex(s.force_hash);
   j["faults"] = faults_json(s, result.dropped_rows);
-  round_numbers(j);
   return j;
 }
 

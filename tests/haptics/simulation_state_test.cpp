@@ -119,7 +119,8 @@ void walk(const F& f, RemovalState& removal) {
 }
 template <class F>
 void walk(const F& f, SimulationState& state) {
-  auto& [tick, has_pose, tool, port, spindle, load, bodies] = state;
+  // Every tick reads the pedal anew.
+  auto& [tick, has_pose, tool, port, spindle, pedal, load, bodies] = state;
   walk_all(f, tick, has_pose, tool, port, *spindle, *load);
   for (Body& body : bodies) {
     // Where it is and which tissues it has are the scene's, and do not change.

@@ -207,15 +207,8 @@ TEST_F(Messages, ATableThatBeginsLateIsSaid) {
   EXPECT_GT(summary("out")["force_N"]["max"], 0.0);
 }
 
-TEST_F(Messages, ASummarysNumbersAreRoundedAndAddUp) {
+TEST_F(Messages, ASummarysNumbersAddUp) {
   run(test::kCutScene, "out");
-  // But for energies, whose balance others check.
-  const std::string text = std::regex_replace(
-      test::read_file(scratch_.path("out/summary.json")),
-      std::regex("\"(tissue_energy_J\": \\{[^}]*\\}\\s*\\}|[a-z_]*_J\": [-0-9.e]+)"), "");
-  const std::regex many("[:\\s]-?0*([1-9][0-9]*\\.[0-9]{7,}|0?\\.0*[1-9][0-9]{12,})");
-  std::smatch match;
-  EXPECT_FALSE(std::regex_search(text, match, many)) << match[0];
   const auto j = summary("out");
   double stages_us = 0.0;
   for (const auto& stage : j["stage_us"]) stages_us += stage["mean"].get<double>();
