@@ -187,7 +187,7 @@ void draw_panels(LiveControls& controls) {
                                 "space: pause, q, Esc: end"
                               : "left: turn, with shift: move\nwheel: nearer to the pointer\n"
                                 "1-6, 0: cameras\nc: copy place, d: caliper\n"
-                                "space: let go, q, Esc: end");
+                                "space: pause, q, Esc: end");
   draw_timing(controls);
   end_panel();
 }

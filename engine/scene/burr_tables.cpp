@@ -56,8 +56,8 @@ std::string name_of(const BurrSettings& burr) {
 /// [burr] with the spare one in its place: of the first what does not say which burr it is.
 toml::table in_its_place(const toml::table& burr, const toml::table& spare) {
   toml::table both = burr;
-  for (const char* which :
-       {"shape", "file", "iso", "diameter_mm", "length_mm", "material", "grit", "worn_mm"}) {
+  for (const char* which : {"shape", "file", "unit", "iso", "diameter_mm", "length_mm", "material",
+                            "grit", "worn_mm"}) {
     both.erase(which);
   }
   for (const auto& [key, value] : spare) {
@@ -112,10 +112,11 @@ std::vector<BurrChoice> read_burrs(SceneTable& root, const toml::table& scene,
                                    const std::string& file, bool saturates,
                                    const BurrSettings& usual) {
   constexpr std::size_t kMost = 15;
-  const std::size_t spares = root.tables("spare_burr").size();
-  if (spares == 0) return {};
-  if (spares > kMost)
-    root.fail("spare_burr", std::to_string(spares), "at most " + std::to_string(kMost));
+  std::vector<SceneTable> spares = root.tables("spare_burr");
+  if (spares.empty()) return {};
+  if (spares.size() > kMost) {
+    root.fail("spare_burr", std::to_string(spares.size()), "at most " + std::to_string(kMost));
+  }
   const toml::table* const named = scene["burr"].as_table();
   const toml::table burr = named ? *named : toml::table();
   std::vector<BurrChoice> choices;
@@ -130,9 +131,11 @@ std::vector<BurrChoice> read_burrs(SceneTable& root, const toml::table& scene,
     choices.push_back({std::move(name), text.str()});
   };
   add(burr, "burr", "");
-  for (const toml::node& spare : *scene["spare_burr"].as_array()) {
-    const toml::table& own = *spare.as_table();
-    add(in_its_place(burr, own), "spare_burr", own["name"].value_or(std::string()));
+  const toml::array& tables = *scene["spare_burr"].as_array();
+  for (std::size_t i = 0; i < spares.size(); ++i) {
+    std::string name = spares[i].text("name", "");
+    (void)read_burr(spares[i], saturates, usual);  // what is wrong with it alone, and where
+    add(in_its_place(burr, *tables[i].as_table()), "spare_burr", std::move(name));
   }
   return choices;
 }

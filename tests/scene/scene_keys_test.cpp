@@ -57,16 +57,20 @@ std::string text_of(const std::vector<Line>& lines, const std::string& omitted =
 /// The whole scene with one key set, and without what that key excludes.
 std::string scene_with(const std::string& table, const SceneKey& key, const std::string& value) {
   std::vector<Line> lines = whole_scene();
-  const bool other_solid =
-      key.key == "file" || key.key == "recording" || (table == "goal" && key.key == "solid_above");
-  const bool of_plugin = table == "device" && (key.key == "plugin" || key.key == "settings" ||
-                                               key.key == "stiffness_N_per_mm");
+  const bool of_mesh = key.key == "unit";
+  const bool other_solid = of_mesh || key.key == "file" || key.key == "recording" ||
+                           (table == "goal" && key.key == "solid_above");
+  const bool of_plugin = table == "device" &&
+                         (key.key == "plugin" || key.key == "settings" ||
+                          key.key == "stiffness_N_per_mm" || key.key == "position_mm" ||
+                          key.key == "rotation_deg" || key.key == "scale" || key.key == "recentre");
   std::erase_if(lines, [&](const Line& line) {
     return line.table == table &&
            (line.key == key.key || (other_solid && (line.key == "shape" || line.key == "size_mm" ||
                                                     line.key == "points_mm")));
   });
   if (table == "goal" && key.key == "solid_above") lines.push_back({"goal", "file", "'a.stl'"});
+  if (of_mesh) lines.push_back({table, "file", "'a.stl'"});
   if (of_plugin) {
     std::erase_if(lines, [](const Line& line) { return line.table == "device"; });
     if (key.key != "plugin") lines.push_back({"device", "plugin", "'a'"});
