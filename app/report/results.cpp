@@ -113,8 +113,10 @@ void write_and_tell(ResultsFolder& folder, const Simulation& simulation,
                  result.outcome->progress.wall_over_pulp_m().value_or(0.0) / kMillimetre,
                  *scene.least_pulp_distance_m / kMillimetre);
   }
-  if (const std::string text = say_untouched(simulation, s); !text.empty()) {
-    spdlog::warn("{}", text);
+  if (!result.interrupted) {  // who stops a run knows that it is not all of it
+    if (const std::string text = say_untouched(simulation, s); !text.empty()) {
+      spdlog::warn("{}", text);
+    }
   }
   if (result.interrupted) spdlog::warn("stopped on request after {} ticks", s.ticks);
 

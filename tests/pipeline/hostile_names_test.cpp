@@ -87,9 +87,11 @@ TEST_P(HostileNames, NoCommandRunsThem) {
   EXPECT_TRUE(fs::exists(scratch_.path(name_ + "_volume.png")));
   EXPECT_EQ(sulcus({"inspect", name_ + ".stl"}).status, 0);
   sulcus({"inspect", name_ + ".stl", "--as-burr", "--picture", name_ + "_burr.png"});
-  // Refused, and told so in a line.
+  // A folder without a recording is refused, and told so in a line.
+  const std::string empty = name_ + " empty";
+  fs::create_directory(scratch_.path(empty));
   for (const char* command : {"run", "replay", "render", "inspect", "export", "repair"}) {
-    const CommandResult refused = sulcus({command, name_});
+    const CommandResult refused = sulcus({command, empty});
     EXPECT_EQ(refused.status, 2) << command;
     EXPECT_EQ(refused.err_lines(), 1) << refused.err;
   }
