@@ -134,6 +134,19 @@ TEST_F(Plugin, TheSimulatedDeviceAsAPluginFeelsWhatTheBuiltInOneDoes) {
   EXPECT_EQ(summary("paced")["force_hash"], summary("plugged")["force_hash"]);
 }
 
+// The same source, built after the header as it was in version 1.
+TEST_F(Plugin, OneOfTheOldVersionIsTheSameDevice) {
+  const auto now = run("plugin = 'simulated'\nsettings = 'push_N=1'\n", "now",
+                       std::string("--plugins ") + kGood);
+  const auto old =
+      run("plugin = 'version_1'\nsettings = 'push_N=1'\n", "old", std::string("--plugins ") + kBad);
+  ASSERT_EQ(now.status, 0) << now.err;
+  ASSERT_EQ(old.status, 0) << old.err;
+  EXPECT_EQ(summary("old")["force_hash"], summary("now")["force_hash"]);
+  EXPECT_GT(summary("old")["force_N"]["max"].get<double>(), 0.8);
+  expect_verified("old");
+}
+
 TEST_F(Plugin, LimitsAreThePluginsOrLessAndARecordingSaysThem) {
   const auto run_with = [&](const std::string& keys, const std::string& name) {
     const auto result = run("plugin = 'faulty'\n" + keys, name, std::string("--plugins ") + kBad);
