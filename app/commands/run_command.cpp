@@ -35,8 +35,6 @@ struct RunOptions {
   double limit_gib = 4.0;
 };
 
-constexpr double kLongest_s = 24.0 * 3600.0;  // of a run that its device ends
-
 /// What a run whose burr is changed goes on from is its recording.
 void check_spare_burrs(const Scene& scene) {
   if (scene.burrs.empty() || scene.record) return;
@@ -69,7 +67,7 @@ void run_with_plugin(LivePart part, const Scene& scene, SceneDevice& held) {
     part.session.render = render;
     part.session.stream = stream;
     part.session.ticks = last - part.simulation->state().tick;
-    device.begin_part(burr, true);
+    device.begin_part(true);
     plugin.go_on([&](const Pose& pose) { return part.simulation->is_free(pose); });
   }
   device.finish();
@@ -105,7 +103,7 @@ void run(const RunOptions& options) {
   session.input = loaded.notes.input;
   double duration_s = options.duration_s;
   if (duration_s <= 0.0) {
-    duration_s = plugin && plugin->is_live() ? kLongest_s : trajectory.duration_s();
+    duration_s = plugin && plugin->is_live() ? kLongestLiveRun_s : trajectory.duration_s();
   }
   session.ticks = ticks_in(duration_s, scene.haptics.rate_hz);
 

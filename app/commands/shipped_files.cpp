@@ -1,7 +1,6 @@
 #include "app/commands/shipped_files.hpp"
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 
 #include "app/terminal/terminal.hpp"
@@ -52,11 +51,7 @@ std::string what_takes(const std::string& file) {
   if (is_recording_file(file)) {
     return "a scene, .toml; sulcus replay, render or view takes a recording";
   }
-  constexpr std::array kVolumes{".nrrd",   ".nhdr", ".mha",  ".mhd", ".nii",
-                                ".nii.gz", ".tif",  ".tiff", ".dcm"};
-  if (!is_mesh_file(file) && std::ranges::find(kVolumes, lower_extension(file)) == kVolumes.end()) {
-    return {};
-  }
+  if (!is_mesh_file(file) && !is_volume_file(file)) return {};
   return "a scene, .toml; sulcus inspect says with which command it is cut";
 }
 

@@ -18,7 +18,7 @@ struct ViewArguments : ViewOptions {
 void view(ViewArguments options) {
   options.mouse = options.device == "mouse";
   options.plugin_folders = plugin_folders(options.plugins);
-  options.file = scene_file_of(options.file);
+  options.file = recording_file_of(scene_file_of(options.file));
   check_output_folder("-o", options.folder);
   if (is_recording_file(options.file)) {
     if (!options.overrides.empty()) {
@@ -39,7 +39,8 @@ void add_view_command(CLI::App& program) {
   auto options = std::make_shared<ViewArguments>();
   CLI::App* command = program.add_subcommand(
       "view", "Open a window: a scene under the hand or the mouse, or a recording to be scrubbed");
-  add_option(*command, "FILE", options->file, "FILE", "Scene, .toml, or recording, .h5")
+  add_option(*command, "FILE", options->file, "FILE",
+             "Scene, .toml; or recording, .h5, or the folder of a run with one")
       ->required();
   add_folder_options(*command, options->folder, options->force, "out/<name>_view");
   add_option(*command, "--device", options->device, "WHAT",

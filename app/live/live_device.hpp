@@ -35,9 +35,8 @@ class LiveDevice final : public Device {
   void end_part() noexcept { ends_ = true; }
 
   // Of whoever runs the parts, between them.
-  /// `burr`: of the part that comes; `again`: another came before it.
-  void begin_part(std::uint32_t burr, bool again) noexcept {
-    burr_ = burr;
+  /// `again`: another came before it.
+  void begin_part(bool again) noexcept {
     ends_ = false;
     wanted_ = kSameBurr;
     left_ = again ? away_ticks_ : 0;
@@ -53,9 +52,12 @@ class LiveDevice final : public Device {
 
   std::optional<Pose> pose(std::uint64_t tick) noexcept override {
     const std::optional<Pose> pose = inner_.pose(tick);
-    const std::uint32_t asked = inner_.burr();
-    if (asked < burrs_ && asked != burr_ && !ends_) {
-      wanted_ = asked;
+    // It asks when it says another one than before, and not again for what was refused or taken
+    // back by a key.
+    const std::uint32_t says = inner_.burr();
+    if (says < burrs_ && says != said_ && !ends_) {
+      said_ = says;
+      wanted_ = says;
       ends_ = true;
     }
     if (left_ > 0) {
@@ -70,7 +72,9 @@ class LiveDevice final : public Device {
   void apply(const Wrench& wrench) noexcept override {
     inner_.apply(left_ > 0 ? Wrench{} : wrench);
   }
-  bool fade() noexcept override { return !goes_on() && inner_.fade(); }
+  /// Whether or not another part follows: what ended this one may have cut the fall of the force
+  /// off.
+  bool fade() noexcept override { return inner_.fade(); }
   void release() noexcept override {
     if (goes_on()) return;
     inner_.release();
@@ -86,7 +90,7 @@ class LiveDevice final : public Device {
   std::size_t burrs_;
   std::uint64_t away_ticks_, left_ = 0;
   bool feels_, switched_, released_ = false;
-  std::uint32_t burr_ = 0;
+  std::uint32_t said_ = 0;  // by the device, last: it begins with the scene's
   std::atomic<std::uint32_t> wanted_{kSameBurr};
   std::atomic<double> pedal_{1.0};
   std::atomic<bool> let_go_{false}, ends_{false};

@@ -13,6 +13,9 @@
 
 namespace sulcus {
 
+/// A run that its device or a window ends ends after this at the latest.
+inline constexpr double kLongestLiveRun_s = 24.0 * 3600.0;
+
 /// A run under a hand is a part, and another for each time that time was taken back or the burr was
 /// changed: each with a folder and a recording of its own, the next one going on from the one
 /// before.

@@ -16,8 +16,7 @@ namespace {
 
 constexpr const char* kConventions =
     "Pixel (u, v) has its middle at (u, v), (0, 0) being the upper left one. Camera space: x "
-    "right, "
-    "y down, z along the optical axis. u = f X / Z + cx, v = f Y / Z + cy; cameras are in "
+    "right, y down, z along the optical axis. u = f X / Z + cx, v = f Y / Z + cy; cameras are in "
     "perspective, pixels square. A pixel is what its middle meets: nothing is smoothed but colour.";
 constexpr double kDepthStep_mm = 0.002;  // of a PNG, which reaches 131 mm
 

@@ -20,7 +20,8 @@ VoxelSet removed_voxels(const VoxelGrid& grid, std::span<const Edit> edits) {
   return removed;
 }
 
-/// One for all recordings, so that pictures of two of them compare.
+}  // namespace
+
 ColourScale goal_scale(double end_m) {
   const std::string end = formatted(" > %g mm", end_m / kMillimetre);
   return {.name = "Distance from the planned cavity wall",
@@ -32,6 +33,8 @@ ColourScale goal_scale(double end_m) {
           .kind = ColourScale::Kind::kAroundZero,
           .unlit = true};
 }
+
+namespace {
 
 ColourScale contact_count_scale() {
   return {.name = "Ticks in contact",

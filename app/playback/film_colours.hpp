@@ -26,13 +26,19 @@ inline constexpr std::array<std::string_view, 6> kColourByNames{
 VoxelSet recorded_target(const RecordingReader& reader, const std::string& path,
                          const RecordedFilm& film, const std::string& option);
 
+/// To either side of a planned wall: one for all recordings, so that pictures of two of them
+/// compare.
+inline constexpr double kGoalScale_m = 0.5e-3;
+/// Colours by goal_distances; `end_m`: from the wall to where they end.
+ColourScale goal_scale(double end_m = kGoalScale_m);
+
 /// How pictures are to be coloured.
 struct FilmColouring {
   ColourBy by = ColourBy::kTissue;
   bool contact_marks = false;
-  std::optional<Section> section;    // of the pictures: its face shows temperatures too
-  const VoxelSet* target = nullptr;  // of the goal, for kGoal
-  double goal_scale_m = 0.5e-3;      // to either side of the planned wall
+  std::optional<Section> section;      // of the pictures: its face shows temperatures too
+  const VoxelSet* target = nullptr;    // of the goal, for kGoal
+  double goal_scale_m = kGoalScale_m;  // to either side of the planned wall
 };
 
 /// Colours the pictures of a recording by a quantity, and marks the voxels in contact.

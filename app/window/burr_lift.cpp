@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/core/units.hpp"
+#include "engine/volume/workpiece.hpp"
 
 namespace sulcus {
 
@@ -44,15 +45,6 @@ double room_round(const VoxelModel& model, const Burr& burr, const Pose& tool, d
 
 namespace {
 
-bool is_outer(const VoxelModel& model, const Cell& c) {
-  for (int side = 0; side < 6; ++side) {
-    Cell beside = c;
-    beside[side / 2] += side % 2 == 0 ? 1 : -1;
-    if (!model.solid(beside)) return true;
-  }
-  return false;
-}
-
 /// The centres of the solid's outer voxels in a box of tool space: who comes from outside meets
 /// them first.
 std::vector<Eigen::Vector3d> outer_voxels(const VoxelModel& model, const Pose& tool,
@@ -66,10 +58,10 @@ std::vector<Eigen::Vector3d> outer_voxels(const VoxelModel& model, const Pose& t
     const Eigen::Vector3d middle =
         tool.inverse_point(grid.centre_world(first + Cell::Constant(kLeafEdge / 2)));
     if (box_tool.exteriorDistance(middle) > leaf_m) continue;
-    for_each_voxel(model.leaves[leaf], [&](int place) {
-      const Cell c = first + cell_in_leaf(place);
-      const Eigen::Vector3d p_tool = tool.inverse_point(grid.centre_world(c));
-      if (box_tool.contains(p_tool) && is_outer(model, c)) outer.push_back(p_tool);
+    for_each_voxel(surface_of_leaf(model, leaf), [&](int place) {
+      const Eigen::Vector3d p_tool =
+          tool.inverse_point(grid.centre_world(first + cell_in_leaf(place)));
+      if (box_tool.contains(p_tool)) outer.push_back(p_tool);
     });
   }
   return outer;

@@ -4,27 +4,11 @@
 #include <utility>
 
 #include "app/pictures/goal_section.hpp"
+#include "app/playback/film_colours.hpp"
 #include "engine/core/realtime.hpp"
-#include "engine/core/units.hpp"
 #include "engine/outcome/goal.hpp"
 
 namespace sulcus {
-
-namespace {
-
-/// The same for all: pictures of two attempts can be compared.
-ColourScale plan_scale() {
-  constexpr double kEnd_m = 0.5 * kMillimetre;
-  return {.name = "From the planned wall, mm",
-          .low = -kEnd_m,
-          .high = kEnd_m,
-          .unit = kMillimetre,
-          .beyond_low = "and more, not cut",
-          .beyond_high = "and more, over-cut",
-          .kind = ColourScale::Kind::kAroundZero};
-}
-
-}  // namespace
 
 VoxelSet removed_since(const VoxelModel& start, const VoxelModel& now) {
   VoxelSet removed(start.grid);
@@ -59,7 +43,7 @@ void GoalView::show_colours(GlScene& drawing, bool asked) {
       reckoned_.valid() && reckoned_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
   if (is_ready) {
     VoxelValues values = reckoned_.get();
-    if (asked) drawing.colour_by_values(0, plan_scale(), std::move(values));
+    if (asked) drawing.colour_by_values(0, goal_scale(), std::move(values));
     coloured_ = coloured_ || asked;
   }
   if (!asked) {

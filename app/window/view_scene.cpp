@@ -45,8 +45,6 @@ namespace sulcus {
 
 namespace {
 
-constexpr double kLongest_s = 24.0 * 3600.0;  // of a run under a hand
-
 /// What is added to a scene for the hand: the tool hangs on a coupling, or the hand would push it
 /// through the tooth, and what was done is recorded.
 std::vector<std::string> overrides_for_the_hand(const ViewOptions& options) {
@@ -76,8 +74,7 @@ class Holder {
   MouseDevice* mouse() { return mouse_ ? &*mouse_ : nullptr; }
   PluginDevice* plugin() { return device_ ? device_->plugin() : nullptr; }
 
-  /// `burr`: of the scene's burrs, the one of the part.
-  void begin(const LivePart& part, std::size_t burr) {
+  void begin(const LivePart& part) {
     const bool again = live_.has_value();
     if (by_mouse()) {
       live_.reset();
@@ -85,7 +82,7 @@ class Holder {
     } else if (!again) {
       live_.emplace(device_->device(), rate_hz_, true, true, burrs_);
     }
-    live_->begin_part(static_cast<std::uint32_t>(burr), again);
+    live_->begin_part(again);
     if (!plugin()) return;
     const Simulation& simulation = *part.simulation;
     const auto is_free = [&simulation](const Pose& pose) { return simulation.is_free(pose); };
@@ -347,7 +344,7 @@ void view_scene(const ViewOptions& options) {
   part.session.goal = std::move(loaded.goal);
   part.session.input = loaded.notes.input;
   part.loading = std::move(loaded.loading);
-  const auto longest = static_cast<std::uint64_t>(kLongest_s * scene.haptics.rate_hz);
+  const auto longest = static_cast<std::uint64_t>(kLongestLiveRun_s * scene.haptics.rate_hz);
   std::optional<SceneDevice> device;
   if (!by_mouse) device.emplace(scene, trajectory, longest, std::move(plugin));
   Holder holder(scene, std::move(device));
@@ -358,9 +355,9 @@ void view_scene(const ViewOptions& options) {
     part.session.render = false;
     part.session.ticks = longest;
     const std::size_t burr = live.burr;
-    holder.begin(part, burr);
+    holder.begin(part);
     std::optional<GoOn> go_on = PartInWindow(part, holder, window, camera, live).run();
-    if (!go_on || stop_requested()) break;
+    if (!go_on || !window.is_open() || stop_requested()) break;
     if (live.burr != burr) {
       go_on->overrides.insert(go_on->overrides.begin(), scene.burrs[live.burr].as_override);
     }

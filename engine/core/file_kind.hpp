@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <string>
 
@@ -20,6 +22,13 @@ inline std::string lower_extension(const std::string& name) {
 inline bool is_mesh_file(const std::string& path) {
   const std::string extension = lower_extension(path);
   return extension == ".stl" || extension == ".obj" || extension == ".ply";
+}
+
+/// Whether a file is a volume, by its name (in any case).
+inline bool is_volume_file(const std::string& path) {
+  constexpr std::array kEndings{".nrrd", ".nhdr", ".mha", ".mhd",  ".nii", ".nii.gz",
+                                ".hdr",  ".img",  ".tif", ".tiff", ".dcm"};
+  return std::ranges::find(kEndings, lower_extension(path)) != kEndings.end();
 }
 
 /// Whether a file is a recording, by its name: .h5 and .hdf5 (in any case).

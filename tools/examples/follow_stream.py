@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A client of a stream in 30 lines: of each sample "tick x_mm y_mm z_mm fx_N fy_N fz_N", the burr's tip and
+"""A client of a stream in 50 lines: of each sample "tick x_mm y_mm z_mm fx_N fy_N fz_N", the burr's tip and
 the force on the hand. It needs no library; [stream] is told of in scenes/README.md.
 
     tools/examples/follow_stream.py & sulcus run scenes/side_cut.toml --pace real --set 'stream={}'
