@@ -211,6 +211,30 @@ std::string anchor_of(const std::string& heading) {
   return anchor;
 }
 
+// As one that a formatter of C++ went over does not.
+TEST(House, DocumentsBeginWithATitleAndTheirTablesAreWhole) {
+  int tables = 0;
+  for (const fs::path& document : documents()) {
+    const std::vector<std::string> lines = lines_of(document);
+    ASSERT_FALSE(lines.empty()) << document;
+    EXPECT_TRUE(lines.front().starts_with("# ")) << document;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      const auto is_row = [](const std::string& line) {
+        const std::size_t begin = line.find_first_not_of(' ');
+        return begin < 4 && line[begin] == '|';  // further in are drawings
+      };
+      const std::string& line = lines[i];
+      if (!is_row(line)) continue;
+      EXPECT_TRUE(line.ends_with('|')) << name_of(document) << ": " << line;
+      if (i > 0 && is_row(lines[i - 1])) continue;
+      EXPECT_TRUE(i + 1 < lines.size() && lines[i + 1].find("|---") != std::string::npos)
+          << name_of(document) << ": " << line;
+      ++tables;
+    }
+  }
+  EXPECT_GT(tables, 50);
+}
+
 TEST(House, LinksLeadSomewhere) {
   const std::regex link(R"(\]\(([^)#\s]*)#?([^)\s]*)\))");
   int count = 0;
