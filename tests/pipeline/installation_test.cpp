@@ -133,8 +133,8 @@ TEST(Installation, AProgramInCIsBuiltByWhatPkgConfigSays) {
   const std::string says =
       run(scratch, "env",
           "PKG_CONFIG_PATH=" + moved + "/lib/pkgconfig pkg-config --cflags --libs sulcus");
-  run(scratch, "cc",
-      SULCUS_SOURCE_DIR "/tools/examples/press.c -o " + press + " " +
+  run(scratch, SULCUS_C_COMPILER,
+      SULCUS_SANITIZE_OPTION " " SULCUS_SOURCE_DIR "/tools/examples/press.c -o " + press + " " +
           says.substr(0, says.find('\n')));
   const std::string out = run(scratch, "env", "LD_LIBRARY_PATH=" + moved + "/lib " + press);
   EXPECT_NE(out.find("300 ms"), std::string::npos) << out;
