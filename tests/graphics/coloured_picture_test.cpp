@@ -143,9 +143,10 @@ TEST(ColouredPicture, AnUnlitOneHasTheVeryColoursOfItsScaleInTheShadeToo) {
   // A slot through the values' left half: its floor lies in the shade, and has a value itself.
   std::vector<std::uint32_t> slot;
   VoxelValues values = two_halves(0.0f);
+  const VoxelGrid grid = block().grid;
   for (int n = 0; n < 48 * 6 * 20; ++n) {
     const Cell c(n % 6 + 14, n / 6 % 48 + 8, n / 288 + 36);
-    slot.push_back(block().grid.linear(c));
+    slot.push_back(grid.linear(c));
     values[Cell(c.x(), c.y(), 35)] = 0.0f;
   }
   renderer->remove(0, slot);

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <utility>
 #include <vector>
 
@@ -45,20 +44,33 @@ inline TriangleMesh joined(const std::vector<DrawnMesh>& bricks) {
 /// Edges of triangles whose opposite no triangle has. Vertices at the same place are one.
 inline std::size_t open_edges(const TriangleMesh& mesh) {
   using Place = std::array<float, 3>;
-  std::map<std::pair<Place, Place>, int> balance;
-  const auto place = [&](std::uint32_t v) {
-    const Eigen::Vector3f& p = mesh.positions[v];
-    return Place{p.x(), p.y(), p.z()};
-  };
+  std::vector<std::pair<Place, std::uint32_t>> places;
+  places.reserve(mesh.positions.size());
+  for (const Eigen::Vector3f& p : mesh.positions) {
+    places.push_back({{p.x(), p.y(), p.z()}, static_cast<std::uint32_t>(places.size())});
+  }
+  std::sort(places.begin(), places.end());
+  std::vector<std::uint64_t> first_of(places.size());  // of the vertices at a vertex's place
+  for (std::size_t i = 0, first = 0; i < places.size(); ++i) {
+    if (places[i].first != places[first].first) first = i;
+    first_of[places[i].second] = first;
+  }
+  std::vector<std::pair<std::uint64_t, int>> edges;  // ends, the lesser first; 1 from it, -1 to it
+  edges.reserve(3 * mesh.triangles.size());
   for (const auto& t : mesh.triangles) {
     for (std::size_t i = 0; i < 3; ++i) {
-      const Place a = place(t[i]), b = place(t[(i + 1) % 3]);
-      if (a < b) ++balance[{a, b}];
-      if (b < a) --balance[{b, a}];
+      const std::uint64_t a = first_of[t[i]], b = first_of[t[(i + 1) % 3]];
+      if (a != b) edges.emplace_back(std::min(a, b) << 32 | std::max(a, b), a < b ? 1 : -1);
     }
   }
+  std::sort(edges.begin(), edges.end());
   std::size_t open = 0;
-  for (const auto& [edge, count] : balance) open += count != 0 ? 1 : 0;
+  for (std::size_t i = 0; i < edges.size();) {
+    const std::uint64_t edge = edges[i].first;
+    int balance = 0;
+    for (; i < edges.size() && edges[i].first == edge; ++i) balance += edges[i].second;
+    open += balance != 0 ? 1 : 0;
+  }
   return open;
 }
 

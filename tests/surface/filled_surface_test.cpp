@@ -111,9 +111,9 @@ TEST(FilledSurface, TheMolarToo) {
 }
 
 template <class S>
-void expect_drawn_where_it_is(const Placed<S>& body, int cell_voxels, double inside_rms,
-                              double most) {
-  const DrawnSurface surface(body.model(SurfaceKind::kFractions), kLooks, cell_voxels);
+void expect_drawn_where_it_is(const Placed<S>& body, const VoxelModel& model, int cell_voxels,
+                              double inside_rms, double most) {
+  const DrawnSurface surface(model, kLooks, cell_voxels);
   const std::vector<DrawnMesh> bricks = test::all_bricks(surface);
   const TriangleMesh mesh = test::joined(bricks);
   EXPECT_EQ(test::open_edges(mesh), 0u);
@@ -133,15 +133,19 @@ void expect_drawn_where_it_is(const Placed<S>& body, int cell_voxels, double ins
 }
 
 TEST(FilledSurface, PicturesShowItWhereItIs) {
-  for (const int cell_voxels : {1, 2}) {
-    SCOPED_TRACE(cell_voxels);
-    expect_drawn_where_it_is(ball(), cell_voxels, 0.03, 0.05);
-    expect_drawn_where_it_is(plate(0.5), cell_voxels, 0.01, 0.02);
-    expect_drawn_where_it_is(plate(30.0), cell_voxels, 0.01, 0.02);
-    expect_drawn_where_it_is(ring(), cell_voxels, 0.03, 0.2);
-  }
-  expect_drawn_where_it_is(tooth(), 1, 0.03, 1.2);
-  expect_drawn_where_it_is(tooth(), 2, 0.03, 2.0);
+  const auto expect = [](const auto& body, double inside_rms, std::array<double, 2> most) {
+    const VoxelModel model = body.model(SurfaceKind::kFractions);
+    for (const int cell_voxels : {1, 2}) {
+      SCOPED_TRACE(cell_voxels);
+      expect_drawn_where_it_is(body, model, cell_voxels, inside_rms,
+                               most[static_cast<std::size_t>(cell_voxels - 1)]);
+    }
+  };
+  expect(ball(), 0.03, {0.05, 0.05});
+  expect(plate(0.5), 0.01, {0.02, 0.02});
+  expect(plate(30.0), 0.01, {0.02, 0.02});
+  expect(ring(), 0.03, {0.2, 0.2});
+  expect(tooth(), 0.03, {1.2, 2.0});
 }
 
 TEST(FilledSurface, DrawnNormalsShowNoTerraces) {
