@@ -110,7 +110,8 @@ void add_render_command(CLI::App& program) {
   add_option(*command, "--size", options->size, "WxH", "Pixels (as the scene says)");
   add_option(*command, "--camera", options->cameras, "CAMERA",
              "review, occlusal, buccal, mesial, burr (which follows it), or\n"
-             "AZIMUTH,ELEVATION[,ZOOM] in degrees from mesial to lingual and up; repeatable")
+             "AZIMUTH,ELEVATION[,ZOOM[,X,Y,Z]]: degrees from mesial to lingual and up, times\n"
+             "nearer, the point in the middle, mm; repeatable")
       ->expected(1)
       ->take_all();
   add_option(*command, "--section", options->section, "AXIS=MM",

@@ -100,6 +100,7 @@ View make_view(const Viewpoint& from, std::span<const Eigen::AlignedBox3d> solid
     distance = fill_frame(solid_world, {right, up, back}, {slope_x, slope_y}, focus);
   }
   if (!from.look_at) {
+    if (from.middle_world) focus = *from.middle_world;
     distance /= from.zoom;
     focus += slope_y * distance * (from.pan.x() * right + from.pan.y() * up);
   }

@@ -42,6 +42,7 @@ struct Viewpoint {
   bool follows_burr = false;                      // else it frames what is solid
   double zoom = 1.0;                              // 2: twice as near
   Eigen::Vector2d pan = Eigen::Vector2d::Zero();  // to the right and up, in half heights of a frame
+  std::optional<Eigen::Vector3d> middle_world = {};  // of the frame, else of what it frames
   // In place of a frame, of the burr or of what is solid, with its zoom and pan.
   std::optional<LookAt> look_at = {};
 };

@@ -113,5 +113,26 @@ TEST(Viewpoint, ZoomAndPanMoveTheEyeAndNothingElse) {
   EXPECT_NEAR(panned.eye_world.x(), plain.eye_world.x(), 1e-7);
 }
 
+TEST(Viewpoint, ThePointThatIsAskedForStandsInTheMiddle) {
+  const std::vector<Eigen::AlignedBox3d> solid{
+      {Eigen::Vector3d(-4e-3, -3e-3, -8e-3), Eigen::Vector3d(4e-3, 3e-3, 4e-3)}};
+  const Eigen::Vector3d asked(1.5e-3, -2e-3, 3e-3);
+  for (const double zoom : {1.0, 2.0, 30.0}) {
+    for (const auto& [azimuth_deg, elevation_deg] :
+         {std::pair{-80.0, 20.0}, std::pair{0.0, 90.0}, std::pair{200.0, -35.0}}) {
+      Viewpoint from(azimuth_deg, elevation_deg);
+      from.zoom = zoom;
+      const View about_the_solid = make_view(from, solid, {}, 1e-3, 320, 180);
+      from.middle_world = asked;
+      const View view = make_view(from, solid, {}, 1e-3, 320, 180);
+      const Eigen::Vector4f clip =
+          view.clip_from_world * Eigen::Vector3d(asked).cast<float>().homogeneous();
+      EXPECT_NEAR(clip.x() / clip.w(), 0.0, 1e-4);
+      EXPECT_NEAR(clip.y() / clip.w(), 0.0, 1e-4);
+      EXPECT_EQ(view.metres_per_pixel, about_the_solid.metres_per_pixel) << "as large as before";
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sulcus

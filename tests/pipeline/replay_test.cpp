@@ -162,6 +162,9 @@ TEST_F(Replay, WhatRenderCannotDoIsSaid) {
   expect_refused("--camera above", "'above'");
   expect_refused("--camera 10,91", "AZIMUTH,ELEVATION");
   expect_refused("--camera 10,20,", "AZIMUTH,ELEVATION");
+  expect_refused("--camera 10,20,2,1,1", "AZIMUTH,ELEVATION");
+  expect_refused("--camera 10,20,2,1,1,nan", "AZIMUTH,ELEVATION");
+  expect_refused("--camera 10,20,2,1,1,1e9", "AZIMUTH,ELEVATION");
   expect_refused("--section q=1", "an axis and mm");
   expect_refused("--size 100", "WxH");
   expect_refused("--review r.html --at 1", "it alone");
