@@ -13,6 +13,7 @@
 #include "app/playback/recorded_run.hpp"
 #include "app/playback/recorded_sound.hpp"
 #include "app/playback/ticks_csv.hpp"
+#include "app/playback/tool_path.hpp"
 #include "app/report/output_file.hpp"
 #include "app/report/page/page_mesh.hpp"
 #include "app/terminal/progress.hpp"
@@ -30,7 +31,7 @@ namespace sulcus {
 namespace {
 
 struct ExportOptions {
-  std::string recording, mesh, volume, fills, csv, sound;
+  std::string recording, mesh, volume, fills, csv, path, sound;
   std::string geometry;        // empty: file where the workpiece came from one, else scene
   std::optional<double> at_s;  // none: the end
   bool per_tissue = false;
@@ -128,21 +129,22 @@ void export_sound(const std::string& file, const RecordingReader& reader,
   WholeFile sound(file);
   const Scene scene = recorded_scene(reader, recording);
   const double begin_s = reader.ticks(0, 1).front().time_s;
-  write_recorded_sound(reader, scene, begin_s, "--sound", sound.beside());
+  write_recorded_sound(reader, scene, begin_s, "--sound", sound);
   sound.finish();
   say("%s\n", file.c_str());
 }
 
 void export_recording(const ExportOptions& options) {
   if (options.mesh.empty() && options.volume.empty() && options.fills.empty() &&
-      options.csv.empty() && options.sound.empty()) {
+      options.csv.empty() && options.path.empty() && options.sound.empty()) {
     throw InputError("", "export", "nothing to write",
-                     "--mesh, --volume, --fills, --csv or --sound");
+                     "--mesh, --volume, --fills, --csv, --path or --sound");
   }
   check_output("--mesh", options.mesh, {".stl", ".obj", ".ply", ".glb"});
   check_output("--volume", options.volume, {".nrrd", ".mha", ".nii.gz"});
   check_output("--fills", options.fills, {".nrrd", ".mha", ".nii.gz"});
   check_output("--csv", options.csv, {".csv"});
+  check_output("--path", options.path, {".vtk", ".ply"});
   check_output("--sound", options.sound, {".wav"});
   Progress progress("exporting");
   const RecordingReader reader(options.recording);
@@ -188,6 +190,10 @@ void export_recording(const ExportOptions& options) {
     write_ticks_csv(options.csv, reader, shape, row + 1);
     say("%s: %zu rows\n", options.csv.c_str(), row + 1);
   }
+  if (!options.path.empty()) {
+    write_tool_path(options.path, std::span(shape.rows()).first(row + 1), space_from_world);
+    say("%s: %zu points\n", options.path.c_str(), row + 1);
+  }
 }
 
 }  // namespace
@@ -215,6 +221,9 @@ void add_export_command(CLI::App& program) {
       ->check(CLI::IsMember({"file", "input", "scene"}));
   add_option(*command, "--csv", options->csv, "FILE",
              "One row per tick up to then, .csv: times, poses, forces; a [trajectory] takes it");
+  add_option(*command, "--path", options->path, "FILE",
+             "The way of the burr's tip up to then as a line, .vtk or .ply, mm, with times,\n"
+             "forces and voxels removed; in the space of --geometry");
   add_option(*command, "--sound", options->sound, "FILE",
              "The handpiece as it sounds over the whole recording, .wav");
   command->callback([options] { export_recording(*options); });
