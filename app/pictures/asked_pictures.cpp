@@ -174,7 +174,7 @@ void AskedPictures::write_video() {
   std::optional<WholeFile> sound;
   if (options_.sound) {
     sound.emplace(options_.video + ".wav");
-    write_recorded_sound(reader_, film_.scene(), 0.0, "--sound", sound->beside());
+    write_recorded_sound(reader_, film_.scene(), 0.0, "--sound", *sound);
   }
   VideoWriter video(options_.video, settings_.width, settings_.height, options_.fps,
                     sound ? sound->beside() : "");

@@ -41,7 +41,7 @@ std::string_view bytes_of(const std::vector<std::uint8_t>& bytes) {
 ImageSetInFile::ImageSetInFile(const std::string& file, ImageSetFacts facts)
     : facts_(std::move(facts)),
       whole_(file),
-      file_(whole_.beside(), facts_.frames, facts_.width, facts_.height) {
+      file_(whole_, facts_.frames, facts_.width, facts_.height) {
   file_.set_text("", "format", "sulcus-images");
   file_.set_text("", "conventions", kConventions);
   file_.set_text("", "recording", facts_.recording);

@@ -70,7 +70,7 @@ std::vector<SoundTick> recorded_sound(const RecordingReader& reader, const Scene
 }
 
 void write_recorded_sound(const RecordingReader& reader, const Scene& scene, double begin_s,
-                          const std::string& option, const std::string& file) {
+                          const std::string& option, const WholeFile& file) {
   const std::vector<SoundTick> ticks = recorded_sound(reader, scene, option);
   const double end_s = ticks.back().time_s + 1.0 / reader.header().rate_hz;
   HandpieceSound sound(ticks, begin_s, end_s, kSeed);

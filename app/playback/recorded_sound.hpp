@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/whole_file.hpp"
 #include "engine/recording/recording_reader.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/sound/handpiece_sound.hpp"
@@ -16,9 +17,9 @@ namespace sulcus {
 std::vector<SoundTick> recorded_sound(const RecordingReader& reader, const Scene& scene,
                                       const std::string& option);
 
-/// Writes it as .wav, from a time on the clock of the run to the recording's end. @throws as
+/// Writes it as .wav beside the file's name, from a time on the clock of the run to the recording's end. @throws as
 /// recorded_sound and write_wav.
 void write_recorded_sound(const RecordingReader& reader, const Scene& scene, double begin_s,
-                          const std::string& option, const std::string& file);
+                          const std::string& option, const WholeFile& file);
 
 }  // namespace sulcus

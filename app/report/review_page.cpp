@@ -329,7 +329,7 @@ std::string video_part(const RecordingReader& reader, const std::string& recordi
   RecordedFilm film(reader, recording);
   settings.hud = true;
   WholeFile sound(page + ".wav"), video(page + ".mp4");  // beside the page, and never finished
-  write_recorded_sound(reader, film.scene(), 0.0, "--sound", sound.beside());
+  write_recorded_sound(reader, film.scene(), 0.0, "--sound", sound);
   Renderer renderer(settings, film.bodies(), film.burr().mesh_tool, film.burr().head_length_m);
   VideoWriter writer(video.beside(), kWide, kTall, kFps, sound.beside());
   const double end_s = film.rows().back().time_s;

@@ -67,17 +67,17 @@ const Hdf5Handle& ImageSetFile::File::array(const std::string& in, const ImageAr
   return arrays.emplace(key, std::move(made)).first->second;
 }
 
-ImageSetFile::ImageSetFile(std::string path, std::size_t frames, std::size_t width,
+ImageSetFile::ImageSetFile(const WholeFile& whole, std::size_t frames, std::size_t width,
                            std::size_t height)
     : file_(std::make_unique<File>()) {
-  file_->path = std::move(path);
+  file_->path = whole.path();
   file_->frames = frames;
   file_->width = width;
   file_->height = height;
   silence_hdf5();
   of_file(file_->path, [&] {
     file_->file = hdf5_checked(
-        H5Fcreate(file_->path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose, "file");
+        H5Fcreate(whole.beside().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose, "file");
   });
 }
 

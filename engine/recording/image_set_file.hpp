@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/whole_file.hpp"
+
 namespace sulcus {
 
 /// Pictures of a kind in an ImageSetFile.
@@ -28,8 +30,8 @@ struct ImageLabel {
 /// Used by one thread. What goes wrong is a std::runtime_error that names the file.
 class ImageSetFile {
  public:
-  /// Makes the file; what was there is gone.
-  ImageSetFile(std::string path, std::size_t frames, std::size_t width, std::size_t height);
+  /// Makes it beside the name of `whole`, which outlives this and is finished after close().
+  ImageSetFile(const WholeFile& whole, std::size_t frames, std::size_t width, std::size_t height);
   ~ImageSetFile();
   ImageSetFile(const ImageSetFile&) = delete;
   ImageSetFile& operator=(const ImageSetFile&) = delete;

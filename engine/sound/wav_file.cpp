@@ -2,22 +2,20 @@
 
 #include <array>
 #include <memory>
-#include <stdexcept>
+#include <string>
 
 #include <sndfile.h>
 
 namespace sulcus {
 
-void write_wav(const std::string& file, int rate_hz, const TakeSamples& take) {
+void write_wav(const WholeFile& file, int rate_hz, const TakeSamples& take) {
   SF_INFO info{};
   info.samplerate = rate_hz;
   info.channels = 1;
   info.format = SF_FORMAT_WAV | SF_FORMAT_PCM_16;
-  std::unique_ptr<SNDFILE, int (*)(SNDFILE*)> out(sf_open(file.c_str(), SFM_WRITE, &info),
+  std::unique_ptr<SNDFILE, int (*)(SNDFILE*)> out(sf_open(file.beside().c_str(), SFM_WRITE, &info),
                                                   sf_close);
-  const auto fail = [&](const std::string& why) {
-    throw std::runtime_error(file + ": the sound could not be written (" + why + ")");
-  };
+  const auto fail = [&](const std::string& why) { file.fail_incomplete(why); };
   if (!out) fail(sf_strerror(nullptr));
   sf_command(out.get(), SFC_SET_CLIPPING, nullptr, SF_TRUE);
   std::array<float, 4096> block{};

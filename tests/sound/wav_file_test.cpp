@@ -18,12 +18,14 @@ namespace {
 
 void write(const std::string& file, const std::vector<float>& samples) {
   std::size_t done = 0;
-  write_wav(file, 44100, [&](std::span<float> block) {
+  WholeFile whole(file);
+  write_wav(whole, 44100, [&](std::span<float> block) {
     const std::size_t count = std::min(block.size(), samples.size() - done);
     std::copy_n(samples.begin() + static_cast<std::ptrdiff_t>(done), count, block.begin());
     done += count;
     return count;
   });
+  whole.finish();
 }
 
 template <class Number>
