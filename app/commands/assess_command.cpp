@@ -14,11 +14,11 @@
 #include "app/report/output_file.hpp"
 #include "app/report/page/page_html.hpp"
 #include "app/report/results.hpp"
+#include "app/report/solid_file.hpp"
 #include "app/terminal/progress.hpp"
 #include "app/terminal/terminal.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/whole_file.hpp"
-#include "engine/import/meshes/mesh_file.hpp"
 #include "engine/scene/scene_file.hpp"
 
 namespace sulcus {
@@ -28,6 +28,7 @@ namespace {
 struct AssessOptions {
   std::vector<std::string> recordings;
   std::string assessment, before, after, folder;
+  std::optional<double> solid_above;
   bool no_render = false;
 };
 
@@ -121,8 +122,12 @@ void assess_pair(const AssessOptions& options) {
   }
   const AssessmentSettings settings =
       settings_of(read_scene_text(options.assessment), options.assessment);
-  const TriangleMesh before = read_mesh(options.before), after = read_mesh(options.after);
-  const Assessment result = assess_meshes(before, after, {options.before, options.after}, settings);
+  const Assessment result = [&] {
+    const Progress progress("assessing");
+    const TriangleMesh before = surface_of_file(options.before, options.solid_above, "--before");
+    const TriangleMesh after = surface_of_file(options.after, options.solid_above, "--after");
+    return assess_meshes(before, after, {options.before, options.after}, settings);
+  }();
   say_assessment(result);
   const std::string folder =
       options.folder.empty() ? folder_of_recording(options.after, "-assessment") : options.folder;
@@ -132,6 +137,9 @@ void assess_pair(const AssessOptions& options) {
 
 void assess(AssessOptions options) {
   check_output_folder("-o", options.folder);
+  if (options.solid_above && options.before.empty() && options.after.empty()) {
+    throw InputError("", "--solid-above", "no --before and --after", "both, of volumes");
+  }
   if (!options.before.empty() || !options.after.empty()) return assess_pair(options);
   if (options.recordings.empty()) {
     throw InputError("", "assess", "nothing to assess", "RECORDING..., or --before and --after");
@@ -175,8 +183,11 @@ void add_assess_command(CLI::App& program) {
   add_option(*command, "--assessment", options->assessment, "FILE",
              "Limits: .toml with [assessment] (that of the scene)");
   add_option(*command, "--before", options->before, "FILE",
-             "Without a recording: the tooth as it was, .stl, .obj or .ply, mm");
+             "Without a recording: the tooth as it was, a mesh in mm (.stl, .obj, .ply) or\n"
+             "a volume, as a scene takes them");
   add_option(*command, "--after", options->after, "FILE", "And as it is, in the same space");
+  add_option(*command, "--solid-above", options->solid_above, "VALUE",
+             "Of volumes of grey values: from which on they are tooth");
   add_option(*command, "-o", options->folder, "DIR",
              "Folder for assessment.json, with a picture and a film of the moment of each\n"
              "limit that is not met (out/NAME-assessment); of several in 1/, 2/, ..., with\n"

@@ -153,6 +153,67 @@ TEST_F(Assess, MeshesGiveWhatTheRecordingGives) {
   EXPECT_NE(refused.err.find("outside of --before"), std::string::npos) << refused.err;
 }
 
+TEST_F(Assess, VolumesGiveWhatTheRecordingGives) {
+  const std::string recording = run("pocket", kPocket);
+  const std::string limits = scratch_.write("a.toml", "[assessment]\ndepth_mm = 2\n");
+  const std::string before = scratch_.path("before.nrrd"), after = scratch_.path("after.nii.gz");
+  ASSERT_EQ(command("export " + recording + " --at 0 --volume " + before).status, 0);
+  ASSERT_EQ(command("export " + recording + " --volume " + after).status, 0);
+  const nlohmann::json of_run = assessment(recording + " --assessment " + limits);
+  const nlohmann::json of_volumes =
+      assessment("--before " + before + " --after " + after + " --assessment " + limits);
+  for (const char* name : {"depth_mm", "isthmus_mm", "convergence_deg", "undercut_mm2"}) {
+    EXPECT_NEAR(measure(of_volumes, name)["value"].get<double>(),
+                measure(of_run, name)["value"].get<double>(), 2e-3)
+        << name;
+  }
+}
+
+/// A block of 4 x 4 x 2 mm with a pocket of a flat floor, 1 mm wide and `depth_mm` deep, by how
+/// much of each voxel it fills: grey values from -1000 to 1000, in voxels that are no cubes,
+/// somewhere.
+std::string grey_block(const ScratchFolder& scratch, const std::string& name, double depth_mm) {
+  constexpr double kAcross_mm = 0.05, kAlong_mm = 0.08;
+  constexpr int kWide = 100, kTall = 40;
+  std::ostringstream out;
+  out << "NRRD0004\ntype: float\ndimension: 3\nsizes: " << kWide << ' ' << kWide << ' ' << kTall
+      << "\nspace: left-posterior-superior\nspace directions: (" << kAcross_mm << ",0,0) (0,"
+      << kAcross_mm << ",0) (0,0," << kAlong_mm
+      << ")\nspace origin: (30,-40,120)\nendian: little\nencoding: raw\n\n";
+  for (int k = 0; k < kTall; ++k) {
+    for (int j = 0; j < kWide; ++j) {
+      for (int i = 0; i < kWide; ++i) {
+        const double x = (i - 0.5 * (kWide - 1)) * kAcross_mm;
+        const double y = (j - 0.5 * (kWide - 1)) * kAcross_mm;
+        const double z = (k - 0.5 * (kTall - 1)) * kAlong_mm;
+        const double block = std::max({std::abs(x) - 2.0, std::abs(y) - 2.0, std::abs(z) - 1.0});
+        const double pocket = std::max(std::hypot(x, y) - 0.5, 1.0 - depth_mm - z);
+        const double outside = depth_mm > 0.0 ? std::max(block, -pocket) : block;
+        const auto grey = static_cast<float>(1000.0 * std::clamp(-outside / kAlong_mm, -1.0, 1.0));
+        out.write(reinterpret_cast<const char*>(&grey), sizeof grey);
+      }
+    }
+  }
+  return scratch.write(name, out.str());
+}
+
+TEST_F(Assess, GreyVolumesGiveWhatIsInThem) {
+  const std::string before = grey_block(scratch_, "before.nrrd", 0.0);
+  const std::string after = grey_block(scratch_, "after.nrrd", 1.2);
+  const std::string pair = "--before " + before + " --after " + after + " --assessment " +
+                           scratch_.write("a.toml", "[assessment]\ndepth_mm = 2\n");
+  const nlohmann::json found = assessment(pair + " --solid-above 0");
+  EXPECT_NEAR(measure(found, "depth_mm")["value"].get<double>(), 1.2, 0.025);
+  EXPECT_NEAR(measure(found, "isthmus_mm")["value"].get<double>(), 1.0, 0.05);
+  EXPECT_NEAR(measure(found, "convergence_deg")["value"].get<double>(), 0.0, 1.0);
+  const std::vector<double> place = measure(found, "depth_mm")["position_mm"];
+  EXPECT_NEAR(place.at(2), 120.0 + 19.5 * 0.08 + 1.0 - 1.2, 0.05) << "in the file's space";
+  const auto refused = command("assess " + pair);
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find("grey values, expected --solid-above"), std::string::npos)
+      << refused.err;
+}
+
 TEST_F(Assess, AWholeRunCountsHoweverOftenItWasGoneOnFrom) {
   const std::string scene = kPocket + "[assessment]\npreset = 'class_one'\n";
   const std::string whole = run("whole", scene);
