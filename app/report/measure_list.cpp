@@ -34,6 +34,7 @@ void MeasureList::add(const PreparationShape& shape) {
   add("isthmus_mm", shape.isthmus_mm);
   add("width_mm", shape.width_mm);
   add("margin_mm", shape.margin_mm);
+  add("margin_slope_deg", shape.margin_slope_deg);
   add("roughness_um", shape.roughness_um);
   add("greatest_roughness_um", shape.greatest_roughness_um);
   add("wall_left_mm", shape.wall_left_mm);

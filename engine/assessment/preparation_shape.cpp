@@ -372,6 +372,7 @@ class ShapeMeter {
     height /= static_cast<double>(margin_.size());
     const RayMask core = core_above(height + kAbove_mm);
     const std::vector<double> to_core = distances_to(core, lattice_);
+    result.margin_slope_deg = margin_slope(to_core);
     const double taper = result.convergence_deg ? 0.5 * result.convergence_deg->value : 0.0;
     const double lean = kAbove_mm * std::tan(taper * kDegree);
     std::vector<std::pair<double, std::size_t>> widths;
@@ -383,6 +384,29 @@ class ShapeMeter {
     if (widths.empty()) return;
     std::ranges::sort(widths);
     result.margin_mm = {widths[widths.size() / 2].first, world(widths.front().second, height)};
+  }
+  /// By how much the finish line sinks over a short way straight from the wall.
+  std::optional<PlacedFigure> margin_slope(const std::vector<double>& to_core) const {
+    const RayMask margin = mask_of(margin_);
+    const int reach = std::max(1, static_cast<int>(std::lround(kSlopeOver_mm / lattice_.pitch_mm)));
+    std::vector<std::pair<double, std::size_t>> slopes;
+    for (const std::size_t place : margin_) {
+      const int x = lattice_.x_of(place), y = lattice_.y_of(place);
+      const std::array<std::size_t, 4> around{
+          lattice_.place(x + reach, y), lattice_.place(x - reach, y), lattice_.place(x, y + reach),
+          lattice_.place(x, y - reach)};
+      if (!std::ranges::all_of(around, [&](std::size_t at) { return margin[at] != 0; })) continue;
+      const auto rise = [&](const std::vector<double>& of) {
+        return Eigen::Vector2d(of[around[0]] - of[around[1]], of[around[2]] - of[around[3]]);
+      };
+      const double over = 2.0 * reach * lattice_.pitch_mm;
+      const double sinks = -rise(top_).dot(rise(to_core).normalized()) / over;
+      slopes.emplace_back(std::atan(sinks) / kDegree, place);
+    }
+    if (slopes.empty()) return {};
+    std::ranges::sort(slopes);
+    const std::size_t steepest = slopes.back().second;
+    return PlacedFigure{slopes[slopes.size() / 2].first, world(steepest, top_[steepest])};
   }
   RayMask mask_of(const RayComponent& part) const {
     RayMask mask(cut_.size());

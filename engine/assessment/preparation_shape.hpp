@@ -35,6 +35,9 @@ struct PreparationShape {
   std::optional<PlacedFigure> width_mm, isthmus_mm;
   /// Of a crown's finish line: the median of its width, at its narrowest place.
   std::optional<PlacedFigure> margin_mm;
+  /// How steeply the finish line falls away from the wall, the median, at its steepest place. 0: a
+  /// shoulder across the path.
+  std::optional<PlacedFigure> margin_slope_deg;
   /// From a cavity's walls through the tooth to its outside, across the path: the least.
   std::optional<PlacedFigure> wall_left_mm;
 };

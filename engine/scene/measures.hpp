@@ -20,6 +20,10 @@ inline constexpr std::array kMeasures{
     MeasureName{"isthmus_mm", "mm", "of a cavity halfway down: what goes through all of it", false},
     MeasureName{"width_mm", "mm", "of a cavity halfway down, where it is widest", false},
     MeasureName{"margin_mm", "mm", "of a crown's finish line, median", false},
+    MeasureName{
+        "margin_slope_deg", "deg",
+        "of a crown's finish line; 0: a shoulder across the insertion, above 0: falls outward",
+        false},
     MeasureName{"roughness_um", "um", "Ra of the walls, mean", false},
     MeasureName{"greatest_roughness_um", "um", "Ra of the walls, where they are roughest", false},
     MeasureName{"wall_left_mm", "mm", "from a cavity to the tooth's outside, across; at least",

@@ -29,10 +29,12 @@ Profile cavity(double radius, double depth, double taper_deg) {
   return {{0, -3}, {3.5, -3}, {3.5, 3}, {top, 3}, {radius, 3 - depth}, {0, 3 - depth}};
 }
 
-/// A crown's stump: 1 mm off its top, a shoulder 4 mm below the top of the block.
-Profile crown(double margin, double taper_deg) {
+/// A crown's stump: 1 mm off its top, a shoulder 4 mm below the top of the block, which falls
+/// outward by so many degrees.
+Profile crown(double margin, double taper_deg, double slope_deg = 0.0) {
   const double foot = 3.5 - margin, head = foot - 3.0 * tan_deg(taper_deg);
-  return {{0, -3}, {3.5, -3}, {3.5, -1}, {foot, -1}, {head, 2}, {0, 2}};
+  return {{0, -3},    {3.5, -3}, {3.5, -1.0 - margin * tan_deg(slope_deg)},
+          {foot, -1}, {head, 2}, {0, 2}};
 }
 
 struct Attitude {
@@ -99,6 +101,15 @@ TEST_P(ShapeOfVoxels, ACrownHasItsTaperDepthAndMargin) {
   }
 }
 
+TEST_P(ShapeOfVoxels, ACrownsFinishLineHasItsSlope) {
+  for (const double slope : {0.0, 10.0, 25.0}) {
+    SCOPED_TRACE(at_.name + ", " + std::to_string(slope) + " degrees");
+    const auto found = shape(crown(1.2, 3.0, slope), AssessedKind::kCrown);
+    ASSERT_TRUE(found && found->margin_slope_deg);
+    EXPECT_NEAR(found->margin_slope_deg->value, slope, 2.0);
+  }
+}
+
 TEST_P(ShapeOfVoxels, ALedgeIsAnUndercutAndARoughWallIsNone) {
   SCOPED_TRACE(at_.name);
   // 0.1 mm further out below a rim.
@@ -147,6 +158,9 @@ TEST_F(ShapeOfMeshes, AreMeasuredAsTheyAreWhereverTheyStand) {
   const auto stump = shape(block(), crown(0.8, 6.0), AssessedKind::kCrown, placed);
   EXPECT_NEAR(stump.convergence_deg->value, 12.0, 0.05);
   EXPECT_NEAR(stump.margin_mm->value, 0.8, 0.03);
+  EXPECT_NEAR(stump.margin_slope_deg->value, 0.0, 0.1);
+  const auto bevelled = shape(block(), crown(0.8, 6.0, 20.0), AssessedKind::kCrown, placed);
+  EXPECT_NEAR(bevelled.margin_slope_deg->value, 20.0, 0.2);
   EXPECT_NEAR(stump.depth_mm->value, 1.0, 0.005);
 }
 
