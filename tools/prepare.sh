@@ -43,5 +43,8 @@ build() {
     return 1
   }
   rm -f "/tmp/sulcus-configure.$$"
+  # Asked first, since it says "no work to do" before what is asked for.
+  (cd "$root" && cmake --build --preset "$preset" ${1:+--target "$@"} -- -n) |
+    grep -q '^ninja: no work to do' && return
   (cd "$root" && cmake --build --preset "$preset" ${1:+--target "$@"})
 }

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
@@ -9,6 +11,7 @@
 
 #include "tests/pipeline/small_scenes.hpp"
 #include "tests/support/command.hpp"
+#include "tests/support/png_file.hpp"
 #include "tests/support/scratch_folder.hpp"
 
 namespace sulcus {
@@ -101,7 +104,21 @@ TEST_F(Sweep, EveryCombinationIsARowOfOneTable) {
   EXPECT_EQ(std::stod(cell("force_N.mean")), summary["force_N"]["mean"].get<double>());
   EXPECT_EQ(std::count(names.begin(), names.end(), "tick_us.mean"), 0);
   EXPECT_NE(file("d/times.csv").find("tick_us.mean"), std::string::npos);
-  EXPECT_EQ(file("d/burr.diameter_mm-force_N.mean.png").substr(1, 3), "PNG");
+  // What ldm gave is told from what ldm_fast did: two colours, one sign for each run and one in the
+  // key.
+  const Image chart = test::read_png(scratch_.path("d/burr.diameter_mm-force_N.mean.png"));
+  ASSERT_EQ(chart.width, 960);
+  const auto pixels_of = [&](std::array<std::uint8_t, 3> colour) {
+    std::size_t found = 0;
+    for (std::size_t i = 0; i + 2 < chart.rgb.size(); i += 3) {
+      found += std::equal(colour.begin(), colour.end(), &chart.rgb[i]) ? 1 : 0;
+    }
+    return found;
+  };
+  const std::size_t first = pixels_of({0x1f, 0x5f, 0xa8}), second = pixels_of({0xd5, 0x5e, 0x00});
+  EXPECT_GT(first, 60u);
+  EXPECT_GT(second, 60u);
+  EXPECT_LT(first + second, 2000u);
 
   // The same in HDF5.
   const std::string compare = scratch_.write("compare.py", R"(import csv, h5py, sys
@@ -296,6 +313,16 @@ TEST_F(Sweep, AFolderIsThatOfOnePlan) {
   const auto edited = sweep(planned + "0.7,0.8");
   EXPECT_EQ(edited.status, 2);
   EXPECT_NE(edited.err.find("another scene_sha256"), std::string::npos) << edited.err;
+}
+
+TEST_F(Sweep, AShippedSceneIsKnownByItsName) {
+  const auto planned = sweep("minimal --set burr.diameter_mm=0.8 --plan-only -o d" + kBuilt);
+  EXPECT_EQ(planned.status, 0) << planned.err;
+  EXPECT_NE(file("d/sweep.json").find("/scenes/minimal.toml"), std::string::npos);
+  const auto other =
+      sweep("../scenes/minimal --set burr.diameter_mm=0.8 --plan-only -o e" + kBuilt);
+  EXPECT_EQ(other.status, 2);
+  EXPECT_NE(other.err.find("../scenes/minimal: no such file"), std::string::npos) << other.err;
 }
 
 TEST_F(Sweep, AChartOfNoSuchColumnIsRefusedByItsNearest) {

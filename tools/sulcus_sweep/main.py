@@ -16,7 +16,8 @@ from plan import all_combinations, latin_hypercube, parse_sets
 from sweep_folder import SweepFolder
 from table import make_tables, write_tables
 
-_PROGRAM = pathlib.Path(__file__).resolve().parents[2] / "build/release/sulcus"
+_ROOT = pathlib.Path(__file__).resolve().parents[2]
+_PROGRAM = _ROOT / "build/release/sulcus"
 _MOST_RUNS = 1_000_000
 
 _HELP = """
@@ -42,7 +43,7 @@ def parse_arguments(arguments):
                      description=__doc__.partition(": ")[2],
                      usage="%(prog)s [SCENE --set KEY=VALUES ...] -o DIR [options] [-- options of run]",
                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("scene", nargs="?", metavar="SCENE", help="scene file, .toml")
+    parser.add_argument("scene", nargs="?", metavar="SCENE", help="scene file, .toml, or the name of a shipped one")
     parser.add_argument("--set", action="append", default=[], dest="sets", metavar="KEY=VALUES",
                         help="values that a key takes; repeatable")
     parser.add_argument("-o", required=True, dest="folder", metavar="DIR", help="folder of the sweep")
@@ -103,6 +104,14 @@ def _said(command):
     return lines[-1].removeprefix("sulcus: ")
 
 
+def scene_file(given):
+    """A file, else the shipped scene of that name, as sulcus run takes them; InputError."""
+    for path in (pathlib.Path(given), _ROOT / "scenes" / given, _ROOT / "scenes" / f"{given}.toml"):
+        if path.is_file() and (path == pathlib.Path(given) or path.parent == _ROOT / "scenes"):
+            return path
+    raise InputError(f"{given}: no such file, expected a scene, .toml, or the name of a shipped one")
+
+
 def begin(given):
     """The folder with its plan: what was asked for now, or when it was begun."""
     folder = SweepFolder(given.folder)
@@ -119,9 +128,7 @@ def begin(given):
     if not given.sets:
         raise InputError("--set: is missing, expected KEY=VALUE,VALUE,... at least once")
     keys = parse_sets(given.sets, given.latin is not None)
-    scene = pathlib.Path(given.scene)
-    if not scene.is_file():
-        raise InputError(f"{given.scene}: no such file, expected a scene, .toml")
+    scene = scene_file(given.scene)
     runs = given.latin
     if runs is None:
         runs = 1
@@ -194,7 +201,7 @@ def sweep(arguments):
     print(folder.path / "table.csv")
     both = [row | measured for row, measured in zip(table, times)]
     for x, y in given.chart:
-        print(draw_chart(folder, both, x, y))
+        print(draw_chart(folder, both, names, x, y))
     lock.close()
     return status
 
