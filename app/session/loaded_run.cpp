@@ -69,7 +69,9 @@ void log_loading(const Scene& scene, const LoadedRun& run, const LoadCache& cach
     spdlog::warn("{}: {}", scene.file, warning);
   }
   for (const auto& [name, solid] : run.clipped) {
-    spdlog::warn(
+    // Who asks for a built-in shape in a grid that it does not fit into wants that part of it.
+    spdlog::log(
+        solid->shape ? spdlog::level::info : spdlog::level::warn,
         "{} reaches beyond the grid of {} x {} x {} voxels of {} mm and is cut flat at its faces",
         name, solid->cells.x(), solid->cells.y(), solid->cells.z(), solid->voxel_m / kMillimetre);
   }
