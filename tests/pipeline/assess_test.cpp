@@ -4,6 +4,7 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -162,9 +163,12 @@ TEST_F(Assess, VolumesGiveWhatTheRecordingGives) {
   const nlohmann::json of_run = assessment(recording + " --assessment " + limits);
   const nlohmann::json of_volumes =
       assessment("--before " + before + " --after " + after + " --assessment " + limits);
-  for (const char* name : {"depth_mm", "isthmus_mm", "convergence_deg", "undercut_mm2"}) {
+  // The rays stand elsewhere, by a part of a voxel.
+  for (const auto& [name, most] :
+       {std::pair{"depth_mm", 2e-3}, std::pair{"isthmus_mm", 2e-3},
+        std::pair{"convergence_deg", 0.1}, std::pair{"undercut_mm2", 2e-3}}) {
     EXPECT_NEAR(measure(of_volumes, name)["value"].get<double>(),
-                measure(of_run, name)["value"].get<double>(), 2e-3)
+                measure(of_run, name)["value"].get<double>(), most)
         << name;
   }
 }
