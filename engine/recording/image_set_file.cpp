@@ -76,8 +76,9 @@ ImageSetFile::ImageSetFile(const WholeFile& whole, std::size_t frames, std::size
   file_->height = height;
   silence_hdf5();
   of_file(file_->path, [&] {
-    file_->file = hdf5_checked(
-        H5Fcreate(whole.beside().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose, "file");
+    file_->file =
+        hdf5_checked(H5Fcreate(whole.beside().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT),
+                     H5Fclose, "file");
   });
 }
 
