@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/commands/common_options.hpp"
+#include "app/inspect/solid_file.hpp"
 #include "app/playback/recorded_run.hpp"
 #include "app/report/assessment.hpp"
 #include "app/report/comparison_page.hpp"
@@ -14,7 +15,6 @@
 #include "app/report/output_file.hpp"
 #include "app/report/page/page_html.hpp"
 #include "app/report/results.hpp"
-#include "app/report/solid_file.hpp"
 #include "app/terminal/progress.hpp"
 #include "app/terminal/terminal.hpp"
 #include "engine/core/error.hpp"

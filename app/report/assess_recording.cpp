@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -61,16 +62,25 @@ struct AssessedRun {
 };
 
 /// When what is at a place was cut free: the last tick that took a voxel as near to it as any.
-std::optional<std::uint64_t> tick_at(const Eigen::Vector3d& place_m, const AssessedRun& run) {
+/// `radius_m`: of a disc across the insertion about the place, which ends at walls; 0 of a place
+/// on one.
+std::optional<std::uint64_t> tick_at(const Eigen::Vector3d& place_m, double radius_m,
+                                     const Eigen::Vector3d& insertion, const AssessedRun& run) {
   double nearest = std::numeric_limits<double>::infinity();
-  const auto distance = [&](const Edit& edit) { return (run.place(edit) - place_m).norm(); };
+  const double voxel_m = run.start.grid.voxel_m;
+  const double beside_m = radius_m > 0.0 ? voxel_m : 0.5 * voxel_m;
+  const auto distance = [&](const Edit& edit) {
+    const Eigen::Vector3d from = run.place(edit) - place_m;
+    const double along = from.dot(insertion);
+    return std::hypot((from - along * insertion).norm() - radius_m, along);
+  };
   const auto counts = [](const Edit& edit) { return edit.body == 0 && edit.is_gone(); };
   for (const Edit& edit : run.edits) {
     if (counts(edit)) nearest = std::min(nearest, distance(edit));
   }
   std::optional<std::uint64_t> tick;
   for (const Edit& edit : run.edits) {
-    if (counts(edit) && distance(edit) <= nearest + 0.5 * run.start.grid.voxel_m) tick = edit.tick;
+    if (counts(edit) && distance(edit) <= nearest + beside_m) tick = edit.tick;
   }
   return tick;
 }
@@ -153,14 +163,20 @@ void add_neighbours(const AssessedRun& run, MeasureList& all) {
   std::vector<LevelChanges> levels;
   levels.reserve(run.scene.bodies.size());
   for (const VoxelModel& body : run.reader.bodies()) levels.emplace_back(body);
+  std::map<std::pair<std::uint16_t, std::uint32_t>, FillLevel> earlier;  // left, of body and voxel
   double removed_mm3 = 0.0;
   std::optional<Edit> first;
   for (std::size_t i = 0; i < run.edits.size(); ++i) {
     const Edit& edit = run.edits[i];
     if (edit.body == 0) continue;
     if (!first) first = edit;
-    const FillLevel before =
-        i < run.earlier_edits ? kFullLevel : levels[edit.body - 1u].before(edit);
+    FillLevel before = kFullLevel;
+    if (i < run.earlier_edits) {
+      FillLevel& left = earlier.try_emplace({edit.body, edit.voxel}, kFullLevel).first->second;
+      before = std::exchange(left, edit.level);
+    } else {
+      before = levels[edit.body - 1u].before(edit);
+    }
     removed_mm3 += run.reader.grids()[edit.body].voxel_volume_m3() * 1e9 *
                    static_cast<double>(before - edit.level) / kFullLevel;
   }
@@ -295,8 +311,8 @@ void add_moment(std::span<const TickRecord> rows, const Eigen::Vector3d& inserti
 
 }  // namespace
 
-Assessment assess_recording(const RecordingReader& reader, const std::string& path,
-                            const AssessmentSettings& settings) {
+std::optional<Assessment> assessment_if_cut(const RecordingReader& reader, const std::string& path,
+                                            const AssessmentSettings& settings) {
   const Scene scene = recorded_scene(reader, path);
   const std::shared_ptr<const EarlierRun> earlier = recorded_earlier(reader, scene);
   VoxelModel end = recorded_workpiece(reader, scene);
@@ -306,7 +322,7 @@ Assessment assess_recording(const RecordingReader& reader, const std::string& pa
   shape_now.seek_row(shape_now.rows().size() - 1);
   const std::optional<PreparationShape> shape = preparation_shape(
       closed_surface(start), closed_surface(shape_now.model()), shape_settings(settings));
-  if (!shape) throw InputError(path, "/edits", "nothing removed", "a preparation to assess");
+  if (!shape) return {};
   const std::vector<Edit> edits = all_edits(reader, earlier.get());
   const AssessedRun run{
       reader, scene, start, shape_now.model(), edits, earlier ? earlier->edits.size() : 0};
@@ -314,7 +330,11 @@ Assessment assess_recording(const RecordingReader& reader, const std::string& pa
   all.add(*shape);
   add_goal(run, all);
   for (AssessedMeasure& measure : all.measures()) {
-    if (measure.position_m) measure.tick = tick_at(*measure.position_m, run);
+    if (!measure.position_m) continue;
+    // The place of a width is the middle between walls.
+    const bool is_width = measure.name == "isthmus_mm" || measure.name == "width_mm";
+    const double radius_m = is_width ? 0.5 * kMillimetre * measure.value : 0.0;
+    measure.tick = tick_at(*measure.position_m, radius_m, settings.insertion, run);
   }
   add_tissues(run, all);
   add_neighbours(run, all);
@@ -331,6 +351,13 @@ Assessment assess_recording(const RecordingReader& reader, const std::string& pa
     add_moment(whole ? whole->rows : shape_now.rows(), settings.insertion, measure);
   }
   return all.finish();
+}
+
+Assessment assess_recording(const RecordingReader& reader, const std::string& path,
+                            const AssessmentSettings& settings) {
+  std::optional<Assessment> assessment = assessment_if_cut(reader, path, settings);
+  if (!assessment) throw InputError(path, "/edits", "nothing removed", "a preparation to assess");
+  return *std::move(assessment);
 }
 
 }  // namespace sulcus

@@ -5,6 +5,7 @@
 #include "app/report/assessment.hpp"
 #include "app/report/measure_list.hpp"
 #include "app/terminal/terminal.hpp"
+#include "engine/assessment/insertion_frame.hpp"
 #include "engine/assessment/preparation_shape.hpp"
 #include "engine/core/error.hpp"
 

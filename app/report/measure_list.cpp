@@ -1,9 +1,20 @@
 #include "app/report/measure_list.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace sulcus {
+
+namespace {
+
+/// What every preparation of a kind has: one in which it is not to be found has not met its limit.
+bool is_of_every(AssessedKind kind, std::string_view name) {
+  if (name == "depth_mm") return true;
+  return kind == AssessedKind::kCavity ? name == "isthmus_mm" : name == "margin_mm";
+}
+
+}  // namespace
 
 AssessedMeasure& MeasureList::add(std::string_view name, double value) {
   AssessedMeasure measure;
@@ -17,7 +28,7 @@ void MeasureList::add(std::string_view name, const std::optional<double>& value)
 }
 
 void MeasureList::add(std::string_view name, const std::optional<PlacedFigure>& figure) {
-  if (figure) add(name, figure->value).position_m = figure->at_m;
+  if (figure && std::isfinite(figure->value)) add(name, figure->value).position_m = figure->at_m;
 }
 
 void MeasureList::add(const PreparationShape& shape) {
@@ -59,6 +70,7 @@ Assessment MeasureList::finish() {
     const auto measure = std::ranges::find(result_.measures, limit.name, &AssessedMeasure::name);
     if (measure == result_.measures.end()) {
       result_.not_measured.push_back(limit.name);
+      if (is_of_every(settings_.kind, limit.name)) all += limit.weight;
       continue;
     }
     measure->limit = limit;

@@ -159,32 +159,37 @@ class AttemptMaker {
   }
 
  private:
-  struct Moment {
-    std::size_t end;  // edits made by then
-    double time_s;
-  };
+  using MomentAt = std::pair<std::size_t, double>;  // edits made by then; its time, s
 
   double time_of(std::uint64_t tick) const { return static_cast<double>(tick) / rate_hz_; }
 
   void find_moments(std::size_t count) {
-    std::vector<std::size_t> ends{0, edits_.size()};
-    const auto after_tick = [&](std::uint64_t tick) {
-      const auto end = std::ranges::upper_bound(edits_, tick, {}, &Edit::tick);
-      return static_cast<std::size_t>(end - edits_.begin());
-    };
+    std::vector<MomentAt> all{{0, 0.0}, {edits_.size(), film_.rows().back().time_s}};
     for (std::size_t n = 1; n < count && !edits_.empty(); ++n) {
-      ends.push_back(after_tick(edits_[edits_.size() * n / count].tick));
+      all.push_back(at_tick(edits_[edits_.size() * n / count].tick));
     }
+    // Also where a push cuts nothing, between two others.
     for (const AssessedMeasure* measure : not_met()) {
-      if (measure->tick) ends.push_back(after_tick(*measure->tick));
+      if (measure->tick) all.push_back(at_tick(*measure->tick));
     }
-    std::ranges::sort(ends);
-    ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
-    for (const std::size_t end : ends) {
+    std::ranges::sort(all);
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+    for (const auto& [end, time_s] : all) {
       ends_.push_back(end);
-      times_s_.push_back(end == 0 ? 0.0 : time_of(edits_[end - 1].tick));
+      times_s_.push_back(time_s);
     }
-    times_s_.back() = std::max(times_s_.back(), film_.rows().back().time_s);
+  }
+  MomentAt at_tick(std::uint64_t tick) const {
+    const auto end = std::ranges::upper_bound(edits_, tick, {}, &Edit::tick);
+    return {static_cast<std::size_t>(end - edits_.begin()), time_of(tick)};
+  }
+  /// Of one of them, its number.
+  std::size_t number_of(const MomentAt& moment) const {
+    std::size_t number = 0;
+    while (number + 1 < ends_.size() && MomentAt(ends_[number], times_s_[number]) < moment) {
+      ++number;
+    }
+    return number;
   }
 
   std::vector<const AssessedMeasure*> not_met() const {
@@ -227,11 +232,8 @@ class AttemptMaker {
     for (const AssessedMeasure* measure : not_met()) {
       std::size_t moment = ends_.size() - 1;
       if (measure->tick) {
-        const double time_s = time_of(*measure->tick);
-        const auto end = std::ranges::upper_bound(edits_, *measure->tick, {}, &Edit::tick);
-        const auto place = static_cast<std::size_t>(end - edits_.begin());
-        moment = static_cast<std::size_t>(std::ranges::lower_bound(ends_, place) - ends_.begin());
-        all.push_back({{"time_s", time_s}});
+        moment = number_of(at_tick(*measure->tick));
+        all.push_back({{"time_s", time_of(*measure->tick)}});
       } else {
         all.push_back({{"time_s", nullptr}});
       }

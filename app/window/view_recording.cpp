@@ -55,9 +55,11 @@ std::vector<PlayerControls::Mark> assessed_marks(const RecordingReader& reader,
                                                  const std::string& recording) {
   std::vector<PlayerControls::Mark> marks;
   const auto settings = assessment_of(reader.header().scene_toml, recording);
-  if (!settings || reader.edit_count() == 0) return marks;
+  if (!settings) return marks;
   const Progress progress("assessing");
-  for (const AssessedMeasure& measure : assess_recording(reader, recording, *settings).measures) {
+  const std::optional<Assessment> assessment = assessment_if_cut(reader, recording, *settings);
+  if (!assessment) return marks;
+  for (const AssessedMeasure& measure : assessment->measures) {
     if (measure.met() || !measure.time_s) continue;
     // As it is spoken: "dentine over pulp 0.32 mm".
     std::string name = measure.name.ends_with("_" + measure.unit)

@@ -9,6 +9,7 @@
 
 #include "engine/assessment/cavity_widths.hpp"
 #include "engine/assessment/cut_walls.hpp"
+#include "engine/assessment/insertion_frame.hpp"
 #include "engine/assessment/ray_mask.hpp"
 #include "engine/assessment/ray_stack.hpp"
 #include "engine/core/units.hpp"
@@ -17,42 +18,13 @@ namespace sulcus {
 
 namespace {
 
-constexpr double kCoarsePitch_mm = 0.1;
-constexpr double kMostRays = 2e6;
 constexpr double kSame_mm = 0.05;
 constexpr double kSliver_mm = 0.06;  // half the width of what is cut at least
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFloorSlope = 0.84;   // tan 40 degrees
 constexpr double kSlopeOver_mm = 0.1;  // to each side
 constexpr double kLeastFloor_mm2 = 0.1;
-
-/// The frame: mm, z along the path of insertion.
-Eigen::Affine3d frame_from_m(const Eigen::Vector3d& insertion) {
-  const Eigen::Quaterniond turn =
-      Eigen::Quaterniond::FromTwoVectors(insertion, Eigen::Vector3d::UnitZ());
-  return Eigen::Affine3d(Eigen::Scaling(1.0 / kMillimetre) * turn);
-}
-
-TriangleMesh moved(const TriangleMesh& mesh, const Eigen::Affine3d& to) {
-  TriangleMesh result = mesh;
-  transform(to, result);
-  return result;
-}
-
-Eigen::AlignedBox2d box_of(const TriangleMesh& mesh) {
-  Eigen::AlignedBox2d box;
-  for (const Eigen::Vector3f& p : mesh.positions) box.extend(p.head<2>().cast<double>());
-  return box;
-}
-
-RayLattice lattice_over(const Eigen::AlignedBox2d& box, double pitch_mm) {
-  const Eigen::Vector2d size = box.sizes();
-  const double pitch = std::max(pitch_mm, std::sqrt(size.x() * size.y() / kMostRays));
-  // Between the places of whole tenths, where meshes made by hand have their edges.
-  const Eigen::Vector2d first = box.min() - Eigen::Vector2d(1.93, 1.87) * pitch;
-  const auto count = [&](double length) { return static_cast<int>(length / pitch) + 5; };
-  return {first, pitch, count(size.x()), count(size.y())};
-}
+constexpr double kAboveMargin_mm = 0.25;
 
 /// The rays on which something was removed, slivers that two surfaces of one tooth leave between
 /// each other among them.
@@ -73,13 +45,14 @@ class ShapeMeter {
         before_(before, lattice),
         after_(after, lattice),
         after_mesh_(after),
-        m_from_frame_(frame_from_m(settings.insertion).inverse()) {
+        m_from_frame_(insertion_frame_from_m(settings.insertion).inverse()) {
     const std::size_t rays = lattice.size();
     cut_ = opened(removed_rays(before_, after_, lattice), kSliver_mm, lattice);
     top_.assign(rays, kNone);
     depth_.assign(rays, kNone);
     open_.assign(rays, 0);
     hidden_.assign(rays, 0);
+    beyond_.assign(rays, 0);
     for (std::size_t place = 0; place < rays; ++place) look_at(place);
   }
 
@@ -103,6 +76,7 @@ class ShapeMeter {
     const auto now = after_.spans(place);
     const double top = now.empty() ? -std::numeric_limits<double>::infinity() : now.back().top_mm;
     if (!now.empty()) top_[place] = top;
+    beyond_[place] = !cut_[place] || now.empty() || was_top(place, top);
     if (!cut_[place]) return;
     for (const RayStack::Span& gone : without(before_.spans(place), now, kSame_mm)) {
       removed_mm3_ += (gone.top_mm - gone.bottom_mm) * lattice_.pitch_mm * lattice_.pitch_mm;
@@ -113,6 +87,13 @@ class ShapeMeter {
         hidden_[place] = 1;
       }
     }
+  }
+
+  /// Whether the tooth ended there before, below what was cut off over it.
+  bool was_top(std::size_t place, double z_mm) const {
+    return std::ranges::any_of(before_.spans(place), [&](const RayStack::Span& was) {
+      return std::abs(was.top_mm - z_mm) < kSame_mm;
+    });
   }
 
   Eigen::Vector3d world(const Eigen::Vector3d& p_mm) const { return m_from_frame_ * p_mm; }
@@ -143,26 +124,28 @@ class ShapeMeter {
     return level;
   }
 
-  /// Of a crown: whether a level part is the finish line, which runs along what was not cut.
-  bool is_margin(const RayComponent& part, const std::vector<double>& from_uncut) const {
+  /// Of a crown: whether a level part is the finish line, which runs along the stump's outer edge.
+  bool is_margin(const RayComponent& part, const std::vector<double>& from_beyond) const {
     const auto near = std::ranges::count_if(
-        part, [&](std::size_t place) { return from_uncut[place] < 2.5 * kSlopeOver_mm; });
+        part, [&](std::size_t place) { return from_beyond[place] < 2.5 * kSlopeOver_mm; });
     return 10 * static_cast<std::size_t>(near) > part.size();
   }
 
   void measure_floor(PreparationShape& result) {
-    RayMask uncut(cut_.size());
-    for (std::size_t i = 0; i < cut_.size(); ++i) uncut[i] = !cut_[i];
-    const std::vector<double> from_uncut = distances_to(uncut, lattice_);
+    const std::vector<double> from_beyond = distances_to(beyond_, lattice_);
     std::vector<RayComponent> parts = components(level_rays(), rays_of(kLeastFloor_mm2), lattice_);
     if (settings_.kind == AssessedKind::kCrown) {
       const auto margins = std::stable_partition(
           parts.begin(), parts.end(),
-          [&](const RayComponent& part) { return !is_margin(part, from_uncut); });
+          [&](const RayComponent& part) { return !is_margin(part, from_beyond); });
       for (auto margin = margins; margin != parts.end(); ++margin) {
         margin_.insert(margin_.end(), margin->begin(), margin->end());
       }
-      parts.erase(margins, parts.end());
+      if (stump_stands()) {
+        parts.erase(margins, parts.end());
+      } else {
+        margin_.clear();  // it is the top of a small tooth
+      }
     }
     if (parts.empty()) return;
     const RayComponent& floor = parts.front();
@@ -183,6 +166,19 @@ class ShapeMeter {
     result.greatest_depth_mm = {depth_[deepest], world(deepest, top_[deepest])};
     result.least_depth_mm = {depth_[shallowest], world(shallowest, top_[shallowest])};
     result.floor_flatness_um = flatness(floor);
+  }
+
+  /// Above what would be the finish line.
+  bool stump_stands() const {
+    if (margin_.empty()) return false;
+    const RayMask core = core_above(over_margin());
+    return std::ranges::find(core, char{1}) != core.end();
+  }
+  /// A height a little above the finish line, where the wall is.
+  double over_margin() const {
+    double height = 0.0;
+    for (const std::size_t place : margin_) height += top_[place];
+    return height / static_cast<double>(margin_.size()) + kAboveMargin_mm;
   }
 
   PlacedFigure flatness(const RayComponent& floor) const {
@@ -353,6 +349,7 @@ class ShapeMeter {
     for (std::size_t i = 0; i < cut_.size(); ++i) {
       inside[i] = cut_[i] && !after_.contains(i, z) && before_.contains(i, z);
     }
+    inside = part_over(lattice_.nearest(deepest.head<2>()), inside);
     const CavityWidths widths(lattice_, inside, patches_, z);
     const auto placed = [&](const CavityWidth& width) {
       return PlacedFigure{width.mm, world(width.place, z)};
@@ -363,18 +360,26 @@ class ShapeMeter {
     result.isthmus_mm = placed(*widths.isthmus());
   }
 
+  /// The connected part in which a ray is, else the largest: of several cavities the one whose
+  /// floor was measured.
+  RayMask part_over(std::size_t place, const RayMask& of) const {
+    const std::vector<RayComponent> parts = components(of, 1, lattice_);
+    if (parts.empty()) return of;
+    const auto own = std::ranges::find_if(parts, [&](const RayComponent& part) {
+      return std::ranges::find(part, place) != part.end();
+    });
+    return mask_of(own != parts.end() ? *own : parts.front());
+  }
+
   /// How far the wall stands from the outer edge of what was cut, a little above the finish line.
   void measure_margin(PreparationShape& result) const {
     if (margin_.empty()) return;
-    constexpr double kAbove_mm = 0.25;
-    double height = 0.0;
-    for (const std::size_t place : margin_) height += top_[place];
-    height /= static_cast<double>(margin_.size());
-    const RayMask core = core_above(height + kAbove_mm);
+    const double height = over_margin();
+    const RayMask core = core_above(height);
     const std::vector<double> to_core = distances_to(core, lattice_);
     result.margin_slope_deg = margin_slope(to_core);
     const double taper = result.convergence_deg ? 0.5 * result.convergence_deg->value : 0.0;
-    const double lean = kAbove_mm * std::tan(taper * kDegree);
+    const double lean = kAboveMargin_mm * std::tan(taper * kDegree);
     std::vector<std::pair<double, std::size_t>> widths;
     const std::vector<double> from_margin = distances_to(mask_of(margin_), lattice_);
     for (std::size_t place = 0; place < cut_.size(); ++place) {
@@ -383,7 +388,8 @@ class ShapeMeter {
     }
     if (widths.empty()) return;
     std::ranges::sort(widths);
-    result.margin_mm = {widths[widths.size() / 2].first, world(widths.front().second, height)};
+    result.margin_mm = {widths[widths.size() / 2].first,
+                        world(widths.front().second, height - kAboveMargin_mm)};
   }
   /// By how much the finish line sinks over a short way straight from the wall.
   std::optional<PlacedFigure> margin_slope(const std::vector<double>& to_core) const {
@@ -418,14 +424,14 @@ class ShapeMeter {
     for (std::size_t i = 0; i < cut_.size(); ++i) core[i] = after_.contains(i, z_mm);
     return core;
   }
-  /// Cut, beside what was not.
+  /// Of the stump, at its side.
   bool is_outer_edge(std::size_t place) const {
-    if (!open_[place]) return false;
+    if (!open_[place] || beyond_[place]) return false;
     const int x = lattice_.x_of(place), y = lattice_.y_of(place);
     constexpr std::array<std::array<int, 2>, 4> kSides{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
     return std::ranges::any_of(kSides, [&](const std::array<int, 2>& side) {
       return lattice_.holds(x + side[0], y + side[1]) &&
-             !cut_[lattice_.place(x + side[0], y + side[1])];
+             beyond_[lattice_.place(x + side[0], y + side[1])];
     });
   }
 
@@ -435,6 +441,7 @@ class ShapeMeter {
   const TriangleMesh& after_mesh_;
   Eigen::Affine3d m_from_frame_;
   RayMask cut_, open_, hidden_;      // something was removed; to be seen from above; below tooth
+  RayMask beyond_;                   // where the tooth ends in what was not cut, or there is none
   std::vector<double> top_, depth_;  // where the tooth now ends; below where it did
   RayComponent margin_;              // of a crown
   std::vector<WallPatch> patches_;
@@ -443,26 +450,10 @@ class ShapeMeter {
 
 }  // namespace
 
-double share_outside(const TriangleMesh& before, const TriangleMesh& after,
-                     const Eigen::Vector3d& insertion) {
-  const Eigen::Affine3d frame = frame_from_m(insertion);
-  const TriangleMesh was = moved(before, frame), is = moved(after, frame);
-  const RayLattice lattice = lattice_over(box_of(was).merged(box_of(is)), kCoarsePitch_mm);
-  const RayStack was_solid(was, lattice), is_solid(is, lattice);
-  double outside = 0.0, all = 0.0;
-  for (std::size_t place = 0; place < lattice.size(); ++place) {
-    for (const RayStack::Span& s : is_solid.spans(place)) all += s.top_mm - s.bottom_mm;
-    for (const RayStack::Span& s : without(is_solid.spans(place), was_solid.spans(place), 0.0)) {
-      outside += s.top_mm - s.bottom_mm;
-    }
-  }
-  return all > 0.0 ? outside / all : 0.0;
-}
-
 std::optional<PreparationShape> preparation_shape(const TriangleMesh& before,
                                                   const TriangleMesh& after,
                                                   const ShapeSettings& settings) {
-  const Eigen::Affine3d frame = frame_from_m(settings.insertion);
+  const Eigen::Affine3d frame = insertion_frame_from_m(settings.insertion);
   const TriangleMesh was = moved(before, frame), is = moved(after, frame);
   // First roughly, to know where to look.
   const RayLattice rough = lattice_over(box_of(was).merged(box_of(is)), kCoarsePitch_mm);

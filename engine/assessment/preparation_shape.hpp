@@ -54,11 +54,6 @@ inline ShapeSettings shape_settings(const AssessmentSettings& settings) {
   return {.kind = settings.kind, .insertion = settings.insertion, .pitch_mm = settings.voxel_mm};
 }
 
-/// Whether two meshes are of one tooth in one place: the share of the second's volume that lies
-/// outside of the first. What was cut lies in what was there.
-double share_outside(const TriangleMesh& before, const TriangleMesh& after,
-                     const Eigen::Vector3d& insertion);
-
 /// Compares closed surfaces of a tooth before and after, in metres, in one space. They may be of
 /// different resolution; what differs by less than 0.05 mm is taken for the same. None where
 /// nothing was removed. On rays along the path of insertion that stand `pitch_mm` apart, or where

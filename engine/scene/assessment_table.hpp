@@ -26,7 +26,10 @@ struct MeasureLimit {
   std::optional<double> low, high;
   double weight = 1.0;  // in the mark
 
-  bool met(double value) const { return !(low && value < *low) && !(high && value > *high); }
+  /// Never by what is no number.
+  bool met(double value) const {
+    return !(low && !(value >= *low)) && !(high && !(value <= *high));
+  }
 };
 
 enum class AssessedKind : std::uint8_t { kCavity, kCrown };

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/assessment/insertion_frame.hpp"
 #include "engine/surface/surface_mesh.hpp"
 #include "tests/assessment/turned_solid.hpp"
 
@@ -108,6 +109,21 @@ TEST_P(ShapeOfVoxels, ACrownsFinishLineHasItsSlope) {
     ASSERT_TRUE(found && found->margin_slope_deg);
     EXPECT_NEAR(found->margin_slope_deg->value, slope, 2.0);
   }
+}
+
+/// Of a tooth that is wider higher up, as teeth are above their neck.
+TEST_P(ShapeOfVoxels, ACrownsFinishLineIsTheStumpsAlsoBelowTheEquator) {
+  SCOPED_TRACE(at_.name);
+  const Profile tooth{{0, -3}, {3.2, -3}, {3.2, -1.2}, {3.7, 0.5}, {3.5, 3}, {0, 3}};
+  const Profile stump{{0, -3}, {3.2, -3}, {3.2, -1.2}, {2.2, -1.2}, {2.0, 2}, {0, 2}};
+  const auto found =
+      preparation_shape(surface(tooth), surface(stump),
+                        {.kind = AssessedKind::kCrown, .insertion = at_.placed.linear().col(2)});
+  ASSERT_TRUE(found && found->margin_mm && found->depth_mm && found->margin_slope_deg);
+  EXPECT_NEAR(found->margin_mm->value, 1.0, 0.5 * kVoxel_mm);
+  EXPECT_NEAR(found->depth_mm->value, 1.0, 0.5 * kVoxel_mm);
+  EXPECT_NEAR(found->greatest_depth_mm->value, 1.0, 1.5 * kVoxel_mm) << "not that of the shoulder";
+  EXPECT_NEAR(found->margin_slope_deg->value, 0.0, 2.0);
 }
 
 TEST_P(ShapeOfVoxels, ALedgeIsAnUndercutAndARoughWallIsNone) {

@@ -254,5 +254,16 @@ TEST_F(AssessedFaults, AGrooveInAWall) {
       "greatest_roughness_um", {3.75, 0.2, 0.2, 0});
 }
 
+TEST_F(AssessedFaults, ASlotThatWasWidenedIsTimedWhenItWas) {
+  const Found found =
+      attempt(in_turn(in_turn(kSlot, {{0.5, -0.75, 0.4, 0}, {2.0, 0.75, 0.4, 0}}), kAway));
+  const auto isthmus = found.at("isthmus_mm");
+  EXPECT_NEAR(isthmus["value"].get<double>(), 1.4, 0.05);
+  EXPECT_EQ(isthmus.value("met", true), false);
+  ASSERT_FALSE(isthmus["time_s"].is_null());
+  EXPECT_GT(isthmus["time_s"].get<double>(), 3.0) << "before, nothing was wrong";
+  EXPECT_LT(isthmus["time_s"].get<double>(), 5.1);
+}
+
 }  // namespace
 }  // namespace sulcus

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <numbers>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -145,6 +146,21 @@ TEST_F(Assess, MeshesGiveWhatTheRecordingGives) {
   EXPECT_EQ(measure(of_meshes, "depth_mm")["tick"], nullptr);
   EXPECT_DOUBLE_EQ(of_meshes["mark"], 100.0);
 
+  // Inside out it is the same tooth; with a hole it is none.
+  TriangleMesh turned = read_mesh(after);
+  for (auto& triangle : turned.triangles) std::swap(triangle[1], triangle[2]);
+  write_mesh(scratch_.path("turned.stl"), turned);
+  const nlohmann::json of_turned = assessment(
+      "--before " + before + " --after " + scratch_.path("turned.stl") + " --assessment " + limits);
+  EXPECT_NEAR(measure(of_turned, "depth_mm")["value"].get<double>(),
+              measure(of_meshes, "depth_mm")["value"].get<double>(), 1e-4);
+  turned.triangles.pop_back();
+  write_mesh(scratch_.path("open.stl"), turned);
+  const auto open = command("assess --before " + before + " --after " + scratch_.path("open.stl") +
+                            " --assessment " + limits);
+  EXPECT_EQ(open.status, 2);
+  EXPECT_NE(open.err.find("a surface with holes"), std::string::npos) << open.err;
+
   TriangleMesh moved = read_mesh(after);
   for (Eigen::Vector3f& p : moved.positions) p.x() += 0.4e-3f;
   write_mesh(scratch_.path("moved.stl"), moved);
@@ -175,14 +191,18 @@ TEST_F(Assess, VolumesGiveWhatTheRecordingGives) {
 
 /// A block of 4 x 4 x 2 mm with a pocket of a flat floor, 1 mm wide and `depth_mm` deep, by how
 /// much of each voxel it fills: grey values from -1000 to 1000, in voxels that are no cubes,
-/// somewhere.
-std::string grey_block(const ScratchFolder& scratch, const std::string& name, double depth_mm) {
+/// somewhere, turned about z.
+std::string grey_block(const ScratchFolder& scratch, const std::string& name, double depth_mm,
+                       double turned_deg) {
   constexpr double kAcross_mm = 0.05, kAlong_mm = 0.08;
   constexpr int kWide = 100, kTall = 40;
+  const double turned = turned_deg * std::numbers::pi / 180.0;
+  const double along = kAcross_mm * std::cos(turned), aside = kAcross_mm * std::sin(turned);
   std::ostringstream out;
+  out.precision(17);
   out << "NRRD0004\ntype: float\ndimension: 3\nsizes: " << kWide << ' ' << kWide << ' ' << kTall
-      << "\nspace: left-posterior-superior\nspace directions: (" << kAcross_mm << ",0,0) (0,"
-      << kAcross_mm << ",0) (0,0," << kAlong_mm
+      << "\nspace: left-posterior-superior\nspace directions: (" << along << ',' << aside << ",0) ("
+      << -aside << ',' << along << ",0) (0,0," << kAlong_mm
       << ")\nspace origin: (30,-40,120)\nendian: little\nencoding: raw\n\n";
   for (int k = 0; k < kTall; ++k) {
     for (int j = 0; j < kWide; ++j) {
@@ -202,16 +222,20 @@ std::string grey_block(const ScratchFolder& scratch, const std::string& name, do
 }
 
 TEST_F(Assess, GreyVolumesGiveWhatIsInThem) {
-  const std::string before = grey_block(scratch_, "before.nrrd", 0.0);
-  const std::string after = grey_block(scratch_, "after.nrrd", 1.2);
-  const std::string pair = "--before " + before + " --after " + after + " --assessment " +
-                           scratch_.write("a.toml", "[assessment]\ndepth_mm = 2\n");
-  const nlohmann::json found = assessment(pair + " --solid-above 0");
-  EXPECT_NEAR(measure(found, "depth_mm")["value"].get<double>(), 1.2, 0.025);
-  EXPECT_NEAR(measure(found, "isthmus_mm")["value"].get<double>(), 1.0, 0.05);
-  EXPECT_NEAR(measure(found, "convergence_deg")["value"].get<double>(), 0.0, 1.0);
-  const std::vector<double> place = measure(found, "depth_mm")["position_mm"];
-  EXPECT_NEAR(place.at(2), 120.0 + 19.5 * 0.08 + 1.0 - 1.2, 0.05) << "in the file's space";
+  std::string pair;
+  for (const double turned_deg : {0.0, 33.0}) {
+    SCOPED_TRACE(turned_deg);
+    const std::string before = grey_block(scratch_, "before.nrrd", 0.0, turned_deg);
+    const std::string after = grey_block(scratch_, "after.nrrd", 1.2, turned_deg);
+    pair = "--before " + before + " --after " + after + " --assessment " +
+           scratch_.write("a.toml", "[assessment]\ndepth_mm = 2\n");
+    const nlohmann::json found = assessment(pair + " --solid-above 0");
+    EXPECT_NEAR(measure(found, "depth_mm")["value"].get<double>(), 1.2, 0.025);
+    EXPECT_NEAR(measure(found, "isthmus_mm")["value"].get<double>(), 1.0, 0.05);
+    EXPECT_NEAR(measure(found, "convergence_deg")["value"].get<double>(), 0.0, 1.0);
+    const std::vector<double> place = measure(found, "depth_mm")["position_mm"];
+    EXPECT_NEAR(place.at(2), 120.0 + 19.5 * 0.08 + 1.0 - 1.2, 0.05) << "in the file's space";
+  }
   const auto refused = command("assess " + pair);
   EXPECT_EQ(refused.status, 2);
   EXPECT_NE(refused.err.find("grey values, expected --solid-above"), std::string::npos)

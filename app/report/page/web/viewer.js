@@ -104,6 +104,7 @@ class Viewer {
     this.tell();
   }
   play() {
+    if (this.steps === 0) return;  // there is but one moment
     if (this.playing) {
       clearInterval(this.playing);
       this.playing = 0;

@@ -1,9 +1,11 @@
-#include "app/report/solid_file.hpp"
+#include "app/inspect/solid_file.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
+#include "app/inspect/mesh_facts.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/file_kind.hpp"
 #include "engine/import/meshes/mesh_file.hpp"
@@ -15,6 +17,21 @@
 namespace sulcus {
 
 namespace {
+
+/// Facing outwards, whichever way round its triangles are in the file.
+TriangleMesh closed_mesh(const std::string& path, const std::string& option) {
+  TriangleMesh mesh = read_mesh(path);
+  const MeshFacts facts = mesh_facts(mesh);
+  if (facts.open_edges > 0) {
+    throw InputError(path, option,
+                     "a surface with holes (open edges: " + std::to_string(facts.open_edges) + ")",
+                     "a closed one");
+  }
+  if (facts.volume_m3 < 0.0) {
+    for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  }
+  return mesh;
+}
 
 bool is_mask(const MedicalVolume& volume) {
   constexpr float kMostLabel = 255.0f;
@@ -28,12 +45,13 @@ VoxelGrid grid_for(const MedicalVolume& volume, const std::string& option) {
   const double voxel_m = volume.spacing_m.minCoeff();
   VoxelGrid grid{Eigen::Vector3i::Zero(), voxel_m};
   for (int axis = 0; axis < 3; ++axis) {
-    // Axes need not be at right angles: their box in space.
-    double extent_m = 0.0;
+    // Along its own axes, and along those of space, however it lies in it.
+    double box_m = 0.0;
     for (int along = 0; along < 3; ++along) {
-      extent_m +=
+      box_m +=
           std::abs(volume.direction(axis, along)) * volume.sizes[along] * volume.spacing_m[along];
     }
+    const double extent_m = std::max(box_m, volume.sizes[axis] * volume.spacing_m[axis]);
     const double cells = std::ceil(extent_m / voxel_m) + 4.0;
     if (!(cells <= kMaxCellsPerAxis)) {
       throw InputError(volume.file, option, std::to_string(static_cast<long>(cells)) + " voxels",
@@ -48,7 +66,7 @@ VoxelGrid grid_for(const MedicalVolume& volume, const std::string& option) {
 
 TriangleMesh surface_of_file(const std::string& path, std::optional<double> solid_above,
                              const std::string& option) {
-  if (is_mesh_file(path)) return read_mesh(path);
+  if (is_mesh_file(path)) return closed_mesh(path, option);
   const MedicalVolume volume = read_medical_volume(path);
   if (!solid_above && !is_mask(volume)) {
     throw InputError(path, option, "grey values", "--solid-above VALUE, from which they are tooth");

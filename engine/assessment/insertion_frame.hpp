@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "engine/assessment/ray_stack.hpp"
+#include "engine/core/triangle_mesh.hpp"
+
+namespace sulcus {
+
+/// Between rays where a rough look is enough.
+inline constexpr double kCoarsePitch_mm = 0.1;
+
+/// The frame that a preparation is measured in: mm, z along the path of insertion, a unit vector.
+Eigen::Affine3d insertion_frame_from_m(const Eigen::Vector3d& insertion);
+
+TriangleMesh moved(const TriangleMesh& mesh, const Eigen::Affine3d& to);
+
+/// Of a mesh in that frame, across the path.
+Eigen::AlignedBox2d box_of(const TriangleMesh& mesh);
+
+/// Rays that stand `pitch_mm` apart, or so far that there are at most 2 million.
+RayLattice lattice_over(const Eigen::AlignedBox2d& box, double pitch_mm);
+
+/// Whether two meshes are of one tooth in one place: the share of the second's volume that lies
+/// outside of the first. What was cut lies in what was there. 1 where the second encloses nothing.
+double share_outside(const TriangleMesh& before, const TriangleMesh& after,
+                     const Eigen::Vector3d& insertion);
+
+}  // namespace sulcus
