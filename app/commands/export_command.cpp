@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <set>
@@ -19,6 +20,7 @@
 #include "app/terminal/progress.hpp"
 #include "app/terminal/terminal.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/units.hpp"
 #include "engine/core/whole_file.hpp"
 #include "engine/import/meshes/mesh_file.hpp"
 #include "engine/import/meshes/write_glb.hpp"
@@ -34,6 +36,7 @@ struct ExportOptions {
   std::string recording, mesh, volume, fills, csv, path, sound;
   std::string geometry;        // empty: file where the workpiece came from one, else scene
   std::optional<double> at_s;  // none: the end
+  std::optional<double> simplify_mm;
   bool per_tissue = false;
 };
 
@@ -129,7 +132,8 @@ void export_sound(const std::string& file, const RecordingReader& reader,
   WholeFile sound(file);
   const Scene scene = recorded_scene(reader, recording);
   const double begin_s = reader.ticks(0, 1).front().time_s;
-  write_recorded_sound(reader, scene, begin_s, "--sound", sound);
+  write_recorded_sound(reader, scene, begin_s, std::numeric_limits<double>::infinity(), "--sound",
+                       sound);
   sound.finish();
   say("%s\n", file.c_str());
 }
@@ -169,6 +173,7 @@ void export_recording(const ExportOptions& options) {
     write_tissue_meshes(options.mesh, model, scene->tissues, space_from_world);
   } else if (!options.mesh.empty()) {
     TriangleMesh mesh = closed_surface(model);
+    if (options.simplify_mm) mesh = simplified(mesh, *options.simplify_mm * kMillimetre).mesh;
     const std::size_t triangles = mesh.triangles.size();
     const auto tissues =
         scene ? std::span<const TissueSettings>(scene->tissues) : std::span<const TissueSettings>();
@@ -207,10 +212,17 @@ void add_export_command(CLI::App& program) {
   CLI::Option* mesh = add_option(
       *command, "--mesh", options->mesh, "FILE",
       "Closed surface, .stl, .obj or .ply, mm; .glb, m, +y up, with the tissues' colours");
-  command
-      ->add_flag("--per-tissue", options->per_tissue,
-                 "One closed mesh for each tissue, FILE_TISSUE.stl, with shared borders")
-      ->needs(mesh);
+  CLI::Option* per_tissue =
+      command
+          ->add_flag("--per-tissue", options->per_tissue,
+                     "One closed mesh for each tissue, FILE_TISSUE.stl, with shared borders")
+          ->needs(mesh);
+  add_option(*command, "--simplify", options->simplify_mm, "MM",
+             "Fewer triangles: no vertex that goes was further from what stays, mm (0.05 leaves\n"
+             "a tenth)")
+      ->check(CLI::Range(0.001, 1.0))
+      ->needs(mesh)
+      ->excludes(per_tissue);
   add_option(*command, "--volume", options->volume, "FILE",
              "Voxels, .nrrd, .mha or .nii.gz: 0 empty, else 1 + tissue in the scene's order");
   add_option(*command, "--fills", options->fills, "FILE",

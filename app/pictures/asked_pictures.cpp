@@ -50,6 +50,10 @@ std::vector<Shot> shots_of(const PictureOptions& options, const RenderSettings& 
   }
   std::vector<Shot> shots;
   for (const NamedViewpoint& camera : cameras) {
+    const auto is_it = [&](const Shot& shot) { return shot.name == camera.name; };
+    if (std::ranges::any_of(shots, is_it)) {
+      throw InputError("", "--camera", "'" + camera.name + "' twice", "cameras that differ");
+    }
     Shot shot{camera.name, camera.from, settings.section};
     if (target && options.section.empty() && !settings.section) {
       shot.section = section_through(*target, camera.from);
@@ -69,7 +73,7 @@ std::vector<std::size_t> rows_at_fps(const RecordedFilm& film, const PictureOpti
     if (time_s) (void)asked_row(film.rows(), *time_s, option, options.recording);
     return time_s.value_or(other_s);
   };
-  const double from_s = asked(options.from_s, "--from", 0.0);
+  const double from_s = asked(options.from_s, "--from", film.rows().front().time_s);
   const double to_s = asked(options.to_s, "--to", film.rows().back().time_s);
   if (to_s < from_s) {
     throw InputError("", "--to", formatted("%g s", to_s),
@@ -174,7 +178,9 @@ void AskedPictures::write_video() {
   std::optional<WholeFile> sound;
   if (options_.sound) {
     sound.emplace(options_.video + ".wav");
-    write_recorded_sound(reader_, film_.scene(), 0.0, "--sound", *sound);
+    const double end_s = film_.rows()[rows_.back()].time_s + 1.0 / options_.fps;
+    write_recorded_sound(reader_, film_.scene(), film_.rows()[rows_.front()].time_s, end_s,
+                         "--sound", *sound);
   }
   VideoWriter video(options_.video, settings_.width, settings_.height, options_.fps,
                     sound ? sound->beside() : "");

@@ -70,9 +70,9 @@ std::vector<SoundTick> recorded_sound(const RecordingReader& reader, const Scene
 }
 
 void write_recorded_sound(const RecordingReader& reader, const Scene& scene, double begin_s,
-                          const std::string& option, const WholeFile& file) {
+                          double end_s, const std::string& option, const WholeFile& file) {
   const std::vector<SoundTick> ticks = recorded_sound(reader, scene, option);
-  const double end_s = ticks.back().time_s + 1.0 / reader.header().rate_hz;
+  end_s = std::min(end_s, ticks.back().time_s + 1.0 / reader.header().rate_hz);
   HandpieceSound sound(ticks, begin_s, end_s, kSeed);
   write_wav(file, kSoundRate_hz, [&](std::span<float> block) { return sound.next(block); });
 }

@@ -20,6 +20,6 @@ std::vector<SoundTick> recorded_sound(const RecordingReader& reader, const Scene
 /// Writes it as .wav beside the file's name, from a time on the clock of the run to the recording's
 /// end. @throws as recorded_sound and write_wav.
 void write_recorded_sound(const RecordingReader& reader, const Scene& scene, double begin_s,
-                          const std::string& option, const WholeFile& file);
+                          double end_s, const std::string& option, const WholeFile& file);
 
 }  // namespace sulcus

@@ -166,18 +166,6 @@ std::string figures_section(const RecordingReader& reader, const RecordedFilm& f
   return html.str();
 }
 
-/// None where nothing was cut, which cannot be assessed.
-std::optional<Assessment> assessment_if_cut(const RecordingReader& reader,
-                                            const std::string& recording,
-                                            const AssessmentSettings& wanted) {
-  const auto gone = [](const Edit& edit) { return edit.body == 0 && edit.is_gone(); };
-  const std::optional<EarlierRun> earlier = reader.earlier();
-  const bool cut = std::ranges::any_of(reader.edits(), gone) ||
-                   (earlier && std::ranges::any_of(earlier->edits, gone));
-  if (!cut) return {};
-  return assess_recording(reader, recording, wanted);
-}
-
 /// A plane across y through the middle of what was cut; none where nothing was.
 std::optional<Section> section_of_cut(const RecordedFilm& film, std::span<const Edit> edits) {
   double sum = 0.0;
@@ -329,12 +317,12 @@ std::string video_part(const RecordingReader& reader, const std::string& recordi
   RecordedFilm film(reader, recording);
   settings.hud = true;
   WholeFile sound(page + ".wav"), video(page + ".mp4");  // beside the page, and never finished
-  write_recorded_sound(reader, film.scene(), 0.0, "--sound", sound);
+  const double begin_s = film.rows().front().time_s, end_s = film.rows().back().time_s;
+  write_recorded_sound(reader, film.scene(), begin_s, end_s + 1.0 / kFps, "--sound", sound);
   Renderer renderer(settings, film.bodies(), film.burr().mesh_tool, film.burr().head_length_m);
   VideoWriter writer(video.beside(), kWide, kTall, kFps, sound.beside());
-  const double end_s = film.rows().back().time_s;
-  for (double frame = 0.0; frame / kFps <= end_s; ++frame) {
-    writer.add(renderer.draw(film.seek_row(film.row_at(frame / kFps), renderer)));
+  for (double frame = 0.0; begin_s + frame / kFps <= end_s; ++frame) {
+    writer.add(renderer.draw(film.seek_row(film.row_at(begin_s + frame / kFps), renderer)));
   }
   writer.close();
   return "<video controls width=\"" + std::to_string(kWide) + "\" src=\"data:video/mp4;base64," +

@@ -13,6 +13,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/surface_distance.hpp"
 
 // What `sulcus export` writes lies over the file that the workpiece came from.
 
@@ -216,6 +217,30 @@ TEST_F(Export, TheWayOfTheBurrIsALineThroughItsPlaces) {
   const auto refused = exported("--path " + scratch_.path("way.stl"));
   EXPECT_EQ(refused.status, 2);
   EXPECT_NE(refused.err.find("expected .vtk or .ply"), std::string::npos) << refused.err;
+}
+
+/// By the theorem of Gauss, mm3.
+double volume_of(const TriangleMesh& mesh) {
+  double six_m3 = 0.0;
+  for (const auto& t : mesh.triangles) {
+    const Eigen::Vector3d a = mesh.positions[t[0]].cast<double>();
+    six_m3 += a.dot(mesh.positions[t[1]].cast<double>().cross(mesh.positions[t[2]].cast<double>()));
+  }
+  return six_m3 / 6.0 * 1e9;
+}
+
+TEST_F(Export, ASimplerMeshIsClosedAndMuchTheSame) {
+  run(scene_of(write_jaw(scratch_)));
+  const std::string whole = scratch_.path("a.stl"), simpler = scratch_.path("b.stl");
+  ASSERT_EQ(exported("--geometry scene --mesh " + whole).status, 0);
+  ASSERT_EQ(exported("--geometry scene --mesh " + simpler + " --simplify 0.02").status, 0);
+  const TriangleMesh from = read_mesh(whole), to = read_mesh(simpler);
+  EXPECT_LT(3 * to.triangles.size(), from.triangles.size());
+  EXPECT_EQ(test::open_edges(to), 0u);
+  // A block of 2 x 1.6 x 2.2 mm, of which no face moves by more.
+  EXPECT_NEAR(volume_of(to), volume_of(from), 0.02 * 2.0 * (3.2 + 4.4 + 3.52));
+  const auto refused = exported("--mesh " + whole + " --per-tissue --simplify 0.02");
+  EXPECT_EQ(refused.status, 2) << "borders that two tissues share would part";
 }
 
 TEST_F(Export, ARepairedCopyAndALaterPartKnowItToo) {

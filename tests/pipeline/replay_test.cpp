@@ -165,6 +165,7 @@ TEST_F(Replay, WhatRenderCannotDoIsSaid) {
   expect_refused("--camera 10,20,2,1,1", "AZIMUTH,ELEVATION");
   expect_refused("--camera 10,20,2,1,1,nan", "AZIMUTH,ELEVATION");
   expect_refused("--camera 10,20,2,1,1,1e9", "AZIMUTH,ELEVATION");
+  expect_refused("--camera buccal --camera buccal", "twice");
   expect_refused("--section q=1", "an axis and mm");
   expect_refused("--size 100", "WxH");
   expect_refused("--review r.html --at 1", "it alone");

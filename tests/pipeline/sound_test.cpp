@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <cstdint>
+#include <cstdio>
 #include <cstring>
 #include <numbers>
 #include <string>
@@ -133,6 +135,17 @@ TEST_F(Sound, AVideoAndTheReviewPageHaveIt) {
   const std::string streams = streams_of(video, scratch_.path("err"));
   EXPECT_NE(streams.find("video"), std::string::npos) << streams;
   EXPECT_NE(streams.find("audio"), std::string::npos) << streams;
+
+  // Of a part of the run the sound of that part.
+  const auto part =
+      command("render " + recording("cut") +
+              " --fps 20 --from 0.1 --to 0.2 --size 160x120 --sound --video " + video + ".mp4");
+  ASSERT_EQ(part.status, 0) << part.err;
+  const std::string of_part = streams_of(video + ".mp4", scratch_.path("err"));
+  double sound_s = 0.0;
+  const std::string audio = of_part.substr(std::min(of_part.find("audio,"), of_part.size()));
+  ASSERT_EQ(std::sscanf(audio.c_str(), "audio,%lf", &sound_s), 1) << of_part;
+  EXPECT_NEAR(sound_s, 0.15, 0.06);
 
   const auto page =
       command("render " + recording("cut") + " --sound --review " + scratch_.path("cut.html"));
