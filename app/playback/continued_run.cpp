@@ -22,11 +22,25 @@ void check_overrides(const std::vector<std::string>& overrides) {
   for (const std::string& text : overrides) {
     const std::string key = text.substr(0, text.find('='));
     const std::string table = key.substr(0, key.find('.'));
-    if (table == "workpiece" || table == "trajectory" || table == "goal" ||
+    if (table == "workpiece" || table == "trajectory" || table == "goal" || table == "body" ||
         key == "haptics.rate_hz") {
       throw InputError("", "--set " + key, "a key that is fixed by the recording",
                        "one of how it is felt, cut or drawn");
     }
+  }
+}
+
+/// Whole tables may be given, with any of these in them.
+void check_fixed(const Scene& scene, const Scene& recorded) {
+  const auto fail = [](const char* key) {
+    throw InputError("", std::string("--set ") + key, "a key that is fixed by the recording",
+                     "one of how it is felt, cut or drawn");
+  };
+  if (scene.haptics.rate_hz != recorded.haptics.rate_hz) fail("haptics.rate_hz");
+  // Voxels have the numbers of the tissues.
+  if (!std::ranges::equal(scene.tissues, recorded.tissues, {}, &TissueSettings::name,
+                          &TissueSettings::name)) {
+    fail("tissue");
   }
 }
 
@@ -77,6 +91,7 @@ ContinuedRun continue_run(RecordedRun& run, std::size_t row,
   continued.parent = std::filesystem::path(run.path).filename().string() + ", after tick " +
                      std::to_string(run.rows[row].tick) + ", scene_sha256 " + header.scene_sha256;
   const Scene scene = parse_scene(header.scene_toml, run.path, overrides);
+  check_fixed(scene, parse_scene(header.scene_toml, run.path));
   Burr burr = burr_of(run, scene, overrides);
   RecordedState state(run);
   state.seek_row(row);

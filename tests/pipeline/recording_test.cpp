@@ -184,7 +184,9 @@ TEST_F(Recording, GoesOnUnderOtherSettings) {
   const RecordingReader before(file), on(scratch_.path("on/recording.h5"));
   EXPECT_NE(on.edit_count(), before.edit_count());
   EXPECT_EQ(command("replay --verify " + scratch_.path("on/recording.h5")).status, 0);
-  for (const std::string set : {"workpiece.voxel_mm=0.1", "trajectory.speed_mm_per_s=1"}) {
+  for (const std::string set :
+       {"workpiece.voxel_mm=0.1", "trajectory.speed_mm_per_s=1", "'body=[]'",
+        "'tissue=[\"enamel\", \"pulp\"]'", "'haptics={normals=\"ldm_fast\", rate_hz=500}'"}) {
     const auto refused = command("replay " + file + " --from 0.25 --set " + set);
     EXPECT_EQ(refused.status, 2) << set;
     EXPECT_NE(refused.err.find("fixed by the recording"), std::string::npos);
