@@ -52,6 +52,7 @@ void run_with_plugin(LivePart part, const Scene& scene, SceneDevice& held) {
   const bool render = part.session.render;
   const std::shared_ptr<StreamPort> stream = part.session.stream;
   const std::string folder = part.folder->path();
+  std::uint32_t has = 0;  // burr that is in
   for (int number = 2;; ++number) {
     run_into(*part.folder, *part.simulation, device, part.session, part.loading);
     const std::uint32_t burr = device.wanted_burr();
@@ -62,12 +63,16 @@ void run_with_plugin(LivePart part, const Scene& scene, SceneDevice& held) {
     part = part_after(part.recording(), {.overrides = {scene.burrs[burr].as_override}},
                       folder + "/part_" + std::to_string(number), refused);
     open_log(part.folder->at());
-    if (!refused.empty()) spdlog::warn("the burr is not changed: {}", refused);
+    if (refused.empty()) {
+      has = burr;
+    } else {
+      spdlog::warn("the burr is not changed: {}", refused);
+    }
     part.session.pace = pace;
     part.session.render = render;
     part.session.stream = stream;
     part.session.ticks = last - part.simulation->state().tick;
-    device.begin_part(true);
+    device.begin_part(true, has);
     plugin.go_on([&](const Pose& pose) { return part.simulation->is_free(pose); });
   }
   device.finish();

@@ -35,9 +35,10 @@ class LiveDevice final : public Device {
   void end_part() noexcept { ends_ = true; }
 
   // Of whoever runs the parts, between them.
-  /// `again`: another came before it.
-  void begin_part(bool again) noexcept {
+  /// `again`: another came before it. `burr`: that is in, of those to choose from.
+  void begin_part(bool again, std::uint32_t burr) noexcept {
     ends_ = false;
+    has_ = burr;
     wanted_ = kSameBurr;
     left_ = again ? away_ticks_ : 0;
   }
@@ -48,6 +49,7 @@ class LiveDevice final : public Device {
   /// No part follows. The device is let go of, where that has not been done.
   void finish() noexcept {
     if (!released_) inner_.release();
+    released_ = true;
   }
 
   std::optional<Pose> pose(std::uint64_t tick) noexcept override {
@@ -57,8 +59,10 @@ class LiveDevice final : public Device {
     const std::uint32_t says = inner_.burr();
     if (says < burrs_ && says != said_ && !ends_) {
       said_ = says;
-      wanted_ = says;
-      ends_ = true;
+      if (says != has_) {
+        wanted_ = says;
+        ends_ = true;
+      }
     }
     if (left_ > 0) {
       --left_;
@@ -76,9 +80,12 @@ class LiveDevice final : public Device {
   /// off.
   bool fade() noexcept override { return inner_.fade(); }
   void release() noexcept override {
-    if (goes_on()) return;
-    inner_.release();
-    released_ = true;
+    if (released_) return;
+    if (goes_on()) {
+      inner_.apply({});  // what a fall that was cut off has left
+      return;
+    }
+    finish();
   }
   bool is_gone() const noexcept override { return ends_ || inner_.is_gone(); }
 
@@ -91,6 +98,7 @@ class LiveDevice final : public Device {
   std::uint64_t away_ticks_, left_ = 0;
   bool feels_, switched_, released_ = false;
   std::uint32_t said_ = 0;  // by the device, last: it begins with the scene's
+  std::uint32_t has_ = 0;
   std::atomic<std::uint32_t> wanted_{kSameBurr};
   std::atomic<double> pedal_{1.0};
   std::atomic<bool> let_go_{false}, ends_{false};

@@ -32,6 +32,8 @@ class SceneDevice {
   /// `ticks`: that there may be at most. All but `plugin` outlive it.
   SceneDevice(const Scene& scene, const Trajectory& trajectory, std::uint64_t ticks,
               std::unique_ptr<PluginDevice> plugin);
+  SceneDevice(const SceneDevice&) = delete;  // it knows where its device is
+  SceneDevice& operator=(const SceneDevice&) = delete;
 
   Device& device() { return *device_; }
   /// Null where it is none.

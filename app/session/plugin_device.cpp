@@ -275,7 +275,8 @@ void PluginDevice::write(const Wrench& wrench, Write which) noexcept {
   written_ = wrench;
   const int code =
       timed("write", [&] { return plugin_.write(device_, tick_, &sent, which == Write::kLast); });
-  if (code != SULCUS_DEVICE_OK && end_ == End::kNone) fail(End::kGone, code);
+  const bool answered = end_ == End::kNone || end_ == End::kNoPose;
+  if (code != SULCUS_DEVICE_OK && answered) fail(End::kGone, code);
 }
 
 std::vector<std::string> PluginDevice::end() {

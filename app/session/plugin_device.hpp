@@ -69,7 +69,7 @@ class PluginDevice final : public Device {
   void apply(const Wrench& wrench) noexcept override;
   bool fade() noexcept override;
   void release() noexcept override;
-  bool is_gone() const noexcept override { return end_ == End::kGone || end_ == End::kOver; }
+  bool is_gone() const noexcept override { return end_ != End::kNone; }
 
   // Of any thread, as a key or a button of the window asks.
   void hold_clutch(bool held) noexcept { clutch_ = held; }

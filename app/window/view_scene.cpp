@@ -65,16 +65,23 @@ bool has_hand(const Scene& scene) { return scene.device && !scene.device->played
 /// Who holds the burr: the mouse, or the scene's device, which is held on to through all parts.
 class Holder {
  public:
-  /// `device`: none where it is the mouse.
-  Holder(const Scene& scene, std::optional<SceneDevice> device)
+  /// `device`: null where it is the mouse.
+  Holder(const Scene& scene, std::unique_ptr<SceneDevice> device)
       : rate_hz_(scene.haptics.rate_hz), burrs_(scene.burrs.size()), device_(std::move(device)) {}
+  /// Whatever ends the parts, no force stays.
+  ~Holder() {
+    if (live_) live_->finish();
+  }
+  Holder(const Holder&) = delete;
+  Holder& operator=(const Holder&) = delete;
 
   bool by_mouse() const { return !device_; }
   LiveDevice& device() { return live_.value(); }
   MouseDevice* mouse() { return mouse_ ? &*mouse_ : nullptr; }
   PluginDevice* plugin() { return device_ ? device_->plugin() : nullptr; }
 
-  void begin(const LivePart& part) {
+  /// `burr`: that is in, by its number.
+  void begin(const LivePart& part, std::size_t burr) {
     const bool again = live_.has_value();
     if (by_mouse()) {
       live_.reset();
@@ -82,7 +89,7 @@ class Holder {
     } else if (!again) {
       live_.emplace(device_->device(), rate_hz_, true, true, burrs_);
     }
-    live_->begin_part(again);
+    live_->begin_part(again, static_cast<std::uint32_t>(burr));
     if (!plugin()) return;
     const Simulation& simulation = *part.simulation;
     const auto is_free = [&simulation](const Pose& pose) { return simulation.is_free(pose); };
@@ -101,7 +108,7 @@ class Holder {
  private:
   double rate_hz_;
   std::size_t burrs_;
-  std::optional<SceneDevice> device_;
+  std::unique_ptr<SceneDevice> device_;
   std::optional<MouseDevice> mouse_;
   std::optional<LiveDevice> live_;
 };
@@ -161,6 +168,7 @@ class PartInWindow {
         camera_(camera),
         live_(live),
         burr_(part.start),
+        first_tool_(part.start),
         burr_number_(live.burr),
         bodies_(rendered_bodies(*part.simulation)),
         health_(scene_.haptics.rate_hz) {}
@@ -168,6 +176,7 @@ class PartInWindow {
   /// Until the window is closed, the device says that it is over or another part is asked for.
   std::optional<GoOn> run() {
     first_tick_ = part_.simulation->state().tick;
+    if (first_tick_ > 0) first_tool_ = part_.simulation->state().tool;
     if (holder_.by_mouse()) part_.session.paused = &paused_;
     part_.session.watch = [this](Feed& feed) { watch(feed); };
     run_into(part_.folder.value(), *part_.simulation, holder_.device(), part_.session,
@@ -175,6 +184,8 @@ class PartInWindow {
     if (seconds_ > 0.0) say("  pictures           %.1f a second\n", pictures_ / seconds_);
     const std::uint32_t wanted = holder_.device().wanted_burr();
     if (wanted != kSameBurr) live_.burr = wanted;
+    // The device may have said meanwhile that it is over.
+    if (!holder_.by_mouse() && !holder_.device().goes_on()) go_on_.reset();
     if (!go_on_ && holder_.device().goes_on() && wanted != kSameBurr) go_on_.emplace();
     return go_on_;
   }
@@ -209,13 +220,12 @@ class PartInWindow {
   }
 
   void begin(const LiveFilm& film, const GlScene& drawing, const GoalView& plan) {
-    const Pose tool = first_tick_ > 0 ? part_.simulation->state().tool : part_.start;
     live_.picture.has_plan = plan.has_goal();
     live_.looks_back = false;
-    state_ = film.before_the_first(first_tick_, tool);
+    state_ = film.before_the_first(first_tick_, first_tool_);
     live_.time_s = live_.first_s = static_cast<float>(state_.time_s);
     if (!holder_.by_mouse()) return;
-    if (burr_.begin(tool, drawing.surface().model(), part_.simulation->burr())) {
+    if (burr_.begin(first_tool_, drawing.surface().model(), part_.simulation->burr())) {
       holder_.mouse()->go_to(burr_.pose());
     }
   }
@@ -286,7 +296,8 @@ class PartInWindow {
   Window& window_;
   CameraHand& camera_;
   LiveControls& live_;
-  HeldBurr burr_;  // of the mouse
+  HeldBurr burr_;    // of the mouse
+  Pose first_tool_;  // before the first tick
   std::size_t burr_number_;
   std::vector<RenderedBody> bodies_;
   LiveHealth health_;
@@ -297,11 +308,15 @@ class PartInWindow {
   double pictures_ = 0.0, seconds_ = 0.0;
 };
 
+/// The panel says what is in.
+void take_burr(const Scene& scene, LiveControls& live) {
+  live.speed_rpm = static_cast<float>(scene.burr.speed_rad_per_s / kRevolutionPerMinute);
+  live.burr_mm = static_cast<float>(scene.burr.diameter_m / kMillimetre);
+}
+
 LiveControls controls_of(const Scene& scene, bool by_mouse) {
   LiveControls live;
   live.by_mouse = by_mouse;
-  live.speed_rpm = static_cast<float>(scene.burr.speed_rad_per_s / kRevolutionPerMinute);
-  live.burr_mm = static_cast<float>(scene.burr.diameter_m / kMillimetre);
   live.burr_shapes = find_scene_key("burr", "shape")->words;
   if (scene.burr.shape != BurrShape::kFile) {
     live.burr_shape = static_cast<std::size_t>(scene.burr.shape);
@@ -345,8 +360,10 @@ void view_scene(const ViewOptions& options) {
   part.session.input = loaded.notes.input;
   part.loading = std::move(loaded.loading);
   const auto longest = static_cast<std::uint64_t>(kLongestLiveRun_s * scene.haptics.rate_hz);
-  std::optional<SceneDevice> device;
-  if (!by_mouse) device.emplace(scene, trajectory, longest, std::move(plugin));
+  std::unique_ptr<SceneDevice> device;
+  if (!by_mouse) {
+    device = std::make_unique<SceneDevice>(scene, trajectory, longest, std::move(plugin));
+  }
   Holder holder(scene, std::move(device));
   const EndsItself stopped_by_itself;
   for (int number = 2;; ++number) {
@@ -355,21 +372,26 @@ void view_scene(const ViewOptions& options) {
     part.session.render = false;
     part.session.ticks = longest;
     const std::size_t burr = live.burr;
-    holder.begin(part);
+    take_burr(part.simulation->scene(), live);
+    holder.begin(part, burr);
     std::optional<GoOn> go_on = PartInWindow(part, holder, window, camera, live).run();
     if (!go_on || !window.is_open() || stop_requested()) break;
     if (live.burr != burr) {
       go_on->overrides.insert(go_on->overrides.begin(), scene.burrs[live.burr].as_override);
     }
-    live.said = live.burr != burr ? live.burrs[live.burr]
-                                  : "goes on from " + std::to_string(go_on->at_s) + " s";
+    const bool goes_back = std::isfinite(go_on->at_s);
+    if (live.burr != burr) {
+      live.said = live.burrs[live.burr];
+    } else if (goes_back) {
+      live.said = formatted("goes on from %.3f s", go_on->at_s);
+    }
     std::string refused;
     part =
         part_after(part.recording(), *go_on, folder + "/part_" + std::to_string(number), refused);
     if (!refused.empty()) {  // on with the one before
       live.said = refused;
       live.burr = burr;
-    } else if (live.burr == burr) {
+    } else if (live.burr == burr && goes_back) {
       live.paused = true;  // until the user takes it up again
     }
     live.other_burr = false;  // it is this part's own now

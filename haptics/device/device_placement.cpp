@@ -23,6 +23,7 @@ Pose PlacedDevice::to_scene(const Pose& device, bool clutch) noexcept {
   const Eigen::Vector3d turned = scale_ * (rotation_ * device.position);
   if (recentres_) {
     offset_ = start_ - turned;
+    tip_ = start_;  // also where the clutch is held: it goes on from there
   } else if (clutched_ || let_go) {
     offset_ = tip_ - turned;
   }

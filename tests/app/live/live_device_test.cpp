@@ -35,7 +35,7 @@ int ticks_without_pose(LiveDevice& device, int most) {
 TEST(LiveDevice, TheForceFadesAtTheEndOfEveryPart) {
   Hand hand;
   LiveDevice device(hand, 1000.0, true, true, 3);
-  device.begin_part(false);
+  device.begin_part(false, 0);
   device.end_part();
   EXPECT_TRUE(device.goes_on());
   EXPECT_TRUE(device.fade());
@@ -49,7 +49,7 @@ TEST(LiveDevice, TheForceFadesAtTheEndOfEveryPart) {
 TEST(LiveDevice, APartThatIsTheLastLetsGoOnce) {
   Hand hand;
   LiveDevice device(hand, 1000.0, true, true, 3);
-  device.begin_part(false);
+  device.begin_part(false, 0);
   device.release();
   device.finish();
   EXPECT_EQ(hand.releases, 1);
@@ -59,7 +59,7 @@ TEST(LiveDevice, APartThatIsTheLastLetsGoOnce) {
 TEST(LiveDevice, ABurrIsAskedForWhenTheDeviceSaysAnotherOne) {
   Hand hand;
   LiveDevice device(hand, 1000.0, true, true, 3);
-  device.begin_part(false);
+  device.begin_part(false, 0);
   hand.says = 0;
   (void)device.pose(0);
   EXPECT_FALSE(device.is_gone()) << "it is the scene's";
@@ -67,7 +67,7 @@ TEST(LiveDevice, ABurrIsAskedForWhenTheDeviceSaysAnotherOne) {
   EXPECT_FALSE(device.pose(1));
   EXPECT_TRUE(device.is_gone());
   EXPECT_EQ(device.wanted_burr(), 2u);
-  device.begin_part(true);
+  device.begin_part(true, 2);
   for (int tick = 0; tick < 300; ++tick) (void)device.pose(0);
   EXPECT_FALSE(device.is_gone());
   EXPECT_EQ(device.wanted_burr(), kSameBurr);
@@ -79,11 +79,36 @@ TEST(LiveDevice, ABurrIsAskedForWhenTheDeviceSaysAnotherOne) {
   EXPECT_EQ(device.wanted_burr(), 1u);
 }
 
+// A key has changed it meanwhile.
+TEST(LiveDevice, TheBurrThatIsInIsNotChangedTo) {
+  Hand hand;
+  LiveDevice device(hand, 1000.0, true, true, 3);
+  hand.says = 0;
+  device.begin_part(false, 0);
+  (void)device.pose(0);
+  device.begin_part(true, 1);
+  hand.says = 1;
+  (void)device.pose(0);
+  EXPECT_FALSE(device.is_gone());
+  EXPECT_EQ(device.wanted_burr(), kSameBurr);
+}
+
+TEST(LiveDevice, WhatAFallLeavesIsTakenOffBetweenParts) {
+  Hand hand;
+  LiveDevice device(hand, 1000.0, true, true, 3);
+  device.begin_part(false, 0);
+  device.apply(kForce);
+  device.end_part();
+  device.release();
+  EXPECT_EQ(hand.felt_N, 0.0);
+  EXPECT_EQ(hand.releases, 0);
+}
+
 // In the next part nothing is felt until the force of before has been forgotten.
 TEST(LiveDevice, APartThatFollowsBeginsAsAfterASilence) {
   Hand hand;
   LiveDevice device(hand, 1000.0, true, true, 3);
-  device.begin_part(true);
+  device.begin_part(true, 0);
   device.apply(kForce);
   EXPECT_EQ(hand.felt_N, 0.0);
   EXPECT_EQ(ticks_without_pose(device, 1000), 100);
@@ -91,14 +116,14 @@ TEST(LiveDevice, APartThatFollowsBeginsAsAfterASilence) {
   EXPECT_EQ(hand.felt_N, 2.0);
 
   LiveDevice mouse(hand, 1000.0, false, true, 0);
-  mouse.begin_part(true);
+  mouse.begin_part(true, 0);
   EXPECT_EQ(ticks_without_pose(mouse, 1000), 0) << "nobody feels it";
 }
 
 TEST(LiveDevice, SwitchAndPedalAreOneSpeedAndALetGoHandGivesNoPose) {
   Hand hand;
   LiveDevice device(hand, 1000.0, true, true, 0);
-  device.begin_part(false);
+  device.begin_part(false, 0);
   device.set_pedal(0.5);
   EXPECT_EQ(device.pedal(), 0.25);
   EXPECT_TRUE(device.pose(0));
