@@ -1,15 +1,17 @@
 #include "app/python/arrays.hpp"
 
 #include <memory>
+#include <optional>
 
 namespace sulcus::python {
 
-py::array_t<bool> solid_array(const VoxelModel& model) {
+py::array_t<bool> solid_array(const VoxelModel& model, Lock lock) {
   const Eigen::Vector3i n = model.grid.cells;
   const auto count = static_cast<std::size_t>(model.grid.cell_count());
   auto values = std::make_unique<bool[]>(count);
   {
-    const py::gil_scoped_release release;
+    std::optional<py::gil_scoped_release> release;
+    if (lock == Lock::kLetGo) release.emplace();
     for (std::uint32_t leaf = 0; leaf < model.grid.leaf_count(); ++leaf) {
       const LeafBits& bits = model.leaves[leaf];
       if (!any(bits)) continue;

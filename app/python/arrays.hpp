@@ -26,7 +26,11 @@ py::array_t<T> array_of(std::vector<T> values) {
   return array_of(std::move(values), {size});
 }
 
+/// Whether the interpreter's lock is let go of meanwhile: only where something else keeps other
+/// threads from the model.
+enum class Lock : std::uint8_t { kHeld, kLetGo };
+
 /// Which voxels are solid, bool, by [i, j, k] along x, y and z.
-py::array_t<bool> solid_array(const VoxelModel& model);
+py::array_t<bool> solid_array(const VoxelModel& model, Lock lock);
 
 }  // namespace sulcus::python

@@ -97,7 +97,7 @@ ValueError, in one line, where the scene or a file of it cannot be used.)");
   add_what_there_is(simulation);
   simulation
       .def(py::init([](const py::object& scene, const std::vector<std::string>& set,
-                       const std::optional<Voxels>& voxels) {
+                       const std::optional<py::array>& voxels) {
              return std::make_unique<PythonSimulation>(text_of(scene), set, voxels);
            }),
            py::arg("scene"), py::kw_only(), py::arg("set") = std::vector<std::string>{},
@@ -158,7 +158,8 @@ void define_recording(py::module_& module) {
       .def_property_readonly("removed", [](const Moment& m) { return m.record().removed; })
       .def_property_readonly("faults", [](const Moment& m) { return m.record().faults; })
       .def_property_readonly(
-          "volume", [](const Moment& m) { return solid_array(m.recording->model_at(m.row)); },
+          "volume",
+          [](const Moment& m) { return solid_array(m.recording->model_at(m.row), Lock::kHeld); },
           "(nx, ny, nz) bool: the workpiece right after the tick.")
       .def(
           "render",

@@ -14,6 +14,7 @@
 #include "app/terminal/progress.hpp"
 #include "engine/cache/load_cache.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/hash.hpp"
 #include "engine/graphics/renderer.hpp"
 #include "engine/scene/scene_file.hpp"
 #include "haptics/c/c_values.hpp"
@@ -131,13 +132,22 @@ auto PythonSimulation::alone(const Call& call) const {
 
 PythonSimulation::PythonSimulation(const std::string& scene,
                                    const std::vector<std::string>& overrides,
-                                   const std::optional<Voxels>& voxels) {
+                                   const std::optional<py::array>& given) {
   std::span<const std::uint8_t> own;
-  if (voxels) {
-    if (voxels->ndim() != 1 || voxels->size() == 0) {
+  Voxels voxels;
+  if (given) {
+    // Others would be wrapped or cut off to fit.
+    const py::dtype type = given->dtype();
+    if (type.kind() != 'b' && !(type.kind() == 'u' && type.itemsize() == 1)) {
+      throw std::invalid_argument("voxels of type " +
+                                  py::cast<std::string>(py::str(py::handle(type))) +
+                                  ", expected uint8 or bool");
+    }
+    voxels = Voxels::ensure(*given);
+    if (voxels.ndim() != 1 || voxels.size() == 0) {
       throw std::invalid_argument("voxels of another shape than (nx * ny * nz,), x fastest");
     }
-    own = {voxels->data(), static_cast<std::size_t>(voxels->size())};
+    own = {voxels.data(), static_cast<std::size_t>(voxels.size())};
   }
   const py::gil_scoped_release release;
   run_ = load(scene, overrides, own);
@@ -190,7 +200,7 @@ py::dict PythonSimulation::run(const py::object& what) {
     ticks = what.cast<std::uint64_t>();
   } else {
     const Numbers rows = Numbers::ensure(what);
-    if (!rows) throw py::error_already_set();
+    if (!rows) throw std::invalid_argument("neither a number of ticks nor poses (n, 7)");
     if (rows.ndim() != 2 || rows.shape(1) != 7) {
       throw std::invalid_argument("poses of another shape than (n, 7)");
     }
@@ -236,7 +246,7 @@ py::array_t<SulcusEdit> PythonSimulation::edits() const {
 
 py::array_t<bool> PythonSimulation::volume() const {
   const Turn turn(taken_);
-  return solid_array(run_->workpiece().model());
+  return solid_array(run_->workpiece().model(), Lock::kLetGo);
 }
 
 py::array_t<std::uint8_t> PythonSimulation::packed_volume() const {
@@ -301,9 +311,19 @@ py::array_t<std::uint8_t> PythonSimulation::render(const py::object& camera, int
   return array_of(std::move(image.rgb), {image.height, image.width, 3});
 }
 
-py::bytes PythonSimulation::save() const {
+std::uint64_t PythonSimulation::hash_of_edits(std::size_t count) const {
+  return hash_bytes(edits_.data(), count * sizeof(SulcusEdit));
+}
+
+py::bytes PythonSimulation::save() {
   if (!run_->can_be_saved()) throw std::invalid_argument("a scene with [loose_pieces]");
-  const std::vector<std::byte> saved = alone([&] { return run_->saved(); });
+  const std::vector<std::byte> saved = alone([&] {
+    std::vector<std::byte> bytes = run_->saved();
+    if (edits_.size() == run_->edits().end()) {
+      edits_when_saved_[hash_bytes(bytes.data(), bytes.size())] = hash_of_edits(edits_.size());
+    }
+    return bytes;
+  });
   return {reinterpret_cast<const char*>(saved.data()), saved.size()};
 }
 
@@ -313,9 +333,11 @@ void PythonSimulation::restore(const py::bytes& bytes) {
   alone([&] {
     const std::uint64_t before = run_->edits().end();
     run_->restore(std::as_bytes(std::span(text)));
-    // Those of what is taken back are no more; of what is gone to without having been, unknown.
+    // Those of what is taken back are no more; of what is gone to on another way, unknown.
     const std::uint64_t now = run_->edits().end();
-    if (now <= before && edits_.size() == before) {
+    const auto saved = edits_when_saved_.find(hash_bytes(text.data(), text.size()));
+    if (now <= before && edits_.size() == before && saved != edits_when_saved_.end() &&
+        saved->second == hash_of_edits(now)) {
       edits_.resize(now);
     } else {
       edits_.clear();

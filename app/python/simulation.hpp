@@ -1,7 +1,9 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -25,9 +27,10 @@ using Voxels = py::array_t<std::uint8_t, py::array::c_style | py::array::forceca
 /// at a time are refused (std::runtime_error).
 class PythonSimulation {
  public:
-  /// `scene`: a file, or, with a line break in it, the text of one. InputError as the importers.
+  /// `scene`: a file, or, with a line break in it, the text of one; `given`: the workpiece's
+  /// voxels, uint8 or bool. InputError as the importers.
   PythonSimulation(const std::string& scene, const std::vector<std::string>& overrides,
-                   const std::optional<Voxels>& voxels);
+                   const std::optional<py::array>& given);
 
   Numbers step(const std::optional<Numbers>& pose);
   py::dict run(const py::object& what);
@@ -39,7 +42,7 @@ class PythonSimulation {
   py::array_t<bool> volume() const;
   py::array_t<std::uint8_t> packed_volume() const;
   py::array_t<std::uint8_t> render(const py::object& camera, int width, int height) const;
-  py::bytes save() const;
+  py::bytes save();
   void restore(const py::bytes& bytes);
 
  private:
@@ -47,10 +50,13 @@ class PythonSimulation {
   template <class Call>
   auto alone(const Call& call) const;
   void tick(const Pose* pose);
+  std::uint64_t hash_of_edits(std::size_t count) const;
 
   std::unique_ptr<SceneRun> run_;
   std::vector<SulcusEdit> edits_;  // all of the run
   std::uint64_t edits_seen_ = 0;   // of the run's log
+  // Of what was saved here, by the hash of its bytes: the hash of the edits that had led to it.
+  std::map<std::uint64_t, std::uint64_t> edits_when_saved_;
   mutable std::atomic_flag taken_ = ATOMIC_FLAG_INIT;
 };
 

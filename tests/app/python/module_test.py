@@ -104,6 +104,20 @@ class Runs(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "saved state"):
             run.restore(state[:-1])
 
+    def test_edits_are_those_of_the_way_that_led_here(self):
+        run = sulcus.Simulation(GOLDEN / "cut_full.toml")
+        start = run.save()
+        run.run(700)
+        on_one_way, edits = run.save(), run.edits
+        self.assertGreater(len(edits), 10)
+        run.restore(start)
+        self.assertEqual(len(run.edits), 0)
+        for tick in range(900):  # slower, so that other voxels go
+            run.step(run.scene_pose(0.0009 * tick))
+        self.assertFalse(np.array_equal(run.edits[:len(edits)], edits))
+        run.restore(on_one_way)
+        self.assertEqual(len(run.edits), 0, "not those of the other way")
+
     def test_own_voxels_are_the_workpiece(self):
         solid = np.random.default_rng(7).random((32, 24, 16)) < 0.5
         run = sulcus.Simulation(AIR, voxels=solid.astype(np.uint8).ravel())
@@ -127,7 +141,7 @@ class WrongUse(unittest.TestCase):
         for bad in ([0] * 6, [0] * 7, [float("nan")] + UP[1:], [11.0] + UP[1:], "pose"):
             with self.assertRaises((ValueError, TypeError)):
                 run.step(bad)
-        for bad in (-1, np.zeros((3, 6)), [[float("inf")] * 7]):
+        for bad in (-1, np.zeros((3, 6)), [[float("inf")] * 7], "x", [[0] * 7, [0] * 6]):
             with self.assertRaises((ValueError, TypeError)):
                 run.run(bad)
         for bad in ("nowhere", (0.0, 91.0), (float("nan"), 0.0), 7):
@@ -140,6 +154,9 @@ class WrongUse(unittest.TestCase):
             sulcus.Simulation(AIR + "wrong = 1\n")
         with self.assertRaisesRegex(ValueError, "voxels"):
             sulcus.Simulation(AIR, voxels=np.ones(5, np.uint8))
+        for kind in (np.int64, np.float32):  # 256 would be 0, and 0.7, too
+            with self.assertRaisesRegex(ValueError, "expected uint8 or bool"):
+                sulcus.Simulation(AIR, voxels=np.ones(32 * 24 * 16, kind))
 
     def test_a_second_thread_is_refused(self):
         run = sulcus.Simulation(AIR)
