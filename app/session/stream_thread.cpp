@@ -29,6 +29,10 @@ std::size_t most_waiting(const StreamSettings& settings) {
 /// For who still takes what waits for it when the run is over: a tooth may be large.
 constexpr milliseconds kLongestEnd{5000};
 
+/// Ticks after which clients are served, also where a run at fast pace has more of them than there
+/// is time for.
+constexpr int kMostAtOnce = 500;
+
 /// Between two looks at the feed: a quarter of the time between samples, within 1 to 10 ms.
 milliseconds look_every(double rate_hz) {
   return milliseconds(std::clamp(std::lround(250.0 / rate_hz), 1L, 10L));
@@ -88,13 +92,14 @@ StreamThread::StreamThread(Feed& feed, const Simulation& simulation, const Sessi
 void StreamThread::run() {
   leave_realtime_core();
   const milliseconds pause = look_every(scene_.stream->rate_hz);
-  for (bool ended = false; !ended;) {
-    ended = feed_.ended;  // before what was pushed before it is taken
-    take_ticks();
+  for (bool over = false; !over;) {
+    const bool ended = feed_.ended;  // before what was pushed before it is taken
+    const bool all = take_ticks();
+    over = ended && all;
     tell_state();
     take_requests();
     make_teeth();
-    server_.serve(ended ? milliseconds(0) : pause, greeting_);
+    server_.serve(over || !all ? milliseconds(0) : pause, greeting_);
   }
   take_requests();
   while (in_work_ || !wanted_.empty()) {
@@ -109,8 +114,9 @@ void StreamThread::run() {
   seconds_ = 1e-9 * static_cast<double>(thread_cpu_ns());
 }
 
-void StreamThread::take_ticks() {
-  for (TickReport report; feed_.reports.try_dequeue(report);) {
+bool StreamThread::take_ticks() {
+  int taken = 0;
+  for (TickReport report; taken < kMostAtOnce && feed_.reports.try_dequeue(report); ++taken) {
     for (Edit edit; edits_ < report.all_edits_end() && feed_.edits.try_dequeue(edit); ++edits_) {
       take_edit(edit);
     }
@@ -121,6 +127,7 @@ void StreamThread::take_ticks() {
     tell_state();
     if (server_.has_clients()) send_sample(report);
   }
+  return taken < kMostAtOnce;
 }
 
 void StreamThread::take_edit(const Edit& edit) {

@@ -43,7 +43,8 @@ class StreamThread {
   };
 
   void run();
-  void take_ticks();
+  /// False where more of them wait.
+  bool take_ticks();
   void take_edit(const Edit& edit);
   bool is_due(std::uint64_t tick);
   void send_sample(const TickReport& report);
