@@ -82,11 +82,14 @@ Columns columns_of(const std::string& file, const std::string& place, const std:
                    kCsvHeader);
 }
 
-/// The eight numbers of a row; none where it does not have them all.
-std::optional<std::array<double, 8>> numbers_of(const std::string& line, const Columns& columns) {
+constexpr std::size_t kNumbers = 8;
+
+/// The numbers of a row; none where it does not have them all.
+std::optional<std::array<double, kNumbers>> numbers_of(const std::string& line,
+                                                       const Columns& columns) {
   const std::vector<std::string> fields = fields_of(line);
   if (fields.size() != columns.count) return std::nullopt;
-  std::array<double, 8> numbers{};
+  std::array<double, kNumbers> numbers{};
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     const std::string& field = fields[columns.of_number[i]];
     const char* const end = field.data() + field.size();
@@ -99,7 +102,7 @@ std::optional<std::array<double, 8>> numbers_of(const std::string& line, const C
 TimedPose parse_row(const std::string& file, const std::string& place, const std::string& line,
                     const Columns& columns) {
   const auto value = numbers_of(line, columns);
-  if (!value && columns.count == value->size()) {
+  if (!value && columns.count == kNumbers) {
     throw InputError(file, place, beginning(line), std::string("8 finite numbers ") + kCsvHeader);
   }
   if (!value) {
