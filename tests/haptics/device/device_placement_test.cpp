@@ -75,6 +75,22 @@ TEST(PlacedDevice, TheClutchHoldsTheTipExactly) {
   EXPECT_NEAR(placed.to_scene(hand, false).position.x(), held.x() + 1e-3, 1e-15);
 }
 
+TEST(PlacedDevice, RecentredUnderTheClutchItGoesOnFromTheStart) {
+  const Eigen::Vector3d start(0.1, 0.2, 0.3);
+  PlacedDevice placed({}, start);
+  (void)placed.to_scene(kSomewhere, false);
+  Pose hand = kSomewhere;
+  hand.position.x() += 4e-3;
+  (void)placed.to_scene(hand, true);
+  placed.recentre();
+  EXPECT_EQ(placed.to_scene(hand, true).position, start);
+  hand.position.y() -= 7e-3;
+  EXPECT_EQ(placed.to_scene(hand, true).position, start);
+  EXPECT_EQ(placed.to_scene(hand, false).position, start) << "as it is let go";
+  hand.position.x() += 1e-3;
+  EXPECT_NEAR(placed.to_scene(hand, false).position.x(), start.x() + 1e-3, 1e-15);
+}
+
 // Before there was a pose there is nothing to hold.
 TEST(PlacedDevice, AClutchThatIsHeldFromTheStartTakesTheFirstPose) {
   PlacedDevice placed({}, {0, 0, 0});
