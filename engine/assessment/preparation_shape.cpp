@@ -25,6 +25,7 @@ constexpr double kFloorSlope = 0.84;   // tan 40 degrees
 constexpr double kSlopeOver_mm = 0.1;  // to each side
 constexpr double kLeastFloor_mm2 = 0.1;
 constexpr double kAboveMargin_mm = 0.25;
+constexpr std::array<std::array<int, 2>, 4> kSides{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
 
 /// The rays on which something was removed, slivers that two surfaces of one tooth leave between
 /// each other among them.
@@ -138,7 +139,10 @@ class ShapeMeter {
       const auto margins = std::stable_partition(
           parts.begin(), parts.end(),
           [&](const RayComponent& part) { return !is_margin(part, from_beyond); });
+      constexpr double kRises_mm = 2.0;  // at most, round a tooth
       for (auto margin = margins; margin != parts.end(); ++margin) {
+        // Level places at the rim of a top that was not cut lie higher.
+        if (std::abs(mean_height(*margin) - mean_height(*margins)) > kRises_mm) continue;
         margin_.insert(margin_.end(), margin->begin(), margin->end());
       }
       if (stump_stands()) {
@@ -168,17 +172,36 @@ class ShapeMeter {
     result.floor_flatness_um = flatness(floor);
   }
 
+  double mean_height(const RayComponent& part) const {
+    double sum = 0.0;
+    for (const std::size_t place : part) sum += top_[place];
+    return sum / static_cast<double>(part.size());
+  }
   /// Above what would be the finish line.
   bool stump_stands() const {
-    if (margin_.empty()) return false;
-    const RayMask core = core_above(over_margin());
+    const RayMask core = core_over_margin();
     return std::ranges::find(core, char{1}) != core.end();
   }
-  /// A height a little above the finish line, where the wall is.
-  double over_margin() const {
-    double height = 0.0;
-    for (const std::size_t place : margin_) height += top_[place];
-    return height / static_cast<double>(margin_.size()) + kAboveMargin_mm;
+  /// Where the tooth stands a little above the finish line that is nearest, which rises and falls
+  /// round a tooth.
+  RayMask core_over_margin() const {
+    RayMask core(cut_.size());
+    std::vector<double> height(cut_.size(), kNone);
+    std::vector<std::size_t> reached = margin_;
+    for (const std::size_t place : reached) height[place] = top_[place];
+    for (std::size_t next = 0; next < reached.size(); ++next) {  // breadth first
+      const std::size_t place = reached[next];
+      core[place] = after_.contains(place, height[place] + kAboveMargin_mm);
+      for (const auto& [dx, dy] : kSides) {
+        const int x = lattice_.x_of(place) + dx, y = lattice_.y_of(place) + dy;
+        if (!lattice_.holds(x, y)) continue;
+        const std::size_t beside = lattice_.place(x, y);
+        if (!std::isnan(height[beside])) continue;
+        height[beside] = height[place];
+        reached.push_back(beside);
+      }
+    }
+    return core;
   }
 
   PlacedFigure flatness(const RayComponent& floor) const {
@@ -206,8 +229,7 @@ class ShapeMeter {
 
   /// Deeper than what two surfaces of one tooth differ by, to all sides.
   bool was_inside(const Eigen::Vector3d& p_mm) const {
-    constexpr std::array<std::array<double, 2>, 4> kSides{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
-    return std::ranges::all_of(kSides, [&](const std::array<double, 2>& side) {
+    return std::ranges::all_of(kSides, [&](const std::array<int, 2>& side) {
       const Eigen::Vector2d at =
           p_mm.head<2>() + 1.2 * kSame_mm * Eigen::Vector2d(side[0], side[1]);
       const std::size_t place = lattice_.nearest(at);
@@ -374,8 +396,7 @@ class ShapeMeter {
   /// How far the wall stands from the outer edge of what was cut, a little above the finish line.
   void measure_margin(PreparationShape& result) const {
     if (margin_.empty()) return;
-    const double height = over_margin();
-    const RayMask core = core_above(height);
+    const RayMask core = core_over_margin();
     const std::vector<double> to_core = distances_to(core, lattice_);
     result.margin_slope_deg = margin_slope(to_core);
     const double taper = result.convergence_deg ? 0.5 * result.convergence_deg->value : 0.0;
@@ -383,13 +404,13 @@ class ShapeMeter {
     std::vector<std::pair<double, std::size_t>> widths;
     const std::vector<double> from_margin = distances_to(mask_of(margin_), lattice_);
     for (std::size_t place = 0; place < cut_.size(); ++place) {
-      if (!is_outer_edge(place) || from_margin[place] > 3.0 * kSlopeOver_mm) continue;
+      if (!is_outer_edge(place, core) || from_margin[place] > 3.0 * kSlopeOver_mm) continue;
       widths.emplace_back(to_core[place] - lean, place);
     }
     if (widths.empty()) return;
     std::ranges::sort(widths);
     result.margin_mm = {widths[widths.size() / 2].first,
-                        world(widths.front().second, height - kAboveMargin_mm)};
+                        world(widths.front().second, top_[widths.front().second])};
   }
   /// By how much the finish line sinks over a short way straight from the wall.
   std::optional<PlacedFigure> margin_slope(const std::vector<double>& to_core) const {
@@ -419,19 +440,14 @@ class ShapeMeter {
     for (const std::size_t place : part) mask[place] = 1;
     return mask;
   }
-  RayMask core_above(double z_mm) const {
-    RayMask core(cut_.size());
-    for (std::size_t i = 0; i < cut_.size(); ++i) core[i] = after_.contains(i, z_mm);
-    return core;
-  }
-  /// Of the stump, at its side.
-  bool is_outer_edge(std::size_t place) const {
-    if (!open_[place] || beyond_[place]) return false;
+  /// Of the stump, at its side; its core may have a top that was not cut.
+  bool is_outer_edge(std::size_t place, const RayMask& core) const {
+    if (!open_[place] || beyond_[place] || core[place]) return false;
     const int x = lattice_.x_of(place), y = lattice_.y_of(place);
-    constexpr std::array<std::array<int, 2>, 4> kSides{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
     return std::ranges::any_of(kSides, [&](const std::array<int, 2>& side) {
-      return lattice_.holds(x + side[0], y + side[1]) &&
-             beyond_[lattice_.place(x + side[0], y + side[1])];
+      if (!lattice_.holds(x + side[0], y + side[1])) return false;
+      const std::size_t beside = lattice_.place(x + side[0], y + side[1]);
+      return beyond_[beside] && !core[beside];
     });
   }
 

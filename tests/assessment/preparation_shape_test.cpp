@@ -124,6 +124,14 @@ TEST_P(ShapeOfVoxels, ACrownsFinishLineIsTheStumpsAlsoBelowTheEquator) {
   EXPECT_NEAR(found->depth_mm->value, 1.0, 0.5 * kVoxel_mm);
   EXPECT_NEAR(found->greatest_depth_mm->value, 1.0, 1.5 * kVoxel_mm) << "not that of the shoulder";
   EXPECT_NEAR(found->margin_slope_deg->value, 0.0, 2.0);
+  // Its top as it was.
+  const Profile sides{{0, -3}, {3.2, -3}, {3.2, -1.2}, {2.2, -1.2}, {2.0, 3}, {0, 3}};
+  const auto axial =
+      preparation_shape(surface(tooth), surface(sides),
+                        {.kind = AssessedKind::kCrown, .insertion = at_.placed.linear().col(2)});
+  ASSERT_TRUE(axial && axial->margin_mm && axial->convergence_deg);
+  EXPECT_NEAR(axial->margin_mm->value, 1.0, 0.5 * kVoxel_mm);
+  EXPECT_FALSE(axial->depth_mm);
 }
 
 TEST_P(ShapeOfVoxels, ALedgeIsAnUndercutAndARoughWallIsNone) {
