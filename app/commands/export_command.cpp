@@ -218,8 +218,8 @@ void add_export_command(CLI::App& program) {
                      "One closed mesh for each tissue, FILE_TISSUE.stl, with shared borders")
           ->needs(mesh);
   add_option(*command, "--simplify", options->simplify_mm, "MM",
-             "Fewer triangles: no vertex that goes was further from what stays, mm (0.05 leaves\n"
-             "a tenth)")
+             "Fewer triangles: of the vertices that go, none lies further than this from what\n"
+             "stays, mm")
       ->check(CLI::Range(0.001, 1.0))
       ->needs(mesh)
       ->excludes(per_tissue);

@@ -10,6 +10,7 @@
 #include "engine/assessment/insertion_frame.hpp"
 #include "engine/surface/surface_mesh.hpp"
 #include "tests/assessment/turned_solid.hpp"
+#include "tests/support/shapes.hpp"
 
 // Truth by construction: solids of revolution of known taper, depth and width, at five attitudes in
 // the grid.
@@ -153,6 +154,24 @@ TEST_P(ShapeOfVoxels, ALedgeIsAnUndercutAndARoughWallIsNone) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Attitudes, ShapeOfVoxels, ::testing::Range(0, 5));
+
+TEST(ShapeOfTwoCavities, IsAsWideAsEachOfThem) {
+  constexpr double kVoxel_m = 0.05e-3;
+  const auto block_with = [&](int pits) {
+    return closed_surface(test::make_model({96, 64, 48}, kVoxel_m, [&](const Cell& c) {
+      if ((c.array() < 4).any() || c.x() >= 92 || c.y() >= 60 || c.z() >= 44) return false;
+      bool pit = false;
+      for (int n = 0; n < pits; ++n) {
+        pit = pit || std::hypot(c.x() - 47.5 + (n == 0 ? -20.0 : 20.0), c.y() - 31.5) < 11.0;
+      }
+      return !(pit && c.z() >= 24);  // 1 mm deep, 1.1 mm wide, 2 mm apart
+    }));
+  };
+  const auto found = preparation_shape(block_with(0), block_with(2), {});
+  ASSERT_TRUE(found && found->isthmus_mm && found->width_mm);
+  EXPECT_NEAR(found->isthmus_mm->value, 1.1, 0.05);
+  EXPECT_NEAR(found->width_mm->value, 1.1, 0.05);
+}
 
 class ShapeOfMeshes : public ::testing::Test {
  protected:

@@ -63,6 +63,14 @@ class Assess : public ::testing::Test {
     EXPECT_EQ(result.status, 0) << result.err;
     return nlohmann::json::parse(test::read_file(scratch_.path("assessed/assessment.json")));
   }
+  /// What assesses a recording's tooth as it was and as it is, exported into two files.
+  std::string exported_pair(const std::string& recording, const std::string& option,
+                            const std::string& before, const std::string& after) {
+    const std::string first = scratch_.path(before), last = scratch_.path(after);
+    EXPECT_EQ(command("export " + recording + " --at 0 " + option + " " + first).status, 0);
+    EXPECT_EQ(command("export " + recording + " " + option + " " + last).status, 0);
+    return "--before " + first + " --after " + last;
+  }
   static nlohmann::json measure(const nlohmann::json& assessment, const std::string& name) {
     for (const auto& measure : assessment["measures"]) {
       if (measure["name"] == name) return measure;
@@ -132,12 +140,10 @@ TEST_F(Assess, TheMomentOfWhatIsNotMetIsDrawn) {
 TEST_F(Assess, MeshesGiveWhatTheRecordingGives) {
   const std::string recording = run("pocket", kPocket);
   const std::string limits = scratch_.write("a.toml", "[assessment]\ndepth_mm = 2\n");
+  const std::string pair = exported_pair(recording, "--mesh", "before.stl", "after.ply");
   const std::string before = scratch_.path("before.stl"), after = scratch_.path("after.ply");
-  ASSERT_EQ(command("export " + recording + " --at 0 --mesh " + before).status, 0);
-  ASSERT_EQ(command("export " + recording + " --mesh " + after).status, 0);
   const nlohmann::json of_run = assessment(recording + " --assessment " + limits);
-  const nlohmann::json of_meshes =
-      assessment("--before " + before + " --after " + after + " --assessment " + limits);
+  const nlohmann::json of_meshes = assessment(pair + " --assessment " + limits);
   for (const char* name : {"depth_mm", "isthmus_mm", "convergence_deg", "undercut_mm2"}) {
     EXPECT_NEAR(measure(of_meshes, name)["value"].get<double>(),
                 measure(of_run, name)["value"].get<double>(), 1e-3)
@@ -173,12 +179,9 @@ TEST_F(Assess, MeshesGiveWhatTheRecordingGives) {
 TEST_F(Assess, VolumesGiveWhatTheRecordingGives) {
   const std::string recording = run("pocket", kPocket);
   const std::string limits = scratch_.write("a.toml", "[assessment]\ndepth_mm = 2\n");
-  const std::string before = scratch_.path("before.nrrd"), after = scratch_.path("after.nii.gz");
-  ASSERT_EQ(command("export " + recording + " --at 0 --volume " + before).status, 0);
-  ASSERT_EQ(command("export " + recording + " --volume " + after).status, 0);
+  const std::string pair = exported_pair(recording, "--volume", "before.nrrd", "after.nii.gz");
   const nlohmann::json of_run = assessment(recording + " --assessment " + limits);
-  const nlohmann::json of_volumes =
-      assessment("--before " + before + " --after " + after + " --assessment " + limits);
+  const nlohmann::json of_volumes = assessment(pair + " --assessment " + limits);
   // The rays stand elsewhere, by a part of a voxel.
   for (const auto& [name, most] :
        {std::pair{"depth_mm", 2e-3}, std::pair{"isthmus_mm", 2e-3},

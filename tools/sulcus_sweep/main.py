@@ -43,7 +43,8 @@ def parse_arguments(arguments):
                      description=__doc__.partition(": ")[2],
                      usage="%(prog)s [SCENE --set KEY=VALUES ...] -o DIR [options] [-- options of run]",
                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("scene", nargs="?", metavar="SCENE", help="scene file, .toml, or the name of a shipped one")
+    parser.add_argument("scene", nargs="?", metavar="SCENE",
+                        help="scene file, .toml, or the name of a shipped one")
     parser.add_argument("--set", action="append", default=[], dest="sets", metavar="KEY=VALUES",
                         help="values that a key takes; repeatable")
     parser.add_argument("-o", required=True, dest="folder", metavar="DIR", help="folder of the sweep")
@@ -106,8 +107,11 @@ def _said(command):
 
 def scene_file(given):
     """A file, else the shipped scene of that name, as sulcus run takes them; InputError."""
-    for path in (pathlib.Path(given), _ROOT / "scenes" / given, _ROOT / "scenes" / f"{given}.toml"):
-        if path.is_file() and (path == pathlib.Path(given) or path.parent == _ROOT / "scenes"):
+    paths = [pathlib.Path(given)]
+    if "/" not in given:
+        paths += [_ROOT / "scenes" / given, _ROOT / "scenes" / f"{given}.toml"]
+    for path in paths:
+        if path.is_file():
             return path
     raise InputError(f"{given}: no such file, expected a scene, .toml, or the name of a shipped one")
 

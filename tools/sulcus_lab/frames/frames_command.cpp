@@ -180,10 +180,9 @@ void frames(const FramesOptions& options) {
   }
   const ProgressCost cost = measure_progress(scene, options.seconds);
   std::printf(
-      "What the preparation has come to, us a picture at 30 a second: %.1f in the mean (%.1f "
-      "without "
-      "the wall over the pulp), at most %.1f\n",
-      mean(cost.with_us), mean(cost.without_us), quantile(cost.with_us, 1.0));
+      "What the preparation has come to, us a picture at 30 a second: %.1f in the mean, at most "
+      "%.1f; %.1f in the mean without the wall over the pulp\n",
+      mean(cost.with_us), quantile(cost.with_us, 1.0), mean(cost.without_us));
 }
 
 }  // namespace
