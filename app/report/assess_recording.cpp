@@ -23,6 +23,7 @@
 #include "engine/core/units.hpp"
 #include "engine/outcome/goal.hpp"
 #include "engine/outcome/preparation_progress.hpp"
+#include "engine/outcome/voxel_distance.hpp"
 #include "engine/surface/surface_mesh.hpp"
 #include "engine/volume/level_changes.hpp"
 

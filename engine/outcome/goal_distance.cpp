@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "engine/outcome/goal.hpp"
-#include "engine/outcome/voxel_set.hpp"
+#include "engine/outcome/voxel_distance.hpp"
 #include "engine/volume/workpiece.hpp"
 
 namespace sulcus {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/outcome/goal.hpp"
-#include "engine/outcome/voxel_set.hpp"
+#include "engine/outcome/voxel_distance.hpp"
 
 namespace sulcus {
 

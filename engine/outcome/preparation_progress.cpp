@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 namespace sulcus {
 
@@ -43,8 +44,10 @@ PreparationProgress::PreparationProgress(const VoxelModel& start,
     const VoxelSet caries = voxels_of_tissue(start, static_cast<std::uint8_t>(*caries_label_));
     caries_at_start_ = filled_of(caries, start);
   }
-  if (pulp_label_) pulp_ = voxels_of_tissue(start, static_cast<std::uint8_t>(*pulp_label_));
-  if (pulp_ && pulp_->count() > 0) pulp_distance_.emplace(*pulp_);
+  if (pulp_label_) {
+    VoxelSet pulp = voxels_of_tissue(start, static_cast<std::uint8_t>(*pulp_label_));
+    if (pulp.count() > 0) pulp_distance_.emplace(std::move(pulp));
+  }
 }
 
 void PreparationProgress::add(const Edit& edit) {
@@ -55,7 +58,8 @@ void PreparationProgress::add(const Edit& edit) {
   removed_levels_[cause][tissue] += std::uint64_t{levels_.before(edit)} - edit.level;
   if (!edit.is_gone()) return;
   ++removed_[cause][tissue];
-  if (pulp_ && !pulp_exposed_tick_ && touches_pulp(c, tissue)) pulp_exposed_tick_ = edit.tick;
+  if (pulp_distance_ && !pulp_exposed_tick_ && touches_pulp(c, tissue))
+    pulp_exposed_tick_ = edit.tick;
   if (pulp_distance_ && !pulp_exposed_tick_) pulp_distance_->remove(c);
   if (least_wall_m_ && !pulp_near_tick_ && wall_over_pulp_m().value_or(HUGE_VAL) < *least_wall_m_) {
     pulp_near_tick_ = edit.tick;
@@ -64,9 +68,10 @@ void PreparationProgress::add(const Edit& edit) {
 
 bool PreparationProgress::touches_pulp(const Cell& c, std::uint8_t tissue) const {
   if (tissue == *pulp_label_) return true;
+  const VoxelSet& pulp = pulp_distance_->pulp();
   for (int axis = 0; axis < 3; ++axis) {
     // What is in the set still stands: had any of it gone, the pulp would have been exposed by it.
-    if (pulp_->contains(c + Cell::Unit(axis)) || pulp_->contains(c - Cell::Unit(axis))) return true;
+    if (pulp.contains(c + Cell::Unit(axis)) || pulp.contains(c - Cell::Unit(axis))) return true;
   }
   return false;
 }

@@ -47,7 +47,7 @@ class PreparationProgress {
   std::optional<double> caries_left() const;
 
   /// Whether the scene names a pulp.
-  bool has_pulp() const { return pulp_.has_value(); }
+  bool has_pulp() const { return pulp_label_.has_value(); }
   /// The tick of the first edit that removed a voxel of the pulp or one with a face on it.
   std::optional<std::uint64_t> pulp_exposed_tick() const { return pulp_exposed_tick_; }
   /// Thickness of the thinnest wall between what was removed and the pulp, m: the least distance of
@@ -62,8 +62,7 @@ class PreparationProgress {
   double pulp_removed() const;
 
   std::size_t memory_bytes() const {
-    return levels_.memory_bytes() + (pulp_ ? pulp_->memory_bytes() : 0) +
-           (pulp_distance_ ? pulp_distance_->memory_bytes() : 0);
+    return levels_.memory_bytes() + (pulp_distance_ ? pulp_distance_->memory_bytes() : 0);
   }
 
  private:
@@ -76,7 +75,6 @@ class PreparationProgress {
   std::array<std::vector<std::uint64_t>, 2> removed_, removed_levels_;  // by cause, then tissue
   std::optional<std::size_t> caries_label_, pulp_label_;
   double caries_at_start_ = 0.0;
-  std::optional<VoxelSet> pulp_;
   std::optional<PulpDistance> pulp_distance_;  // where the tooth has any pulp
   std::optional<std::uint64_t> pulp_exposed_tick_, pulp_near_tick_;
   std::optional<double> least_wall_m_;

@@ -1,12 +1,10 @@
+#include "engine/outcome/voxel_distance.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <limits>
 
-#include <Eigen/Geometry>
-#include <unsupported/Eigen/BVH>
-
 #include "engine/core/parallel.hpp"
-#include "engine/outcome/voxel_set.hpp"
 
 namespace sulcus {
 
@@ -14,7 +12,6 @@ namespace {
 
 // Whole numbers below 2^24, so that float is exact.
 using Box = Eigen::AlignedBox3f;
-using LeafTree = Eigen::KdBVH<float, 3, std::uint32_t>;
 
 /// Of the centres of a leaf's voxels, not only of those in the set: a little too large, and cheap.
 Box leaf_box(const VoxelGrid& grid, std::uint32_t leaf) {
@@ -22,11 +19,11 @@ Box leaf_box(const VoxelGrid& grid, std::uint32_t leaf) {
   return {first.cast<float>(), (first + Cell::Constant(kLeafEdge - 1)).cast<float>()};
 }
 
-LeafTree leaf_tree(const VoxelSet& set) {
+std::vector<Box> leaf_boxes(const VoxelSet& set) {
   std::vector<Box> boxes;
   boxes.reserve(set.leaves().size());
   for (const std::uint32_t leaf : set.leaves()) boxes.push_back(leaf_box(set.grid(), leaf));
-  return LeafTree(set.leaves().begin(), set.leaves().end(), boxes.begin(), boxes.end());
+  return boxes;
 }
 
 constexpr int square(int v) { return v * v; }
@@ -47,41 +44,71 @@ int steps_along_row(unsigned row, int x) {
 /// at `first`.
 int nearer(const Cell& c, const Cell& first, const LeafBits& voxels, int best) {
   const Cell from = c - first;
+  const auto beyond2 = [](int v) { return square(v - std::clamp(v, 0, kLeafEdge - 1)); };
+  const int least_dx2 = beyond2(from.x()), least_dxy2 = least_dx2 + beyond2(from.y());
+  if (least_dxy2 + beyond2(from.z()) >= best) return best;
   for (int k = 0; k < kLeafEdge; ++k) {
     const std::uint64_t slice = voxels.words[static_cast<std::size_t>(k)];
     const int dz2 = square(from.z() - k);
-    if (slice == 0 || dz2 >= best) continue;
+    if (slice == 0 || dz2 + least_dxy2 >= best) continue;
     for (int j = 0; j < kLeafEdge; ++j) {
       const auto row = static_cast<unsigned>(slice >> (kLeafEdge * j) & 0xff);
       const int dyz2 = dz2 + square(from.y() - j);
-      if (row == 0 || dyz2 >= best) continue;
+      if (row == 0 || dyz2 + least_dx2 >= best) continue;
       best = std::min(best, dyz2 + square(steps_along_row(row, from.x())));
     }
   }
   return best;
 }
 
-/// BVMinimize's question: how near does it come to a voxel?
+/// How near does a voxel come? Asked by BVMinimize, which goes to the nearest boxes first, and by
+/// BVIntersect, which goes to all that may be nearer than the best so far.
 struct FromVoxel {
   using Scalar = float;
   const VoxelSet& to;
   const Cell c;
   int best = std::numeric_limits<int>::max();
 
-  float minimumOnVolume(const Box& box) const {  // NOLINT(readability-identifier-naming): Eigen's
+  // NOLINTBEGIN(readability-identifier-naming): Eigen's names
+  float minimumOnVolume(const Box& box) const {
     return box.squaredExteriorDistance(c.cast<float>());
   }
-  float minimumOnObject(std::uint32_t leaf) {  // NOLINT(readability-identifier-naming): Eigen's
+  float minimumOnObject(std::uint32_t leaf) {
     best = nearer(c, to.grid().leaf_origin(leaf), to.voxels(leaf), best);
     return static_cast<float>(best);
   }
+  bool intersectVolume(const Box& box) const {
+    return minimumOnVolume(box) < static_cast<float>(best);
+  }
+  bool intersectObject(std::uint32_t leaf) {
+    minimumOnObject(leaf);
+    return false;  // which is to go on
+  }
+  // NOLINTEND(readability-identifier-naming)
 };
 
 }  // namespace
 
+LeafTree::LeafTree(const VoxelSet& set) {
+  const std::vector<Box> boxes = leaf_boxes(set);
+  tree_.init(set.leaves().begin(), set.leaves().end(), boxes.begin(), boxes.end());
+}
+
+std::uint32_t LeafTree::squared_distance(const VoxelSet& set, const Cell& c) const {
+  FromVoxel question{set, c};
+  return static_cast<std::uint32_t>(Eigen::BVMinimize(tree_, question));
+}
+
+std::uint32_t LeafTree::squared_distance(const VoxelSet& set, const Cell& c,
+                                         std::uint32_t squared) const {
+  FromVoxel question{set, c, static_cast<int>(squared)};
+  Eigen::BVIntersect(tree_, question);
+  return static_cast<std::uint32_t>(question.best);
+}
+
 std::vector<std::uint32_t> squared_distances(const VoxelSet& from, const VoxelSet& to) {
   if (from.count() == 0 || to.count() == 0) return {};
-  const LeafTree tree = leaf_tree(to);
+  const LeafTree tree(to);
   const std::span<const std::uint32_t> leaves = from.leaves();
   std::vector<std::size_t> begin{0};  // of each leaf's distances
   for (const std::uint32_t leaf : leaves) {
@@ -92,8 +119,7 @@ std::vector<std::uint32_t> squared_distances(const VoxelSet& from, const VoxelSe
     const Cell first = from.grid().leaf_origin(leaves[n]);
     std::size_t at = begin[n];
     for_each_voxel(from.voxels(leaves[n]), [&](int place) {
-      FromVoxel question{to, first + cell_in_leaf(place)};
-      distances[at++] = static_cast<std::uint32_t>(Eigen::BVMinimize(tree, question));
+      distances[at++] = tree.squared_distance(to, first + cell_in_leaf(place));
     });
   });
   return distances;

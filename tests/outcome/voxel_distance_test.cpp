@@ -1,9 +1,10 @@
+#include "engine/outcome/voxel_distance.hpp"
+
 #include <algorithm>
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "engine/outcome/voxel_set.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace sulcus {

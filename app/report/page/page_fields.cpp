@@ -6,6 +6,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "engine/outcome/voxel_distance.hpp"
 #include "engine/volume/voxel_values.hpp"
 #include "engine/volume/workpiece.hpp"
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/outcome/voxel_set.hpp"
+#include "engine/outcome/voxel_distance.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/outcome/labelled_model.hpp"
 #include "tests/support/shapes.hpp"
