@@ -99,8 +99,8 @@ std::vector<OutcomeLine> FrameHistory::outcome() const {
     lines.push_back({body.name, mm3(static_cast<double>(body.removed) * body.voxel_mm3)});
   }
   if (progress_ && measures_.ticks_in_contact > 0) {
-    lines.push_back({"Peak, mean force", formatted("%.2f, %.2f N", measures_.peak_force_N,
-                                                   measures_.mean_force_in_contact_N())});
+    lines.push_back({"Peak force", formatted("%.2f N", measures_.peak_force_N)});
+    lines.push_back({"Mean force", formatted("%.2f N", measures_.mean_force_in_contact_N())});
     lines.push_back({"Contact time", formatted("%.1f s", seconds(measures_.ticks_in_contact))});
   }
   if (latest_spindle_rad_per_s_) {
