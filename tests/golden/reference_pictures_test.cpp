@@ -1,5 +1,5 @@
 // Pictures of whole runs, drawn at full size through EGL, against reference pictures that were
-// looked at. `SULCUS_REFERENCE=write build/release/tests/sulcus_pipeline_tests
+// looked at. `SULCUS_REFERENCE=write build/release/tests/sulcus_golden_tests
 // --gtest_filter='ReferencePictures.*'` makes those anew: look at each before it is kept, also at
 // full size (SULCUS_REFERENCE_FULL=FOLDER writes that).
 #include <algorithm>
@@ -23,12 +23,6 @@
 
 namespace sulcus {
 namespace {
-
-#ifdef SULCUS_SANITIZED
-constexpr const char* kDuration = " --duration 1.3";  // ten times as slow: not the finished cavity
-#else
-constexpr const char* kDuration = "";
-#endif
 
 constexpr int kWidth = 1920, kHeight = 1080;
 /// A quarter of it: what is kept, once all of the picture from further away, once a part of it.
@@ -79,7 +73,7 @@ std::string record(const ScratchFolder& scratch, const std::string& scene_and_op
 
 /// Against the reference of that name; one that does not look like it stays, to be looked at.
 void compare(const Image& image, const std::string& name, const test::LooksLikeLimits& limits) {
-  const std::string file = SULCUS_SOURCE_DIR "/tests/pipeline/reference/" + name + ".png";
+  const std::string file = SULCUS_SOURCE_DIR "/tests/golden/pictures/" + name + ".png";
   const char* wish = std::getenv("SULCUS_REFERENCE");
   if (wish && std::string(wish) == "write") {
     test::write_small_png(image, file);
@@ -107,7 +101,7 @@ void expect_few_specks(const Image& image, const Shot& shot) {
 
 TEST(ReferencePictures, TheMolarAndTheCavityInIt) {
   const ScratchFolder scratch;
-  Film film(record(scratch, std::string("class_one_cavity.toml") + kDuration));
+  Film film(record(scratch, "class_one_cavity.toml"));
   constexpr double kDone_s = 18.4;  // the burr is off the tooth
   const std::vector<Shot> shots{
       {.name = "molar", .at_s = 0.0, .from = Camera::kReview},
@@ -121,7 +115,6 @@ TEST(ReferencePictures, TheMolarAndTheCavityInIt) {
        .detail_top = 160},
   };
   for (const Shot& shot : shots) {
-    if (shot.at_s > film.film.rows().back().time_s) continue;
     const Image image = film.draw(shot);
     keep_to_look_at(image, shot.name);
     expect_few_specks(image, shot);
@@ -152,7 +145,7 @@ TEST(ReferencePictures, ACutCtToothHasItsTissuesAndNoSpecks) {
   const std::string tooth = SULCUS_SOURCE_DIR "/../shared/data/ge_tooth/tooth_103x94x161_u16.nrrd";
   if (!std::filesystem::exists(tooth)) GTEST_SKIP() << "no " << tooth;
   const ScratchFolder scratch;
-  Film film(record(scratch, "cut_ct_tooth.toml --set workpiece.file=" + tooth + kDuration));
+  Film film(record(scratch, "cut_ct_tooth.toml --set workpiece.file=" + tooth));
   const double end_s = film.film.rows().back().time_s;
   const std::vector<Shot> shots{
       {.name = "ct_tooth", .at_s = end_s, .from = Camera::kReview},
