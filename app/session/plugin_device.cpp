@@ -243,6 +243,9 @@ std::optional<Pose> PluginDevice::pose(std::uint64_t tick) noexcept {
     ++inside_ticks_;
     return {};
   }
+  // The hand has let go of the tool: as without a pose the tool stands, cuts nothing and pushes no
+  // more.
+  if (clutch) return {};
   return pose;
 }
 

@@ -37,7 +37,7 @@ inline constexpr std::array<FaultInfo, 10> kFaults{{
      "cutting.max_cut_voxels exceeded: work on the voxels beyond is lost as heat"},
     {kFaultRowsDropped, "rows_dropped", "rows before this one are missing"},
     {kFaultDeviceSilent, "device_silent",
-     "no pose from the device for more than 20 ms: tool and spindle stand still"},
+     "no pose from the device, or its clutch held, for more than 20 ms: tool and spindle stand"},
     {kFaultDeviceJumped, "device_jumped",
      "its pose jumped: neither cut nor friction, the force fades in"},
     {kFaultBuzz, "buzz", "the force buzzes"},

@@ -14,7 +14,7 @@ class PlacedDevice {
   PlacedDevice(const DevicePlacement& placement, const Eigen::Vector3d& start);
 
   /// The tool's pose in the scene for one of the device, m. While `clutch` is held the tip stays
-  /// where it is, and goes on from there after it; the direction follows the hand all the time.
+  /// where it is, and goes on from there after it; the direction is the hand's all the time.
   Pose to_scene(const Pose& device, bool clutch) noexcept;
   /// The next pose comes to the start.
   void recentre() noexcept { recentres_ = true; }

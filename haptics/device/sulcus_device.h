@@ -91,7 +91,8 @@ typedef struct SulcusControls {
   uint32_t burr; /* 0: the scene's [burr], n: its n-th [[spare_burr]]; the burr is changed, once the
                   * force has fallen to zero, when this changes; before the first tick it is 0 */
   double pedal;  /* of the burr's speed, 0 to 1; 0: the spindle stands */
-  uint32_t clutch; /* 1: the burr's tip stays where it is while the hand moves on */
+  uint32_t clutch; /* 1: the burr stays where it is while the hand moves on; it cuts nothing, and
+                    * nothing is felt */
   uint32_t reserved;
 } SulcusControls;
 

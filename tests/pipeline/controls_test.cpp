@@ -138,6 +138,22 @@ TEST_F(Controls, TheClutchHoldsTheTipAndTheHandGoesOnFromThere) {
   }
 }
 
+TEST_F(Controls, UnderTheClutchNothingIsFeltOrCut) {
+  ASSERT_EQ(run("300 clutch 1 500 clutch 0").status, 0);
+  const std::vector<TickRecord> rows = recording().ticks();
+  const auto force_N = [&](std::size_t tick) {
+    return Eigen::Vector3d(rows[tick].force_N[0], rows[tick].force_N[1], rows[tick].force_N[2])
+        .norm();
+  };
+  EXPECT_GT(force_N(299), 0.1);
+  std::uint32_t removed = 0;
+  for (std::size_t tick = 320; tick < 500; ++tick) removed += rows[tick].removed;
+  EXPECT_EQ(removed, 0u);
+  for (std::size_t tick = 380; tick < 500; ++tick) ASSERT_EQ(force_N(tick), 0.0) << tick;
+  EXPECT_GT(force_N(700), 0.1);  // and again after it
+  expect_verified();
+}
+
 TEST_F(Controls, TheDeviceLiesWhereTheSceneSays) {
   ASSERT_EQ(run("0 clutch 0").status, 0);
   const std::vector<TickRecord> own = recording().ticks();
