@@ -11,6 +11,11 @@ namespace sulcus {
 
 namespace {
 
+/// What the time of a tick goes to, in the order of Stage, for somebody who is not to know the
+/// names of its parts.
+constexpr std::array<const char*, kStageCount> kShownStages{
+    "finding the tooth", "voxels in contact", "surface normals", "force", "cutting"};
+
 double voxel_mm3(const WorkpieceSettings& solid) {
   return std::pow(solid.voxel_m / kMillimetre, 3);
 }
@@ -191,7 +196,7 @@ FrameState FrameHistory::state() const {
   state.outcome = outcome();
   for (std::size_t s = 0; timed_ && s < stage_us_.size(); ++s) {
     if (Stage(s) == Stage::kRemoval && !cutting_) continue;  // was not there
-    state.stages.push_back({kStageNames[s], stage_us_[s]});
+    state.stages.push_back({kShownStages[s], stage_us_[s]});
   }
   state.force_history_N = last(force_N_);
   state.torque_history_mNm = last(torque_mNm_);

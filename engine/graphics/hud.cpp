@@ -132,9 +132,7 @@ void draw_stages(const Pen& pen, float x, float y, const std::vector<StageTime>&
     const float wide = (kCardWidth - 20) * static_cast<float>(stages[s].us / longest_us);
     pen.list->AddRectFilled(pen.at(x + 10, top + kStageRow - 5),
                             pen.at(x + 10 + wide, top + kStageRow - 3), kTick);
-    std::string name = stages[s].name;
-    std::replace(name.begin(), name.end(), '_', ' ');
-    pen.text(x + 10, top, kInk, name);
+    pen.text(x + 10, top, kInk, stages[s].name);
     pen.text_right(x + kCardWidth - 10, top, kInk, format("%.1f \xC2\xB5s", stages[s].us));
   }
 }
