@@ -59,19 +59,38 @@ std::optional<std::size_t> best_of(const Attempts& attempts, std::string_view na
 
 std::string number_of(std::size_t n) { return std::to_string(n + 1); }
 
-/// In a sentence: which is better, and by what.
+/// Of the greatest; none where several are.
+template <class Value>
+std::optional<std::size_t> of_greatest(const std::vector<Value>& values) {
+  const auto greatest = std::ranges::max_element(values);
+  if (std::ranges::count(values, *greatest) > 1) return {};
+  return static_cast<std::size_t>(greatest - values.begin());
+}
+
+/// How many measures each attempt is nearest to what they are to be in.
+std::vector<int> nearest_counts(const Attempts& attempts) {
+  std::vector<int> counts(attempts.size());
+  for (const AssessedMeasure& measure : attempts.front().assessment.measures) {
+    if (const auto best = best_of(attempts, measure.name)) ++counts[*best];
+  }
+  return counts;
+}
+
+/// In a sentence: which is better, and by what. Of equal marks, by how near they come.
 std::string verdict(const Attempts& attempts) {
   std::vector<double> marks;
   for (const ComparedAttempt& attempt : attempts) {
     if (!attempt.assessment.mark) return "<p>Not all of them have a mark.</p>\n";
     marks.push_back(*attempt.assessment.mark);
   }
-  const auto best = std::ranges::max_element(marks);
   std::ostringstream html;
   html << "<p class=\"mark\">";
-  if (std::ranges::count(marks, *best) == 1) {
-    html << "Attempt " << number_of(static_cast<std::size_t>(best - marks.begin()))
-         << " is better: ";
+  const std::vector<int> nearest = nearest_counts(attempts);
+  if (const auto best = of_greatest(marks)) {
+    html << "Attempt " << number_of(*best) << " is better: ";
+  } else if (const auto nearer = of_greatest(nearest)) {
+    html << "Attempt " << number_of(*nearer) << " is better, nearer than the others in "
+         << nearest[*nearer] << (nearest[*nearer] == 1 ? " measure: " : " measures: ");
   } else {
     html << "No one is better than all others: ";
   }

@@ -257,6 +257,27 @@ TEST_F(Page, ComparesTwoAttemptsInOneCameraAndLetsNothingOut) {
             json::parse(R"(["connect-src", "frame-src", "img-src", "script-src-elem"])"));
 }
 
+TEST_F(Page, OfEqualMarksTheNearerIsBetter) {
+  const std::string nearer = run("nearer", scene_to("0.2")), off = run("off", scene_to("0.3"));
+  const auto verdict_of = [&](const std::string& attempts) {
+    const std::string folder = scratch_.path("equal_" + std::to_string(attempts.size()));
+    const auto made =
+        test::sulcus_command("assess " + attempts + " -o " + folder, scratch_.path("err"));
+    EXPECT_EQ(made.status, 0) << made.err;
+    const std::string page = test::read_file(folder + "/comparison.html");
+    const std::size_t begin = page.find("<p class=\"mark\">");
+    return page.substr(begin, page.find("</p>", begin) - begin);
+  };
+  EXPECT_NE(verdict_of(off + " " + nearer)
+                .find("Attempt 2 is better, nearer than the others in 1 "
+                      "measure: attempt 1 has 50 of 100, attempt 2 has "
+                      "50 of 100"),
+            std::string::npos);
+  EXPECT_NE(verdict_of(off + " " + off + " " + nearer).find("Attempt 3 is better"),
+            std::string::npos);
+  EXPECT_NE(verdict_of(nearer + " " + nearer).find("No one is better"), std::string::npos);
+}
+
 TEST_F(Page, WithoutThreeJsThePackageIsNamed) {
   const std::string recording = run("deep", scene_to("0.2"));
   const auto refused = test::sulcus_command(
