@@ -8,12 +8,11 @@
 #include <optional>
 #include <vector>
 
+#include "engine/outcome/voxel_distance.hpp"
 #include "engine/outcome/voxel_set.hpp"
 #include "engine/volume/grid.hpp"
 
 namespace sulcus {
-
-class LeafTree;
 
 /// How near what is removed comes to the pulp, kept up voxel by voxel: exact distances, from centre
 /// to centre, to the pulp as it was at the start. A voxel is asked only whether any of the pulp is
@@ -43,13 +42,17 @@ class PulpDistance {
     std::array<float, 64> of_2{};  // 2 x 2 x 2
   };
 
-  std::optional<std::uint32_t> squared_distance(const Cell& c, float more) const;
-  bool may_be_nearest(const Cell& middle, float from_middle, float& bound) const;
+  std::optional<std::uint32_t> squared_distance(const Cell& c, float more);
+  bool may_be_nearest(const Cell& middle, float from_middle, float& bound);
 
   VoxelSet pulp_;
   std::shared_ptr<const LeafTree> tree_;
   std::vector<std::uint32_t> place_;  // of each leaf of the grid
   std::vector<Bounds> bounds_;
+  // Leaves of the pulp with all of its voxels within `reach_` of a place: of all questions nearby.
+  std::vector<LeafTree::Near> leaves_nearby_;
+  Cell nearby_ = Cell::Zero();
+  float reach_ = -1.0f;
   float nearest_ = std::numeric_limits<float>::infinity();  // of all removed voxels, voxels
   std::optional<std::uint32_t> least_;                      // the same, squared
 };

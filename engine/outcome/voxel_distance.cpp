@@ -40,56 +40,75 @@ int steps_along_row(unsigned row, int x) {
   return std::min(up, down);
 }
 
-/// The lesser of `best` and the squared distance of `c` to the nearest voxel of a leaf that begins
-/// at `first`.
-int nearer(const Cell& c, const Cell& first, const LeafBits& voxels, int best) {
-  const Cell from = c - first;
-  const auto beyond2 = [](int v) { return square(v - std::clamp(v, 0, kLeafEdge - 1)); };
-  const int least_dx2 = beyond2(from.x()), least_dxy2 = least_dx2 + beyond2(from.y());
-  if (least_dxy2 + beyond2(from.z()) >= best) return best;
-  for (int k = 0; k < kLeafEdge; ++k) {
-    const std::uint64_t slice = voxels.words[static_cast<std::size_t>(k)];
-    const int dz2 = square(from.z() - k);
-    if (slice == 0 || dz2 + least_dxy2 >= best) continue;
-    for (int j = 0; j < kLeafEdge; ++j) {
-      const auto row = static_cast<unsigned>(slice >> (kLeafEdge * j) & 0xff);
-      const int dyz2 = dz2 + square(from.y() - j);
-      if (row == 0 || dyz2 + least_dx2 >= best) continue;
-      best = std::min(best, dyz2 + square(steps_along_row(row, from.x())));
+/// Calls `visit(place, squared)` with the places 0 to 7 along an edge and the squares of their
+/// steps from `x`, from the end that is nearer on, as long as `squared` plus `rest` is less than
+/// `best`.
+template <class Visit>
+void from_the_nearer_end(int x, int rest, const int& best, const Visit& visit) {
+  const bool from_last = x > kLeafEdge / 2, beyond = x <= 0 || x >= kLeafEdge - 1;
+  for (int n = 0; n < kLeafEdge; ++n) {
+    const int place = from_last ? kLeafEdge - 1 - n : n;
+    const int squared = square(x - place);
+    if (squared + rest < best) {
+      visit(place, squared);
+    } else if (beyond) {
+      return;  // the others are further
     }
   }
-  return best;
 }
 
-/// How near does a voxel come? Asked by BVMinimize, which goes to the nearest boxes first, and by
-/// BVIntersect, which goes to all that may be nearer than the best so far.
+/// BVMinimize's question: how near does a voxel come?
 struct FromVoxel {
   using Scalar = float;
   const VoxelSet& to;
   const Cell c;
   int best = std::numeric_limits<int>::max();
 
-  // NOLINTBEGIN(readability-identifier-naming): Eigen's names
-  float minimumOnVolume(const Box& box) const {
+  float minimumOnVolume(const Box& box) const {  // NOLINT(readability-identifier-naming): Eigen's
     return box.squaredExteriorDistance(c.cast<float>());
   }
-  float minimumOnObject(std::uint32_t leaf) {
-    best = nearer(c, to.grid().leaf_origin(leaf), to.voxels(leaf), best);
+  float minimumOnObject(std::uint32_t leaf) {  // NOLINT(readability-identifier-naming): Eigen's
+    best = nearer_in_leaf(c, to.grid().leaf_origin(leaf), to.voxels(leaf), best);
     return static_cast<float>(best);
   }
-  bool intersectVolume(const Box& box) const {
-    return minimumOnVolume(box) < static_cast<float>(best);
+};
+
+/// BVIntersect's: which leaves come so near?
+struct WithinDistance {
+  const Eigen::Vector3f c;
+  const float distance;
+  const VoxelGrid& grid;
+  std::vector<LeafTree::Near>& leaves;
+
+  bool intersectVolume(const Box& box) const {  // NOLINT(readability-identifier-naming): Eigen's
+    return box.squaredExteriorDistance(c) <= distance * distance;
   }
-  bool intersectObject(std::uint32_t leaf) {
-    minimumOnObject(leaf);
+  bool intersectObject(std::uint32_t leaf) {  // NOLINT(readability-identifier-naming): Eigen's
+    const float nearest = leaf_box(grid, leaf).exteriorDistance(c);
+    if (nearest <= distance) leaves.push_back({nearest, leaf, grid.leaf_origin(leaf)});
     return false;  // which is to go on
   }
-  // NOLINTEND(readability-identifier-naming)
 };
 
 }  // namespace
 
-LeafTree::LeafTree(const VoxelSet& set) {
+int nearer_in_leaf(const Cell& c, const Cell& first, const LeafBits& voxels, int best) {
+  const Cell from = c - first;
+  const auto beyond2 = [](int v) { return square(v - std::clamp(v, 0, kLeafEdge - 1)); };
+  const int least_dx2 = beyond2(from.x()), least_dxy2 = least_dx2 + beyond2(from.y());
+  from_the_nearer_end(from.z(), least_dxy2, best, [&](int k, int dz2) {
+    const std::uint64_t slice = voxels.words[static_cast<std::size_t>(k)];
+    if (slice == 0) return;
+    from_the_nearer_end(from.y(), dz2 + least_dx2, best, [&](int j, int dy2) {
+      const auto row = static_cast<unsigned>(slice >> (kLeafEdge * j) & 0xff);
+      if (row == 0) return;
+      best = std::min(best, dz2 + dy2 + square(steps_along_row(row, from.x())));
+    });
+  });
+  return best;
+}
+
+LeafTree::LeafTree(const VoxelSet& set) : grid_(set.grid()) {
   const std::vector<Box> boxes = leaf_boxes(set);
   tree_.init(set.leaves().begin(), set.leaves().end(), boxes.begin(), boxes.end());
 }
@@ -99,11 +118,11 @@ std::uint32_t LeafTree::squared_distance(const VoxelSet& set, const Cell& c) con
   return static_cast<std::uint32_t>(Eigen::BVMinimize(tree_, question));
 }
 
-std::uint32_t LeafTree::squared_distance(const VoxelSet& set, const Cell& c,
-                                         std::uint32_t squared) const {
-  FromVoxel question{set, c, static_cast<int>(squared)};
+void LeafTree::leaves_within(const Cell& c, float distance, std::vector<Near>& leaves) const {
+  leaves.clear();
+  WithinDistance question{c.cast<float>(), distance, grid_, leaves};
   Eigen::BVIntersect(tree_, question);
-  return static_cast<std::uint32_t>(question.best);
+  std::ranges::sort(leaves, {}, &Near::distance);
 }
 
 std::vector<std::uint32_t> squared_distances(const VoxelSet& from, const VoxelSet& to) {

@@ -21,13 +21,23 @@ class LeafTree {
   /// From `c`, which may lie in the set, to its nearest voxel; it is not empty.
   std::uint32_t squared_distance(const VoxelSet& set, const Cell& c) const;
 
-  /// The same where it is less than `squared`; `squared` where it is not, which takes the less
-  /// time the fewer leaves come so near.
-  std::uint32_t squared_distance(const VoxelSet& set, const Cell& c, std::uint32_t squared) const;
+  /// A leaf, and what none of its voxels is nearer than.
+  struct Near {
+    float distance = 0.0f;
+    std::uint32_t leaf = 0;
+    Cell first;  // its first voxel
+  };
+  /// Replaces `leaves` by those that may hold a voxel at most so far from `c`, the nearest first.
+  void leaves_within(const Cell& c, float distance, std::vector<Near>& leaves) const;
 
  private:
+  VoxelGrid grid_;
   Eigen::KdBVH<float, 3, std::uint32_t> tree_;
 };
+
+/// The lesser of `best` and the squared distance of `c` to the nearest voxel of a leaf that begins
+/// at `first`.
+int nearer_in_leaf(const Cell& c, const Cell& first, const LeafBits& voxels, int best);
 
 /// Exact distances of the voxels of one set, each to the nearest of another of the same grid, from
 /// centre to centre in voxels, as their squares, which are whole numbers: leaf by leaf in the order
