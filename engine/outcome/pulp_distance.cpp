@@ -30,20 +30,18 @@ int part_of(const Cell& c, int edge) {
 }  // namespace
 
 PulpDistance::PulpDistance(VoxelSet pulp)
-    : pulp_(std::move(pulp)),
-      tree_(std::make_shared<LeafTree>(pulp_)),
-      place_(pulp_.grid().leaf_count(), kUnknown) {}
+    : pulp_(std::move(pulp)), tree_(pulp_), place_(pulp_.grid().leaf_count(), kUnknown) {}
 
 /// None where it is further than the nearest so far by so much `more`, voxels.
 std::optional<std::uint32_t> PulpDistance::squared_distance(const Cell& c, float more) {
-  if (!least_) return tree_->squared_distance(pulp_, c);
+  if (!least_) return tree_.squared_distance(pulp_, c);
   const float within = nearest_ + more;
   float away = (c - nearby_).cast<float>().norm();
   if (away + within > reach_) {
     nearby_ = c;
     away = 0.0f;
     reach_ = within + kNearby;
-    tree_->leaves_within(nearby_, reach_ + kRounding, leaves_nearby_);
+    tree_.leaves_within(nearby_, reach_ + kRounding, leaves_nearby_);
   }
   const int bound = static_cast<int>(std::ceil(within * within));
   int squared = bound;

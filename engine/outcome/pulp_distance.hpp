@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -46,7 +45,7 @@ class PulpDistance {
   bool may_be_nearest(const Cell& middle, float from_middle, float& bound);
 
   VoxelSet pulp_;
-  std::shared_ptr<const LeafTree> tree_;
+  LeafTree tree_;
   std::vector<std::uint32_t> place_;  // of each leaf of the grid
   std::vector<Bounds> bounds_;
   // Leaves of the pulp with all of its voxels within `reach_` of a place: of all questions nearby.
