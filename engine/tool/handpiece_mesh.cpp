@@ -21,6 +21,8 @@ constexpr double kNeckRadius = 2.6 * kMillimetre, kNeckLength = 30.0 * kMillimet
 constexpr double kHandleRadius = 4.2 * kMillimetre;
 constexpr double kNeckRise = 18.0 * kDegree;  // from square to the burr's axis, away from its tip
 
+constexpr std::uint32_t kRodSectors = 64;  // round an axis
+
 /// Radius and place along the axis, from the axis back to it.
 using Outline = std::vector<Eigen::Vector2d>;
 
@@ -39,21 +41,20 @@ void round_off(Outline& outline, const Eigen::Vector2d& from, const Eigen::Vecto
 
 /// A closed rod of this outline with an axis of its own: its y goes where `tool_from_rod` says.
 void add_rod(TriangleMesh& mesh, const Outline& outline, const Eigen::Isometry3d& tool_from_rod) {
-  constexpr std::uint32_t kSectors = 64;
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   const auto rings = static_cast<std::uint32_t>(outline.size());
   for (const Eigen::Vector2d& p : outline) {
-    for (std::uint32_t s = 0; s < kSectors; ++s) {
-      const double angle = 2.0 * std::numbers::pi * s / kSectors;
+    for (std::uint32_t s = 0; s < kRodSectors; ++s) {
+      const double angle = 2.0 * std::numbers::pi * s / kRodSectors;
       const Eigen::Vector3d p_rod(p.x() * std::cos(angle), p.y(), p.x() * std::sin(angle));
       mesh.positions.emplace_back((tool_from_rod * p_rod).cast<float>());
     }
   }
   const auto vertex = [&](std::uint32_t ring, std::uint32_t s) {
-    return first + ring * kSectors + s % kSectors;
+    return first + ring * kRodSectors + s % kRodSectors;
   };
   for (std::uint32_t ring = 0; ring + 1 < rings; ++ring) {
-    for (std::uint32_t s = 0; s < kSectors; ++s) {
+    for (std::uint32_t s = 0; s < kRodSectors; ++s) {
       const std::uint32_t a = vertex(ring, s), b = vertex(ring, s + 1);
       const std::uint32_t c = vertex(ring + 1, s + 1), d = vertex(ring + 1, s);
       // At its ends a ring is a point, and one of the two has no area.
@@ -82,10 +83,13 @@ TriangleMesh handpiece_mesh(const TriangleMesh& mesh_tool, double head_length_m)
   const double end = head + kHeadLength;
   constexpr double kEdge = 0.7 * kMillimetre, kDome = 2.6 * kMillimetre;
 
-  // It begins within the burr's shank and a little thinner, so that no crack shows between them.
+  // It begins within the burr's shank and comes out of it before that ends: neither a crack shows
+  // between them, nor, as bright specks, the edge of the shank's end face.
   constexpr double kOverlap = 0.2 * kMillimetre;
-  shank_radius *= 0.995;
-  Outline outline{{0.0, top - kOverlap}, {shank_radius, top - kOverlap}, {shank_radius, chuck}};
+  const double sleeve =
+      shank_radius / std::cos(std::numbers::pi / kRodSectors);  // its flat sides too
+  Outline outline{
+      {0.0, top - kOverlap}, {0.99 * shank_radius, top - kOverlap}, {sleeve, top}, {sleeve, chuck}};
   outline.emplace_back(kChuckRadius, chuck);
   outline.emplace_back(kChuckRadius, head);
   outline.emplace_back(kHeadRadius - kEdge, head);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -27,6 +28,18 @@ TEST(HandpieceMesh, IsClosedOutwardAndTakesUpTheShankAtItsEnd) {
       EXPECT_LE(std::hypot(p.x(), p.z()), burr_box.max().x() + 1e-6f);
     }
   }
+  // Round the shank where that ends, flat sides and all: nothing is seen of its end face.
+  const float end = burr_box.max().y();
+  float narrowest = 1.0f;
+  for (const auto& t : mesh.triangles) {
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3f &p = mesh.positions[t[i]], &q = mesh.positions[t[(i + 1) % 3]];
+      if (p.y() != end || q.y() != end) continue;
+      const Eigen::Vector3f middle = 0.5f * (p + q);
+      narrowest = std::min(narrowest, std::hypot(middle.x(), middle.z()));
+    }
+  }
+  EXPECT_NEAR(narrowest, burr_box.max().x(), 2e-8f);
   // By place, since rods share none of their vertices and their ends are points.
   using Place = std::array<float, 3>;
   const auto place = [&](std::uint32_t v) {
