@@ -67,11 +67,18 @@ std::optional<std::size_t> of_greatest(const std::vector<Value>& values) {
   return static_cast<std::size_t>(greatest - values.begin());
 }
 
-/// How many measures each attempt is nearest to what they are to be in.
-std::vector<int> nearest_counts(const Attempts& attempts) {
+/// How many measures each attempt is nearest to what they are to be in, of those of a mark.
+std::vector<int> nearest_counts(const Attempts& attempts, double mark) {
+  Attempts of_mark;
+  std::vector<std::size_t> numbers;
+  for (std::size_t n = 0; n < attempts.size(); ++n) {
+    if (attempts[n].assessment.mark != mark) continue;
+    of_mark.push_back(attempts[n]);
+    numbers.push_back(n);
+  }
   std::vector<int> counts(attempts.size());
-  for (const AssessedMeasure& measure : attempts.front().assessment.measures) {
-    if (const auto best = best_of(attempts, measure.name)) ++counts[*best];
+  for (const AssessedMeasure& measure : of_mark.front().assessment.measures) {
+    if (const auto best = best_of(of_mark, measure.name)) ++counts[numbers[*best]];
   }
   return counts;
 }
@@ -85,11 +92,11 @@ std::string verdict(const Attempts& attempts) {
   }
   std::ostringstream html;
   html << "<p class=\"mark\">";
-  const std::vector<int> nearest = nearest_counts(attempts);
+  const std::vector<int> nearest = nearest_counts(attempts, std::ranges::max(marks));
   if (const auto best = of_greatest(marks)) {
     html << "Attempt " << number_of(*best) << " is better: ";
   } else if (const auto nearer = of_greatest(nearest)) {
-    html << "Attempt " << number_of(*nearer) << " is better, nearer than the others in "
+    html << "Attempt " << number_of(*nearer) << " is better, nearer than its equals in "
          << nearest[*nearer] << (nearest[*nearer] == 1 ? " measure: " : " measures: ");
   } else {
     html << "No one is better than all others: ";

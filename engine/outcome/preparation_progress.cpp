@@ -58,8 +58,9 @@ void PreparationProgress::add(const Edit& edit) {
   removed_levels_[cause][tissue] += std::uint64_t{levels_.before(edit)} - edit.level;
   if (!edit.is_gone()) return;
   ++removed_[cause][tissue];
-  if (pulp_distance_ && !pulp_exposed_tick_ && touches_pulp(c, tissue))
+  if (pulp_distance_ && !pulp_exposed_tick_ && touches_pulp(c, tissue)) {
     pulp_exposed_tick_ = edit.tick;
+  }
   if (pulp_distance_ && !pulp_exposed_tick_) pulp_distance_->remove(c);
   if (least_wall_m_ && !pulp_near_tick_ && wall_over_pulp_m().value_or(HUGE_VAL) < *least_wall_m_) {
     pulp_near_tick_ = edit.tick;

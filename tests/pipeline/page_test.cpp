@@ -269,13 +269,18 @@ TEST_F(Page, OfEqualMarksTheNearerIsBetter) {
     return page.substr(begin, page.find("</p>", begin) - begin);
   };
   EXPECT_NE(verdict_of(off + " " + nearer)
-                .find("Attempt 2 is better, nearer than the others in 1 "
+                .find("Attempt 2 is better, nearer than its equals in 1 "
                       "measure: attempt 1 has 50 of 100, attempt 2 has "
                       "50 of 100"),
             std::string::npos);
-  EXPECT_NE(verdict_of(off + " " + off + " " + nearer).find("Attempt 3 is better"),
-            std::string::npos);
   EXPECT_NE(verdict_of(nearer + " " + nearer).find("No one is better"), std::string::npos);
+  // Nearer than both in depth, but with a lesser mark.
+  std::string narrow = scene_to("0.1");
+  const std::string diameter = "diameter_mm = 1.0";
+  narrow.replace(narrow.find(diameter), diameter.size(), "diameter_mm = 0.7");
+  const std::string lesser = run("lesser", narrow);
+  EXPECT_NE(verdict_of(lesser + " " + off + " " + nearer).find("Attempt 3 is better"),
+            std::string::npos);
 }
 
 TEST_F(Page, WithoutThreeJsThePackageIsNamed) {
