@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "engine/normals/ldm_tuning.hpp"
 #include "engine/normals/map_kernels.hpp"
 
 namespace sulcus {
@@ -40,7 +41,9 @@ void FilledTile::begin(const Workpiece& workpiece, const Cell& origin, int layer
   ns_ = ns;
   reach_ = reach;
   rows_read_ = 0;
+  summed_ = {};
   made_ = {};
+  nearly_ = {};
 }
 
 void FilledTile::read_row(int row) noexcept {
@@ -89,23 +92,52 @@ void FilledTile::read_about(int v) noexcept {
   rows_read_ |= wanted;
 }
 
-FilledTile::Fit FilledTile::fit(int rings, int u, int v) noexcept {
-  const auto fit = [&](WindowFits& fits, std::uint64_t& made, int place, int first_u) {
-    if ((made >> place & 1) == 0) {
-      made |= std::uint64_t{1} << place;
-      map_kernels().fit_windows(&height_[ns_ + v][kMargin + first_u], kLanes, window_filter(rings),
-                                fits);
-    }
-    return Fit{&fits, u - first_u};
-  };
-  if (rings > 3) {
-    const std::size_t which = rings == ns_ ? 0 : 1;
-    return fit(large_[which][v], made_[0][which], v, 0);
+void FilledTile::sum_rows(std::size_t group, int rings, int v) noexcept {
+  const std::uint32_t wanted = ((2u << 2 * rings) - 1u) << (ns_ + v - rings);
+  std::uint32_t rest = wanted & ~summed_[group];
+  summed_[group] |= wanted;
+  for (; rest != 0; rest &= rest - 1) {
+    const int row = std::countr_zero(rest);
+    std::array<RowOfWindows, 4> windows{{{2, &small_rows_[1][group][row]},  //
+                                         {3, &small_rows_[0][group][row]}}};
+    int count = 2;
+    if (group == kOwnGroup && ns_ > 4) windows[count++] = {4, &large_rows_[1][row]};
+    if (group == kOwnGroup && ns_ > 3) windows[count++] = {ns_, &large_rows_[0][row]};
+    const int first_u = (static_cast<int>(group) - kOwnGroup) * kLeafEdge;
+    map_kernels().sum_row(&height_[row][kMargin + first_u], windows.data(), count);
   }
-  const std::size_t which = rings == 3 ? 0 : 1;
-  const int row = v + kMostAside, group = (u + kLeafEdge) / kLeafEdge;
-  return fit(small_[which][row][group], made_[1][which], row * kGroups + group,
-             (group - 1) * kLeafEdge);
+}
+
+void FilledTile::make(const Small& small) noexcept {
+  made_[1][small.which] |= std::uint64_t{1} << small.place();
+  const int v = static_cast<int>(small.row) - kMostAside, rings = small.which == 0 ? 3 : 2;
+  sum_rows(small.group, rings, v);
+  WindowFits& fits = small_[small.which][small.row][small.group];
+  map_kernels().fit_windows(&height_[ns_ + v][kMargin + small.first_u()],
+                            &small_rows_[small.which][small.group][ns_ + v], window_filter(rings),
+                            fits);
+  std::uint32_t nearly = 0;
+  for (unsigned k = 0; k < WindowFits::kSize; ++k) {
+    nearly |= std::uint32_t{fits.mean_square[k] < kNearlyExplained * kNearlyExplained} << k;
+  }
+  nearly_[small.which][small.row] |= nearly << (small.group * kLeafEdge);
+}
+
+FilledTile::Fit FilledTile::fit(int rings, int u, int v) noexcept {
+  if (rings <= 3) {
+    const Small small(rings, u, v);
+    if (!is_set(made_[1][small.which], small.place())) make(small);
+    return {&small_[small.which][small.row][small.group], u - small.first_u()};
+  }
+  const std::size_t which = rings == ns_ ? 0 : 1;
+  WindowFits& fits = large_[which][v];
+  if (!is_set(made_[0][which], static_cast<std::size_t>(v))) {
+    made_[0][which] |= std::uint64_t{1} << v;
+    sum_rows(kOwnGroup, rings, v);
+    map_kernels().fit_windows(&height_[ns_ + v][kMargin], &large_rows_[which][ns_ + v],
+                              window_filter(rings), fits);
+  }
+  return {&fits, u};
 }
 
 }  // namespace sulcus

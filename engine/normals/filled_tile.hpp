@@ -50,15 +50,40 @@ class FilledTile {
   };
   Fit fit(int rings, int u, int v) noexcept;
 
+  /// Whether the window of 3 or 2 rings about a column leaves so little that it may be a face
+  /// (kNearlyExplained).
+  bool is_nearly_explained(int rings, int u, int v) noexcept {
+    const Small small(rings, u, v);
+    if (!is_set(made_[1][small.which], small.place())) make(small);
+    return is_set(nearly_[small.which][small.row], static_cast<std::size_t>(u + kLeafEdge));
+  }
+
   int ns() const { return ns_; }
   static constexpr int kMostReach = 10;
 
  private:
   static constexpr int kMargin = 16, kLanes = kLeafEdge + 2 * kMargin;
   static constexpr int kRows = kLeafEdge + 2 * kMaxNs;
-  static constexpr int kCentres = kLeafEdge + 2 * kMostAside, kGroups = 3;
+  static constexpr int kCentres = kLeafEdge + 2 * kMostAside;
+  static constexpr int kGroups = 3, kOwnGroup = 1;  // of eight columns; the leaf's
+
+  /// A group of small windows: those about eight columns side by side.
+  struct Small {
+    Small(int rings, int u, int v)
+        : which(rings == 3 ? 0 : 1),
+          row(static_cast<std::size_t>(v + kMostAside)),
+          group(static_cast<std::size_t>(u + kLeafEdge) / kLeafEdge) {}
+    std::size_t place() const { return row * kGroups + group; }
+    int first_u() const { return (static_cast<int>(group) - 1) * kLeafEdge; }
+    std::size_t which, row, group;
+  };
+
+  static bool is_set(std::uint64_t bits, std::size_t n) noexcept { return (bits >> n & 1) != 0; }
 
   void read_row(int row) noexcept;
+  /// Sums of the rows of a window about row v that are not there yet.
+  void sum_rows(std::size_t group, int rings, int v) noexcept;
+  void make(const Small& small) noexcept;
   /// Bits by lane of the rows of the map about row v; the columns of the map about u.
   std::uint64_t about(const std::array<std::uint64_t, kRows>& rows, int v) const noexcept {
     std::uint64_t bits = 0;
@@ -76,8 +101,14 @@ class FilledTile {
   std::uint32_t rows_read_ = 0;                       // a bit for each
   std::array<std::uint64_t, kRows> several_, parts_;  // of a row's lanes, as they were read
   alignas(64) std::int16_t height_[kRows][kLanes];
-  // Fits by rings, and which there are: of NS and 4 rings, of 3 and 2.
+  // Sums by rings, of NS and 4, of 3 and 2, and of which rows of a group they are there.
+  std::array<std::uint32_t, kGroups> summed_;
+  RowSums large_rows_[2][kRows];
+  RowSums small_rows_[2][kGroups][kRows];
+  // Fits by rings, and which there are; the columns of a row, from the first group's first, about
+  // which a small one is nearly explained.
   std::array<std::array<std::uint64_t, 2>, 2> made_;
+  std::array<std::array<std::uint32_t, kCentres>, 2> nearly_;
   WindowFits large_[2][kLeafEdge];
   WindowFits small_[2][kCentres][kGroups];
 };

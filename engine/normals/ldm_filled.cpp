@@ -238,6 +238,7 @@ class FilledEstimator {
                  NearestFace& nearest) noexcept {
     FilledTile& tile = *place.tile;
     const auto look = [&](int rings, int a, int b, float by_step) {
+      if (rings <= 3 && !tile.is_nearly_explained(rings, place.u + a, place.v + b)) return false;
       const FilledTile::Fit fit = tile.fit(rings, place.u + a, place.v + b);
       const float left = fit.mean_square();
       if (!(left < kNearlyExplained * kNearlyExplained)) return false;

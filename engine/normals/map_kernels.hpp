@@ -318,9 +318,13 @@ struct MapKernels {
   /// Of the voxels' centres on the quadrics of a group.
   void (*tilted_closest_points)(TiltedGroup& group) noexcept = nullptr;
 
-  /// Fits of eight square windows of heights, whose centres are at `centre` and the next seven,
-  /// `pitch` heights from row to row. Of heights that are kNoHeight none is made.
-  void (*fit_windows)(const std::int16_t* centre, std::ptrdiff_t pitch, const WindowFilter& filter,
+  /// Sums over a row for eight windows of heights whose centres are at `centre` and the next seven,
+  /// of each of `count` sizes, in order of their rings.
+  void (*sum_row)(const std::int16_t* centre, const RowOfWindows* windows,
+                  int count) noexcept = nullptr;
+  /// Fits of those windows from such sums, one row after another: `middle` are those of the row of
+  /// the centres. Of heights that are kNoHeight none is made.
+  void (*fit_windows)(const std::int16_t* centre, const RowSums* middle, const WindowFilter& filter,
                       WindowFits& fits) noexcept = nullptr;
 };
 

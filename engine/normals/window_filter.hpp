@@ -27,6 +27,20 @@ struct WindowFilter {
 inline constexpr int kMostWindowRings = 7;
 const WindowFilter& window_filter(int rings) noexcept;
 
+/// What a row of heights gives to eight windows whose centres lie side by side: sums over the
+/// columns of each, i across from its centre. Windows one above the other share them.
+struct alignas(32) RowSums {
+  static constexpr int kSize = 8;
+  std::int32_t one[kSize], i[kSize], ii[kSize];  // of height times 1, i, i^2
+  std::int32_t squares[kSize];                   // of heights, modulo 2^32
+  std::int32_t lowest[kSize], highest[kSize];    // heights
+};
+/// Windows of so many rings, and where their sums go.
+struct RowOfWindows {
+  int rings = 0;
+  RowSums* sums = nullptr;
+};
+
 /// The fits of eight windows whose centres lie side by side.
 struct alignas(32) WindowFits {
   static constexpr int kSize = 8;

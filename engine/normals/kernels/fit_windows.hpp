@@ -22,6 +22,31 @@ inline IntLanes higher(const IntLanes& a, const IntLanes& b) { return a > b ? a 
 
 using UnsignedLanes = std::uint32_t __attribute__((vector_size(32)));  // may wrap
 
+/// Sums over a row of columns to either side of eight centres. `windows` in order of their rings.
+inline void sum_row(const std::int16_t* centre, const RowOfWindows* windows, int count) noexcept {
+  const IntLanes middle = load_heights(centre);
+  const auto square = [](const IntLanes& h) {
+    const auto any_sign = reinterpret_cast<UnsignedLanes>(h);
+    return any_sign * any_sign;
+  };
+  IntLanes one = middle, i{}, ii{}, lowest = middle, highest = middle;
+  UnsignedLanes squares = square(middle);
+  for (int n = 1; count > 0; ++n) {
+    const IntLanes right = load_heights(centre + n), left = load_heights(centre - n);
+    lowest = lower(lowest, lower(left, right));
+    highest = higher(highest, higher(left, right));
+    squares += square(left) + square(right);
+    const IntLanes both = right + left;
+    one += both, i += n * (right - left), ii += n * n * both;
+    if (windows->rings != n) continue;
+    RowSums& to = *windows->sums;
+    store(one, to.one), store(i, to.i), store(ii, to.ii);
+    store(reinterpret_cast<IntLanes>(squares), to.squares);
+    store(lowest, to.lowest), store(highest, to.highest);
+    ++windows, --count;
+  }
+}
+
 /// Sums over windows, of heights less those at their centres.
 struct WindowSums {
   IntLanes one{}, i{}, j{}, ii{}, ij{}, jj{};
@@ -29,67 +54,43 @@ struct WindowSums {
   IntLanes lowest{}, highest{};
 };
 
-template <int kRings>
-inline WindowSums sum_windows(const std::int16_t* centre, std::ptrdiff_t pitch,
-                              const IntLanes& at_centre) {
+/// From the sums of its rows. Heights are taken less those at the centres in the end: squares
+/// modulo 2^32 are right where what is left is below that.
+inline WindowSums sum_windows(const RowSums* middle, int rings, const IntLanes& at_centre) {
   WindowSums s;
-  const auto take = [&](const IntLanes& h) {
-    s.lowest = lower(s.lowest, h);
-    s.highest = higher(s.highest, h);
-    const auto any_sign = reinterpret_cast<UnsignedLanes>(h);
-    s.squares += any_sign * any_sign;
-  };
-  struct Row {
-    IntLanes one, i, ii;
-  };
-  const auto row_of = [&](const std::int16_t* p) {
-    const IntLanes middle = load_heights(p) - at_centre;
-    take(middle);
-    Row row{middle, IntLanes{}, IntLanes{}};
-#pragma GCC unroll 7
-    for (int n = 1; n <= kRings; ++n) {
-      const IntLanes right = load_heights(p + n) - at_centre,
-                     left = load_heights(p - n) - at_centre;
-      take(right), take(left);
-      const IntLanes both = right + left;
-      row.one += both, row.i += n * (right - left), row.ii += n * n * both;
-    }
-    return row;
-  };
-  const Row middle = row_of(centre);
-  s.one = middle.one, s.i = middle.i, s.ii = middle.ii;
-  for (int n = 1; n <= kRings; ++n) {
-    const Row above = row_of(centre + n * pitch), below = row_of(centre - n * pitch);
-    const IntLanes both = above.one + below.one;
-    s.one += both, s.i += above.i + below.i, s.ii += above.ii + below.ii;
-    s.j += n * (above.one - below.one), s.jj += n * n * both;
-    s.ij += n * (above.i - below.i);
+  s.one = load(middle->one), s.i = load(middle->i), s.ii = load(middle->ii);
+  s.squares = reinterpret_cast<UnsignedLanes>(load(middle->squares));
+  s.lowest = load(middle->lowest), s.highest = load(middle->highest);
+  int sum_of_squares = 0;  // 1 + 4 + ...
+  for (int n = 1; n <= rings; ++n) {
+    const RowSums &above = middle[n], &below = middle[-n];
+    const IntLanes one_above = load(above.one), one_below = load(below.one),
+                   i_above = load(above.i), i_below = load(below.i);
+    const IntLanes both = one_above + one_below;
+    s.one += both, s.i += i_above + i_below;
+    s.ii += load(above.ii) + load(below.ii);
+    s.j += n * (one_above - one_below), s.jj += n * n * both;
+    s.ij += n * (i_above - i_below);
+    s.squares += reinterpret_cast<UnsignedLanes>(load(above.squares)) +
+                 reinterpret_cast<UnsignedLanes>(load(below.squares));
+    s.lowest = lower(s.lowest, lower(load(above.lowest), load(below.lowest)));
+    s.highest = higher(s.highest, higher(load(above.highest), load(below.highest)));
+    sum_of_squares += n * n;
   }
+  const int side = 2 * rings + 1, columns = side * side, second = 2 * sum_of_squares * side;
+  const auto centre = reinterpret_cast<UnsignedLanes>(at_centre),
+             sum = reinterpret_cast<UnsignedLanes>(s.one);
+  s.squares += centre * (static_cast<unsigned>(columns) * centre - 2u * sum);
+  s.one -= columns * at_centre;
+  s.ii -= second * at_centre, s.jj -= second * at_centre;
+  s.lowest -= at_centre, s.highest -= at_centre;
   return s;
 }
 
-inline WindowSums sum_windows(const std::int16_t* centre, std::ptrdiff_t pitch, int rings,
-                              const IntLanes& at_centre) {
-  switch (rings) {
-    case 2:
-      return sum_windows<2>(centre, pitch, at_centre);
-    case 3:
-      return sum_windows<3>(centre, pitch, at_centre);
-    case 4:
-      return sum_windows<4>(centre, pitch, at_centre);
-    case 5:
-      return sum_windows<5>(centre, pitch, at_centre);
-    case 6:
-      return sum_windows<6>(centre, pitch, at_centre);
-    default:
-      return sum_windows<7>(centre, pitch, at_centre);
-  }
-}
-
-inline void fit_windows(const std::int16_t* centre, std::ptrdiff_t pitch,
+inline void fit_windows(const std::int16_t* centre, const RowSums* middle,
                         const WindowFilter& filter, WindowFits& to) noexcept {
   const IntLanes at_centre = load_heights(centre);
-  const WindowSums s = sum_windows(centre, pitch, filter.rings, at_centre);
+  const WindowSums s = sum_windows(middle, filter.rings, at_centre);
   const Lanes one = to_float(s.one), i = to_float(s.i), j = to_float(s.j), ii = to_float(s.ii),
               ij = to_float(s.ij), jj = to_float(s.jj);
   const FilterSolution& f = filter.solution;

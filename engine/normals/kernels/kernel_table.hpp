@@ -42,6 +42,7 @@ constexpr MapKernels kernel_table(const char* name, const MapKernels& own) {
           .solve_quantised = solve_quantised,
           .solve_sharpened = solve_sharpened,
           .tilted_closest_points = tilted_closest_points,
+          .sum_row = sum_row,
           .fit_windows = fit_windows};
 }
 

@@ -37,9 +37,9 @@ std::vector<std::vector<Edit>> random_edits(const std::vector<VoxelModel>& start
   std::vector<std::vector<Edit>> ticks(kTicks);
   for (std::uint64_t tick = 0; tick < kTicks; ++tick) {
     for (int i = 0; i < 12; ++i) {
-      const std::uint16_t body = random() % 2;
+      const auto body = static_cast<std::uint16_t>(random() % 2);
       VoxelModel& model = now[body];
-      const std::uint32_t voxel = random() % static_cast<std::uint32_t>(model.grid.cell_count());
+      const auto voxel = static_cast<std::uint32_t>(random() % model.grid.cell_count());
       const Cell c = model.grid.cell_of_linear(voxel);
       if (!model.solid(c)) continue;
       Edit edit{tick, voxel, body};
