@@ -9,21 +9,22 @@ namespace sulcus {
 
 static_assert(kHeightParts == kFullLevel);
 
-void LevelReader::enter(int lx, int ly, int lz, int leaf) noexcept {
+void LevelReader::enter(int x, int y, int z) noexcept {
   static constexpr LeafBits kNothing{};
+  x_ = x, y_ = y, z_ = z;
+  const int lx = x >> 3, ly = y >> 3, lz = z >> 3;
   const bool inside = static_cast<unsigned>(lx) < static_cast<unsigned>(dims_.x()) &&
                       static_cast<unsigned>(ly) < static_cast<unsigned>(dims_.y()) &&
                       static_cast<unsigned>(lz) < static_cast<unsigned>(dims_.z());
-  leaf_ = inside ? leaf : kOutside;
+  const int leaf = lx + dims_.x() * (ly + dims_.y() * lz);
   page_ = inside ? fills_.page(static_cast<std::uint32_t>(leaf)) : nullptr;
   bits_ = inside ? &model_.leaves[static_cast<std::size_t>(leaf)] : &kNothing;
 }
 
-std::optional<int> column_lack(LevelReader& levels, Cell at, const MapAxes& axes,
-                               int most) noexcept {
+std::optional<int> column_lack(LevelReader& levels, ColumnVoxel at, int most) noexcept {
   int lack = 0, fullest = 0, lack_above_fullest = 0;
-  for (int n = 0; n < most; ++n) {
-    const int parts = levels.at(at.x(), at.y(), at.z());
+  for (int n = 0; n < most; ++n, at = at.inward(1)) {
+    const int parts = at.level(levels);
     if (parts == kHeightParts) return lack;
     if (parts == 0) return lack_above_fullest + (kHeightParts - fullest) / 2;
     if (parts > fullest) {
@@ -31,7 +32,6 @@ std::optional<int> column_lack(LevelReader& levels, Cell at, const MapAxes& axes
       lack_above_fullest = lack;
     }
     lack += kHeightParts - parts;
-    at[axes.axis] -= axes.sign;
   }
   return {};
 }
@@ -41,16 +41,11 @@ namespace {
 std::optional<float> own_height(LevelReader& levels, const Cell& voxel,
                                 const MapAxes& axes) noexcept {
   constexpr int kMostAbove = 3;
-  Cell at = voxel;
+  const ColumnVoxel own(voxel, axes);
   int above = 0;
-  for (; above <= kMostAbove; ++above) {
-    Cell next = at;
-    next[axes.axis] += axes.sign;
-    if (levels.at(next.x(), next.y(), next.z()) == 0) break;
-    at = next;
-  }
+  while (above <= kMostAbove && own.inward(-(above + 1)).level(levels) != 0) ++above;
   if (above > kMostAbove) return {};
-  const std::optional<int> lack = column_lack(levels, at, axes, kMostPartFilled + above);
+  const std::optional<int> lack = column_lack(levels, own.inward(-above), kMostPartFilled + above);
   if (!lack) return {};
   return static_cast<float>(above) + 0.5f - static_cast<float>(*lack) * (1.0f / kHeightParts);
 }

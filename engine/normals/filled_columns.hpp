@@ -22,32 +22,51 @@ class LevelReader {
       : model_(model), dims_(model.grid.leaf_dims()), fills_(*model.fills) {}
 
   FillLevel at(int x, int y, int z) noexcept {
-    const int lx = x >> 3, ly = y >> 3, lz = z >> 3;
-    const int leaf = lx + dims_.x() * (ly + dims_.y() * lz);
-    if (leaf != leaf_) enter(lx, ly, lz, leaf);
+    if ((((x ^ x_) | (y ^ y_) | (z ^ z_)) & -kLeafEdge) != 0) enter(x, y, z);
     const int place = (x & 7) | (y & 7) << 3 | (z & 7) << 6;
     if (page_) return page_[place];
     return bits_->has(place) ? kFullLevel : FillLevel{0};
   }
 
  private:
-  void enter(int lx, int ly, int lz, int leaf) noexcept;
-  // Entered anew each time; no leaf's number, nor what is reckoned for one beyond the grid.
-  static constexpr int kOutside = std::numeric_limits<int>::min();
+  void enter(int x, int y, int z) noexcept;
 
   const VoxelModel& model_;
   Eigen::Vector3i dims_;
   const FillMap& fills_;
-  int leaf_ = kOutside;
+  // The last voxel where a leaf was entered; of none at first.
+  int x_ = std::numeric_limits<int>::min(), y_ = 0, z_ = 0;
   const FillLevel* page_ = nullptr;
   const LeafBits* bits_ = nullptr;
+};
+
+/// A voxel of a column, and the way inward along it. Numbers of their own: an index by axis would
+/// put them into memory, and a step be waited for there.
+struct ColumnVoxel {
+  int x = 0, y = 0, z = 0;
+  int inward_x = 0, inward_y = 0, inward_z = 0;
+
+  ColumnVoxel(const Cell& voxel, const MapAxes& axes) noexcept
+      : x(voxel.x()),
+        y(voxel.y()),
+        z(voxel.z()),
+        inward_x(axes.axis == 0 ? -axes.sign : 0),
+        inward_y(axes.axis == 1 ? -axes.sign : 0),
+        inward_z(axes.axis == 2 ? -axes.sign : 0) {}
+
+  FillLevel level(LevelReader& levels) const noexcept { return levels.at(x, y, z); }
+  /// So many voxels inward.
+  ColumnVoxel inward(int voxels) const noexcept {
+    ColumnVoxel to = *this;
+    to.x += voxels * inward_x, to.y += voxels * inward_y, to.z += voxels * inward_z;
+    return to;
+  }
 };
 
 /// What a column lacks below the top of its outermost solid voxel `at`, in parts: the empty share
 /// of the voxels from there inward to the first full one, `most` at most. Of a wall that no voxel
 /// of is full its fullest counts for both sides. None where all are part-filled.
-std::optional<int> column_lack(LevelReader& levels, Cell at, const MapAxes& axes,
-                               int most) noexcept;
+std::optional<int> column_lack(LevelReader& levels, ColumnVoxel at, int most) noexcept;
 
 /// The height of a voxel's own column along one axis, voxels above its centre, outward; none where
 /// the column has no surface within three voxels of it. Needs fractions.

@@ -60,22 +60,29 @@ void FilledTile::read_row(int row) noexcept {
   std::int16_t* const to = height_[row];
   std::uint64_t several = 0, parts = 0;
   std::fill_n(to, kLanes, kNoHeight);
-  Cell at = origin;
-  at[axes_.second()] += row - ns_;
+  const ColumnVoxel first = [&] {
+    Cell at = origin;
+    at[axes_.second()] += row - ns_;
+    return ColumnVoxel(at, axes_);
+  }();
+  const int across_x = axes_.first() == 0, across_y = axes_.first() == 1,
+            across_z = axes_.first() == 2;
   for (int u = -ns_; u < kLeafEdge + ns_; ++u) {
     const std::uint64_t surfaces = surfaces_of(windows.window(u, row - ns_), sign) & seen;
     if (surfaces == 0) continue;
     const std::uint64_t lane = std::uint64_t{1} << (kMargin + u);
-    // The nearest to all layers, where it is that to the first and to the last of them.
-    const int bit = nearest_surface(surfaces, innermost, sign);
-    if ((surfaces & (surfaces - 1)) != 0 &&
-        bit != nearest_surface(surfaces, innermost + sign * (layers_ - 1), sign)) {
-      several |= lane;
-      continue;
+    int bit = std::countr_zero(surfaces);
+    if ((surfaces & (surfaces - 1)) != 0) {
+      // The nearest to all layers, where it is that to the first and to the last of them.
+      bit = nearest_surface(surfaces, innermost, sign);
+      if (bit != nearest_surface(surfaces, innermost + sign * (layers_ - 1), sign)) {
+        several |= lane;
+        continue;
+      }
     }
-    at[axes_.first()] = origin[axes_.first()] + u;
-    at[axis] = origin[axis] + bit - kBelow;
-    const std::optional<int> lack = column_lack(levels, at, axes_, kMostPartFilled);
+    ColumnVoxel outermost = first.inward(sign * (kBelow - bit));
+    outermost.x += u * across_x, outermost.y += u * across_y, outermost.z += u * across_z;
+    const std::optional<int> lack = column_lack(levels, outermost, kMostPartFilled);
     if (!lack) continue;
     if (*lack != 0) parts |= lane;
     to[kMargin + u] = static_cast<std::int16_t>(kHeightParts * (sign * (bit - innermost)) - *lack);
