@@ -58,17 +58,20 @@ std::optional<float> own_height(const VoxelModel& model, const Cell& voxel,
   return own_height(levels, voxel, axes);
 }
 
-std::optional<float> farthest_surface(const VoxelModel& model, const Cell& voxel) noexcept {
+std::optional<float> farthest_surface(const VoxelModel& model, const Cell& voxel,
+                                      float enough) noexcept {
   if (model.level(voxel) == kFullLevel) return {};
   LevelReader levels(model);
   std::optional<float> farthest;
   for (int axis = 0; axis < 3; ++axis) {
     for (const int sign : {-1, 1}) {
       const auto height = own_height(levels, voxel, {axis, sign});
-      if (height) farthest = std::max(farthest.value_or(0.0f), std::abs(*height));
+      if (!height) continue;
+      const float distance = std::abs(*height) + kSameOffset;
+      if (distance >= enough) return distance;
+      farthest = std::max(farthest.value_or(0.0f), distance);
     }
   }
-  if (farthest) *farthest += kSameOffset;
   return farthest;
 }
 

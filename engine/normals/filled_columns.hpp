@@ -75,7 +75,10 @@ std::optional<float> own_height(const VoxelModel& model, const Cell& voxel,
 
 /// How far the surface of a part-filled voxel is from its centre at most, voxels, by its own
 /// columns each way along the axes; none where they say nothing, and of a full voxel. What
-/// estimate_ldm_filled finds of the voxel is no farther.
-std::optional<float> farthest_surface(const VoxelModel& model, const Cell& voxel) noexcept;
+/// estimate_ldm_filled finds of the voxel is no farther. Where a column says `enough` or more, that
+/// column's answer.
+std::optional<float> farthest_surface(
+    const VoxelModel& model, const Cell& voxel,
+    float enough = std::numeric_limits<float>::infinity()) noexcept;
 
 }  // namespace sulcus
