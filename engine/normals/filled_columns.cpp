@@ -36,8 +36,6 @@ std::optional<int> column_lack(LevelReader& levels, ColumnVoxel at, int most) no
   return {};
 }
 
-namespace {
-
 std::optional<float> own_height(LevelReader& levels, const Cell& voxel,
                                 const MapAxes& axes) noexcept {
   constexpr int kMostAbove = 3;
@@ -50,18 +48,9 @@ std::optional<float> own_height(LevelReader& levels, const Cell& voxel,
   return static_cast<float>(above) + 0.5f - static_cast<float>(*lack) * (1.0f / kHeightParts);
 }
 
-}  // namespace
-
-std::optional<float> own_height(const VoxelModel& model, const Cell& voxel,
-                                const MapAxes& axes) noexcept {
-  LevelReader levels(model);
-  return own_height(levels, voxel, axes);
-}
-
-std::optional<float> farthest_surface(const VoxelModel& model, const Cell& voxel,
+std::optional<float> farthest_surface(LevelReader& levels, const Cell& voxel,
                                       float enough) noexcept {
-  if (model.level(voxel) == kFullLevel) return {};
-  LevelReader levels(model);
+  if (levels.at(voxel.x(), voxel.y(), voxel.z()) == kFullLevel) return {};
   std::optional<float> farthest;
   for (int axis = 0; axis < 3; ++axis) {
     for (const int sign : {-1, 1}) {

@@ -131,7 +131,10 @@ ColumnQuadric seen_from(const ColumnQuadric& q, float x, float y) noexcept {
 class FilledEstimator {
  public:
   FilledEstimator(MapBatch& batch, int ns, int reach)
-      : batch_(batch), tiles_(batch.workpiece(), ns, reach), reach_(kHeightParts * reach) {}
+      : batch_(batch),
+        tiles_(batch.workpiece(), ns, reach),
+        levels_(batch.workpiece().model()),
+        reach_(kHeightParts * reach) {}
 
   void estimate(SurfaceEstimate* to) noexcept {
     for (std::size_t k = 0; k < batch_.count(); ++k) {
@@ -280,23 +283,22 @@ class FilledEstimator {
   /// voxel must be felt there, or it is cut through while the surface about it says that it still
   /// stands. By the mean over the axes, so that where the normal lies between two of them neither
   /// decides. What rounding and curvature leave moves nothing.
-  void move_to_own_columns(const Cell& voxel, SurfaceEstimate& estimate) const noexcept {
+  void move_to_own_columns(const Cell& voxel, SurfaceEstimate& estimate) noexcept {
     float sum = 0.0f, weights = 0.0f;
     for (int axis = 0; axis < 3; ++axis) {
       const float along = std::abs(estimate.normal[axis]);
       const float weight = along * along - kLeastOwnAxis * kLeastOwnAxis;
       if (!(weight > 0.0f)) continue;
       estimate.windows |= static_cast<std::uint8_t>(1 << axis);
-      const auto height = own_height(batch_.workpiece().model(), voxel,
-                                     {axis, estimate.normal[axis] > 0.0f ? 1 : -1});
+      const auto height = own_height(levels_, voxel, {axis, estimate.normal[axis] > 0.0f ? 1 : -1});
       if (!height) continue;
       sum += weight * (*height * along);
       weights += weight;
     }
     if (weights == 0.0f) {
       // None along the normal; what others say it is at most.
-      const float most = farthest_surface(batch_.workpiece().model(), voxel)
-                             .value_or(std::numeric_limits<float>::infinity());
+      const float most =
+          farthest_surface(levels_, voxel).value_or(std::numeric_limits<float>::infinity());
       estimate.offset = std::clamp(estimate.offset, -most, most);
       estimate.windows |= 7;
       return;
@@ -318,6 +320,7 @@ class FilledEstimator {
 
   MapBatch& batch_;
   FilledTiles tiles_;
+  LevelReader levels_;
   int reach_;                 // parts
   std::uint8_t windows_ = 0;  // that were looked at
 };

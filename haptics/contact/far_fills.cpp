@@ -23,13 +23,13 @@ void drop_far_fills(const Workpiece& workpiece, std::size_t first,
   // As far as this nothing is dropped, however it is rounded.
   constexpr float kEnough = 1.001f / kSteepest;
   const auto voxel_m = static_cast<float>(workpiece.grid().voxel_m);
+  LevelReader levels(workpiece.model());
   std::size_t kept = first;
   for (std::size_t i = first; i < scratch.contacts.size(); ++i) {
     const float distance_m = scratch.block(ContactBlock::kDistance)[i - scratch.block.first()];
     if (distance_m > 0.0f) {
-      const auto farthest =
-          farthest_surface(workpiece.model(), cell_of_key(scratch.contacts.keys()[i]),
-                           kEnough * (distance_m / voxel_m));
+      const auto farthest = farthest_surface(levels, cell_of_key(scratch.contacts.keys()[i]),
+                                             kEnough * (distance_m / voxel_m));
       if (farthest && distance_m > kSteepest * *farthest * voxel_m) continue;
     }
     move_contact(scratch, i, kept++);

@@ -183,14 +183,39 @@ TEST(LdmFilled, NoSurfaceIsFartherThanItsColumnsSay) {
         with_fractions(PlateShape(2.2, 0.4), 48), with_fractions(BoxShape({20, 17, 9}), 48)}) {
     const std::vector<Cell> cells = test::surface_cells(workpiece);
     const auto estimates = estimates_of(workpiece, cells);
+    LevelReader levels(workpiece.model());
     for (std::size_t k = 0; k < cells.size(); ++k) {
-      const auto farthest = farthest_surface(workpiece.model(), cells[k]);
+      const auto farthest = farthest_surface(levels, cells[k]);
       if (!farthest || !estimates[k].defined) continue;
       ++bounded;
       ASSERT_LE(std::abs(estimates[k].offset), *farthest + 1e-5f) << cells[k].transpose();
     }
   }
   EXPECT_GT(bounded, 1000);
+}
+
+TEST(LdmFilled, ALookThatEndsEarlySaysTheSameOfWhatIsEnough) {
+  const Workpiece workpiece = test::rough_blobs();
+  LevelReader levels(workpiece.model());
+  int ended = 0, whole = 0;
+  for (const Cell& cell : test::surface_cells(workpiece)) {
+    const auto farthest = farthest_surface(levels, cell);
+    for (const float enough : {0.0f, 0.2f, 0.5f, 1.5f}) {
+      const auto found = farthest_surface(levels, cell, enough);
+      ASSERT_EQ(found.has_value(), farthest.has_value());
+      if (!found) continue;
+      if (*farthest < enough) {
+        ++whole;
+        ASSERT_EQ(*found, *farthest);
+      } else {
+        ended += *found != *farthest;
+        ASSERT_GE(*found, enough);
+        ASSERT_LE(*found, *farthest);
+      }
+    }
+  }
+  EXPECT_GT(ended, 1000);
+  EXPECT_GT(whole, 1000);
 }
 
 }  // namespace
