@@ -1,6 +1,7 @@
 #include "engine/normals/filled_columns.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "engine/normals/ldm_tuning.hpp"
@@ -36,25 +37,51 @@ std::optional<int> column_lack(LevelReader& levels, ColumnVoxel at, int most) no
   return {};
 }
 
-std::optional<float> own_height(LevelReader& levels, const Cell& voxel,
-                                const MapAxes& axes) noexcept {
-  constexpr int kMostAbove = 3;
-  const ColumnVoxel own(voxel, axes);
-  int above = 0;
-  while (above <= kMostAbove && own.inward(-(above + 1)).level(levels) != 0) ++above;
+namespace {
+
+constexpr int kMostAbove = 3;  // voxels over a column's own that a surface may be
+
+/// Solid voxels one after another beside a voxel along an axis, each way; of more than kMostAbove
+/// not how many.
+struct SolidBeside {
+  int down = 0, up = 0;
+
+  SolidBeside(const ColumnBits& columns, const Cell& voxel, const MapAxes& axes) noexcept {
+    constexpr int kBeside = kMostAbove + 1;
+    const std::uint64_t window = columns.window(axes.axis, voxel[axes.first()],
+                                                voxel[axes.second()], voxel[axes.axis] - kBeside);
+    down = std::countl_one(static_cast<std::uint8_t>(window << (8 - kBeside)));
+    up = std::countr_one(window >> (kBeside + 1));
+  }
+  int outward(int sign) const { return sign > 0 ? up : down; }
+};
+
+/// Of a column with so many solid voxels outward of its own.
+std::optional<float> own_height(LevelReader& levels, const Cell& voxel, const MapAxes& axes,
+                                int above) noexcept {
   if (above > kMostAbove) return {};
-  const std::optional<int> lack = column_lack(levels, own.inward(-above), kMostPartFilled + above);
+  const std::optional<int> lack =
+      column_lack(levels, ColumnVoxel(voxel, axes).inward(-above), kMostPartFilled + above);
   if (!lack) return {};
   return static_cast<float>(above) + 0.5f - static_cast<float>(*lack) * (1.0f / kHeightParts);
 }
 
-std::optional<float> farthest_surface(LevelReader& levels, const Cell& voxel,
-                                      float enough) noexcept {
+}  // namespace
+
+std::optional<float> own_height(const Workpiece& workpiece, LevelReader& levels, const Cell& voxel,
+                                const MapAxes& axes) noexcept {
+  const SolidBeside beside(workpiece.columns(), voxel, axes);
+  return own_height(levels, voxel, axes, beside.outward(axes.sign));
+}
+
+std::optional<float> farthest_surface(const Workpiece& workpiece, LevelReader& levels,
+                                      const Cell& voxel, float enough) noexcept {
   if (levels.at(voxel.x(), voxel.y(), voxel.z()) == kFullLevel) return {};
   std::optional<float> farthest;
   for (int axis = 0; axis < 3; ++axis) {
+    const SolidBeside beside(workpiece.columns(), voxel, {axis, 1});
     for (const int sign : {-1, 1}) {
-      const auto height = own_height(levels, voxel, {axis, sign});
+      const auto height = own_height(levels, voxel, {axis, sign}, beside.outward(sign));
       if (!height) continue;
       const float distance = std::abs(*height) + kSameOffset;
       if (distance >= enough) return distance;

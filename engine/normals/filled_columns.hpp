@@ -70,7 +70,7 @@ std::optional<int> column_lack(LevelReader& levels, ColumnVoxel at, int most) no
 
 /// The height of a voxel's own column along one axis, voxels above its centre, outward; none where
 /// the column has no surface within three voxels of it.
-std::optional<float> own_height(LevelReader& levels, const Cell& voxel,
+std::optional<float> own_height(const Workpiece& workpiece, LevelReader& levels, const Cell& voxel,
                                 const MapAxes& axes) noexcept;
 
 /// How far the surface of a part-filled voxel is from its centre at most, voxels, by its own
@@ -78,7 +78,7 @@ std::optional<float> own_height(LevelReader& levels, const Cell& voxel,
 /// estimate_ldm_filled finds of the voxel is no farther. Where a column says `enough` or more, that
 /// column's answer.
 std::optional<float> farthest_surface(
-    LevelReader& levels, const Cell& voxel,
+    const Workpiece& workpiece, LevelReader& levels, const Cell& voxel,
     float enough = std::numeric_limits<float>::infinity()) noexcept;
 
 }  // namespace sulcus

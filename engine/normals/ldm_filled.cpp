@@ -290,15 +290,16 @@ class FilledEstimator {
       const float weight = along * along - kLeastOwnAxis * kLeastOwnAxis;
       if (!(weight > 0.0f)) continue;
       estimate.windows |= static_cast<std::uint8_t>(1 << axis);
-      const auto height = own_height(levels_, voxel, {axis, estimate.normal[axis] > 0.0f ? 1 : -1});
+      const auto height = own_height(batch_.workpiece(), levels_, voxel,
+                                     {axis, estimate.normal[axis] > 0.0f ? 1 : -1});
       if (!height) continue;
       sum += weight * (*height * along);
       weights += weight;
     }
     if (weights == 0.0f) {
       // None along the normal; what others say it is at most.
-      const float most =
-          farthest_surface(levels_, voxel).value_or(std::numeric_limits<float>::infinity());
+      const float most = farthest_surface(batch_.workpiece(), levels_, voxel)
+                             .value_or(std::numeric_limits<float>::infinity());
       estimate.offset = std::clamp(estimate.offset, -most, most);
       estimate.windows |= 7;
       return;

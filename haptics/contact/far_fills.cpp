@@ -28,8 +28,9 @@ void drop_far_fills(const Workpiece& workpiece, std::size_t first,
   for (std::size_t i = first; i < scratch.contacts.size(); ++i) {
     const float distance_m = scratch.block(ContactBlock::kDistance)[i - scratch.block.first()];
     if (distance_m > 0.0f) {
-      const auto farthest = farthest_surface(levels, cell_of_key(scratch.contacts.keys()[i]),
-                                             kEnough * (distance_m / voxel_m));
+      const auto farthest =
+          farthest_surface(workpiece, levels, cell_of_key(scratch.contacts.keys()[i]),
+                           kEnough * (distance_m / voxel_m));
       if (farthest && distance_m > kSteepest * *farthest * voxel_m) continue;
     }
     move_contact(scratch, i, kept++);

@@ -185,7 +185,7 @@ TEST(LdmFilled, NoSurfaceIsFartherThanItsColumnsSay) {
     const auto estimates = estimates_of(workpiece, cells);
     LevelReader levels(workpiece.model());
     for (std::size_t k = 0; k < cells.size(); ++k) {
-      const auto farthest = farthest_surface(levels, cells[k]);
+      const auto farthest = farthest_surface(workpiece, levels, cells[k]);
       if (!farthest || !estimates[k].defined) continue;
       ++bounded;
       ASSERT_LE(std::abs(estimates[k].offset), *farthest + 1e-5f) << cells[k].transpose();
@@ -199,9 +199,9 @@ TEST(LdmFilled, ALookThatEndsEarlySaysTheSameOfWhatIsEnough) {
   LevelReader levels(workpiece.model());
   int ended = 0, whole = 0;
   for (const Cell& cell : test::surface_cells(workpiece)) {
-    const auto farthest = farthest_surface(levels, cell);
+    const auto farthest = farthest_surface(workpiece, levels, cell);
     for (const float enough : {0.0f, 0.2f, 0.5f, 1.5f}) {
-      const auto found = farthest_surface(levels, cell, enough);
+      const auto found = farthest_surface(workpiece, levels, cell, enough);
       ASSERT_EQ(found.has_value(), farthest.has_value());
       if (!found) continue;
       if (*farthest < enough) {
