@@ -41,13 +41,22 @@ Numbers wrench_array(const double (&force)[3], const double (&torque)[3]) {
 void add_what_there_is(py::class_<PythonSimulation>& simulation) {
   simulation
       .def_property_readonly(
-          "volume_hash", [](const PythonSimulation& s) { return hex(s.scene_run().volume_hash()); },
+          "volume_hash",
+          [](const PythonSimulation& s) {
+            return hex(s.ask([](const SceneRun& run) { return run.volume_hash(); }));
+          },
           "Of the workpiece's voxels as they are: the text of summary.json.")
       .def_property_readonly(
-          "force_hash", [](const PythonSimulation& s) { return hex(s.scene_run().force_hash()); },
+          "force_hash",
+          [](const PythonSimulation& s) {
+            return hex(s.ask([](const SceneRun& run) { return run.force_hash(); }));
+          },
           "Of all wrenches so far: the text of summary.json.")
       .def_property_readonly(
-          "state_hash", [](const PythonSimulation& s) { return hex(s.scene_run().state().hash()); },
+          "state_hash",
+          [](const PythonSimulation& s) {
+            return hex(s.ask([](const SceneRun& run) { return run.state().hash(); }));
+          },
           "Of all else that a later tick depends on.")
       .def_property_readonly("volume", &PythonSimulation::volume,
                              "(nx, ny, nz) bool, the workpiece's solid voxels as they are; a copy.")
@@ -63,21 +72,33 @@ tooth), depth_m, force_N along it, voxel (x + y nx + z nx ny), body (0: the work
           R"((n,) every voxel that changed so far: tick, voxel, body, cause (0 cut,
 1 loose), level (0: gone; else what is left, of 255).)")
       .def_property_readonly(
-          "tick", [](const PythonSimulation& s) { return s.scene_run().state().tick; },
+          "tick",
+          [](const PythonSimulation& s) {
+            return s.ask([](const SceneRun& run) { return run.state().tick; });
+          },
           "Number of the next tick.")
       .def_property_readonly(
-          "ticks", [](const PythonSimulation& s) { return s.scene_run().scene_ticks(); },
+          "ticks",
+          [](const PythonSimulation& s) {
+            return s.ask([](const SceneRun& run) { return run.scene_ticks(); });
+          },
           "Ticks that the scene's trajectory has.")
       .def_property_readonly(
           "rate_hz",
-          [](const PythonSimulation& s) { return s.scene_run().scene().haptics.rate_hz; })
+          [](const PythonSimulation& s) {
+            return s.ask([](const SceneRun& run) { return run.scene().haptics.rate_hz; });
+          })
       .def_property_readonly(
           "voxel_m",
-          [](const PythonSimulation& s) { return s.scene_run().workpiece().grid().voxel_m; })
+          [](const PythonSimulation& s) {
+            return s.ask([](const SceneRun& run) { return run.workpiece().grid().voxel_m; });
+          })
       .def_property_readonly(
           "origin_m",
           [](const PythonSimulation& s) {
-            const Eigen::Vector3d p = s.scene_run().workpiece().grid().centre_world(Cell::Zero());
+            const Eigen::Vector3d p = s.ask([](const SceneRun& run) {
+              return run.workpiece().grid().centre_world(Cell::Zero());
+            });
             return array_of(std::vector<double>{p.x(), p.y(), p.z()});
           },
           "(3,) centre of voxel (0, 0, 0), world.");

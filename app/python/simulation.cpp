@@ -109,25 +109,10 @@ class Interrupts {
 
 }  // namespace
 
-class PythonSimulation::Turn {
- public:
-  explicit Turn(std::atomic_flag& taken) : taken_(taken) {
-    if (taken.test_and_set(std::memory_order_acquire)) {
-      throw std::runtime_error("another thread is using the simulation");
-    }
+PythonSimulation::Turn::Turn(std::atomic_flag& taken) : taken_(taken) {
+  if (taken.test_and_set(std::memory_order_acquire)) {
+    throw std::runtime_error("another thread is using the simulation");
   }
-  ~Turn() { taken_.clear(std::memory_order_release); }
-  Turn(const Turn&) = delete;
-  Turn& operator=(const Turn&) = delete;
-
- private:
-  std::atomic_flag& taken_;
-};
-
-template <class Call>
-auto PythonSimulation::alone(const Call& call) const {
-  const Turn turn(taken_);
-  return call();
 }
 
 PythonSimulation::PythonSimulation(const std::string& scene,
@@ -173,14 +158,15 @@ Numbers PythonSimulation::step(const std::optional<Numbers>& pose) {
     if (pose->size() != 7) throw std::invalid_argument("a pose is 7 numbers: x y z w x y z");
     read = pose_of_numbers(pose->data());
   }
+  Wrench sent;
   {
     const py::gil_scoped_release release;
     const Turn turn(taken_);
     tick(pose ? &read : nullptr);
+    sent = run_->last().sent;
   }
   Numbers wrench(6);
   double* const to = wrench.mutable_data();
-  const Wrench& sent = run_->last().sent;
   for (int a = 0; a < 3; ++a) {
     to[a] = sent.force_N[a];
     to[3 + a] = sent.torque_Nm[a];

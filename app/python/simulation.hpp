@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <pybind11/numpy.h>
@@ -23,8 +24,8 @@ namespace py = pybind11;
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Voxels = py::array_t<std::uint8_t, py::array::c_style | py::array::forcecast>;
 
-/// `sulcus.Simulation`. The interpreter's lock is free during its calls; two threads in one of them
-/// at a time are refused (std::runtime_error).
+/// `sulcus.Simulation`. The interpreter's lock is free during its calls; a second thread in any of
+/// them is refused (std::runtime_error).
 class PythonSimulation {
  public:
   /// `scene`: a file, or, with a line break in it, the text of one; `given`: the workpiece's
@@ -35,7 +36,12 @@ class PythonSimulation {
   Numbers step(const std::optional<Numbers>& pose);
   py::dict run(const py::object& what);
 
-  const SceneRun& scene_run() const { return *run_; }
+  /// What `question` finds in the run between two ticks.
+  template <class Question>
+  auto ask(const Question& question) const {
+    const Turn turn(taken_);
+    return question(std::as_const(*run_));
+  }
   Numbers scene_pose(double time_s) const;
   py::array_t<SulcusContact> contacts() const;
   py::array_t<SulcusEdit> edits() const;
@@ -46,9 +52,22 @@ class PythonSimulation {
   void restore(const py::bytes& bytes);
 
  private:
-  class Turn;
+  /// Of one thread; std::runtime_error where another has it.
+  class Turn {
+   public:
+    explicit Turn(std::atomic_flag& taken);
+    ~Turn() { taken_.clear(std::memory_order_release); }
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+
+   private:
+    std::atomic_flag& taken_;
+  };
   template <class Call>
-  auto alone(const Call& call) const;
+  auto alone(const Call& call) const {
+    const Turn turn(taken_);
+    return call();
+  }
   void tick(const Pose* pose);
   std::uint64_t hash_of_edits(std::size_t count) const;
 

@@ -181,6 +181,25 @@ class WrongUse(unittest.TestCase):
         thread.join()
         self.assertIn("another thread", " ".join(refused))
 
+    def test_nothing_is_read_during_a_tick(self):
+        run = sulcus.Simulation(AIR)
+        names = ["volume_hash", "force_hash", "state_hash", "tick", "ticks", "rate_hz", "voxel_m",
+                 "origin_m", "contacts", "edits", "volume", "packed_volume"]
+        refused = set()
+        thread = threading.Thread(target=run.run, args=(300000,))
+        thread.start()
+        while thread.is_alive() and len(refused) < len(names):
+            for name in names:
+                try:
+                    getattr(run, name)
+                except RuntimeError as why:
+                    if "another thread" in str(why):
+                        refused.add(name)
+        thread.join()
+        self.assertEqual(refused, set(names))
+        for name in names:
+            getattr(run, name)
+
     def test_other_threads_go_on_during_a_run(self):
         run, over, gaps = sulcus.Simulation(AIR), threading.Event(), [0.0]
 
