@@ -22,8 +22,8 @@
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
 #include "engine/outcome/goal.hpp"
+#include "engine/outcome/preparation_outcome.hpp"
 #include "engine/outcome/preparation_progress.hpp"
-#include "engine/outcome/voxel_distance.hpp"
 #include "engine/surface/surface_mesh.hpp"
 #include "engine/volume/level_changes.hpp"
 
@@ -184,30 +184,6 @@ void add_neighbours(const AssessedRun& run, MeasureList& all) {
   run.set_place(all.add("neighbour_removed_mm3", removed_mm3), first);
 }
 
-/// The voxel of the greatest value, of those of squared_distances(`of`, ...).
-std::optional<Eigen::Vector3d> furthest(const VoxelSet& of,
-                                        const std::vector<std::uint32_t>& squared) {
-  const auto most = std::ranges::max_element(squared);
-  if (most == squared.end()) return {};
-  auto at = most - squared.begin();
-  for (const std::uint32_t leaf : of.leaves()) {
-    std::optional<Cell> found;
-    for_each_voxel(of.voxels(leaf), [&](int place) {
-      if (at-- == 0) found = of.grid().leaf_origin(leaf) + cell_in_leaf(place);
-    });
-    if (found) return of.grid().centre_world(*found);
-  }
-  return {};
-}
-
-void add_reach(std::string_view name, const VoxelSet& of, const VoxelSet& from, MeasureList& all) {
-  const std::vector<std::uint32_t> squared = squared_distances(of, from);
-  if (of.count() > 0 && squared.empty()) return;  // there is no wall
-  double most = 0.0;
-  for (const std::uint32_t s : squared) most = std::max(most, std::sqrt(static_cast<double>(s)));
-  all.add(name, most * of.grid().voxel_m / kMillimetre).position_m = furthest(of, squared);
-}
-
 /// Distances of the cut from the goal's wall.
 void add_errors(std::vector<double> off_mm, MeasureList& all) {
   if (off_mm.empty()) return;
@@ -231,9 +207,12 @@ void add_goal(const AssessedRun& run, MeasureList& all) {
   for (const Edit& edit : run.edits) {
     if (edit.body == 0 && edit.is_gone()) removed.insert(removed.grid().cell_of_linear(edit.voxel));
   }
-  const VoxelSet excess = without(removed, *target), missing = without(*target, removed);
-  add_reach("over_mm", excess, *target, all);
-  add_reach("under_mm", missing, outside_target(run.end, removed, *target), all);
+  const GoalFigures figures = goal_figures(run.end, removed, *target);
+  const auto add_reach = [&](std::string_view name, const Reach& reach) {
+    all.add(name, reach.max_m / kMillimetre).position_m = reach.furthest_m;
+  };
+  add_reach("over_mm", figures.excess);
+  if (figures.missing) add_reach("under_mm", *figures.missing);
   std::vector<double> off_mm;
   const VoxelValues distances = goal_distances(run.end, removed, *target);
   for (const auto& [leaf, block] : distances.blocks()) {
@@ -242,8 +221,7 @@ void add_goal(const AssessedRun& run, MeasureList& all) {
     }
   }
   add_errors(std::move(off_mm), all);
-  const auto both = static_cast<double>(removed.count() - excess.count());
-  all.add("dice", 2.0 * both / static_cast<double>(removed.count() + target->count()));
+  all.add("dice", figures.dice);
 }
 
 std::vector<HandTick> hand_ticks(std::span<const TickRecord> rows) {

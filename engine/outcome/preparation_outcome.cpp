@@ -12,17 +12,58 @@ namespace sulcus {
 
 namespace {
 
-/// Of squared distances in voxels.
-Reach reach_of(std::vector<std::uint32_t> squared, double voxel_m) {
+/// The voxel at a place in the order of squared_distances; `place` is less than their count.
+Cell voxel_at(const VoxelSet& set, std::ptrdiff_t place) {
+  for (const std::uint32_t leaf : set.leaves()) {
+    const int here = count_voxels(set.voxels(leaf));
+    if (place >= here) {
+      place -= here;
+      continue;
+    }
+    Cell found = set.grid().leaf_origin(leaf);
+    for_each_voxel(set.voxels(leaf), [&](int at) {
+      if (place-- == 0) found += cell_in_leaf(at);
+    });
+    return found;
+  }
+  return Cell::Zero();
+}
+
+/// `squared`: distances of the set's voxels, in voxels.
+Reach reach_of(const VoxelSet& set, std::vector<std::uint32_t> squared) {
   if (squared.empty()) return {};
-  const auto metres = [voxel_m](std::uint32_t v) { return voxel_m * std::sqrt(v); };
+  const VoxelGrid& grid = set.grid();
+  const auto metres = [&](std::uint32_t v) { return grid.voxel_m * std::sqrt(v); };
+  const auto most = std::ranges::max_element(squared);
+  Reach reach;
+  reach.max_m = metres(*most);
+  reach.furthest_m = grid.centre_world(voxel_at(set, most - squared.begin()));
   const auto last = static_cast<double>(squared.size() - 1);
   const auto p95 = squared.begin() + static_cast<std::ptrdiff_t>(std::ceil(0.95 * last));
   std::nth_element(squared.begin(), p95, squared.end());
-  return {metres(*p95), metres(*std::max_element(p95, squared.end()))};
+  reach.p95_m = metres(*p95);
+  return reach;
 }
 
 }  // namespace
+
+GoalFigures goal_figures(const VoxelModel& end, const VoxelSet& removed, const VoxelSet& target) {
+  const VoxelSet excess = without(removed, target), missing = without(target, removed);
+  GoalFigures figures;
+  figures.target_voxels = target.count();
+  figures.excess_voxels = excess.count();
+  figures.missing_voxels = missing.count();
+  const auto both = static_cast<double>(removed.count() - excess.count());
+  const auto sum = static_cast<double>(removed.count() + target.count());
+  figures.dice = sum > 0.0 ? 2.0 * both / sum : 1.0;
+  figures.excess = reach_of(excess, squared_distances(excess, target));
+  if (missing.count() == 0) {
+    figures.missing = Reach{};
+  } else if (const VoxelSet walls = outside_target(end, removed, target); walls.count() > 0) {
+    figures.missing = reach_of(missing, squared_distances(missing, walls));
+  }
+  return figures;
+}
 
 PreparationOutcome::PreparationOutcome(const VoxelModel& start,
                                        std::span<const TissueSettings> tissues,
@@ -38,22 +79,7 @@ void PreparationOutcome::add(const Edit& edit) {
 
 std::optional<GoalFigures> PreparationOutcome::goal_figures(const VoxelModel& end) const {
   if (!target_) return {};
-  const double voxel_m = removed_.grid().voxel_m;
-  const VoxelSet excess = without(removed_, *target_), missing = without(*target_, removed_);
-  GoalFigures figures;
-  figures.target_voxels = target_->count();
-  figures.excess_voxels = excess.count();
-  figures.missing_voxels = missing.count();
-  const auto both = static_cast<double>(removed_.count() - excess.count());
-  const auto sum = static_cast<double>(removed_.count() + target_->count());
-  figures.dice = sum > 0.0 ? 2.0 * both / sum : 1.0;
-  figures.excess = reach_of(squared_distances(excess, *target_), voxel_m);
-  if (missing.count() == 0) {
-    figures.missing = Reach{};
-  } else if (const VoxelSet walls = outside_target(end, removed_, *target_); walls.count() > 0) {
-    figures.missing = reach_of(squared_distances(missing, walls), voxel_m);
-  }
-  return figures;
+  return sulcus::goal_figures(end, removed_, *target_);
 }
 
 std::size_t PreparationOutcome::memory_bytes() const {

@@ -5,6 +5,8 @@
 #include <optional>
 #include <span>
 
+#include <Eigen/Core>
+
 #include "engine/outcome/preparation_progress.hpp"
 #include "engine/outcome/voxel_set.hpp"
 #include "engine/scene/scene.hpp"
@@ -17,6 +19,7 @@ namespace sulcus {
 struct Reach {
   double p95_m = 0.0;  // what 95 % of the voxels do not exceed
   double max_m = 0.0;
+  std::optional<Eigen::Vector3d> furthest_m;  // where the greatest is, the grid's world space
 };
 
 /// What was removed, R, against the target T of a goal.
@@ -34,6 +37,9 @@ struct GoalFigures {
   std::optional<Reach> missing;
 };
 
+/// `end`: the tooth after `removed` has gone. Runs on oneTBB.
+GoalFigures goal_figures(const VoxelModel& end, const VoxelSet& removed, const VoxelSet& target);
+
 /// What a preparation did to the tooth, from the tooth at the start and the edits of a run. It
 /// keeps the voxels that went, by leaf. Used by one thread.
 class PreparationOutcome {
@@ -47,7 +53,7 @@ class PreparationOutcome {
   void add(const Edit& edit);
 
   const PreparationProgress& progress() const { return progress_; }
-  /// `end`: the tooth after all edits. None where the scene has no goal. Runs on oneTBB.
+  /// As sulcus::goal_figures, after all edits; none where the scene has no goal.
   std::optional<GoalFigures> goal_figures(const VoxelModel& end) const;
 
   std::size_t memory_bytes() const;

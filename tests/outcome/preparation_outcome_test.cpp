@@ -128,6 +128,11 @@ TEST(PreparationOutcome, AFloorTooDeepOrTooHighReachesThatFar) {
   EXPECT_EQ(too_deep.excess_voxels, 12u * 16 * 3);
   EXPECT_EQ(too_deep.missing_voxels, 0u);
   EXPECT_NEAR(too_deep.excess.max_m, 3 * kVoxel, 1e-12);
+  const auto cell_at = [&](const Reach& reach) -> Cell {
+    return model.grid.index_from_world(reach.furthest_m.value()).array().round().cast<int>();
+  };
+  EXPECT_EQ(cell_at(too_deep.excess).z(), 17);
+  EXPECT_FALSE(too_deep.missing->furthest_m);
   EXPECT_NEAR(too_deep.dice, 2.0 * 12 / (12 + 15), 1e-12);
 
   const Prepared high(model, cells_of({8, 8, 25}, upper), kTissues, goal);
@@ -135,6 +140,7 @@ TEST(PreparationOutcome, AFloorTooDeepOrTooHighReachesThatFar) {
   EXPECT_EQ(too_high.excess_voxels, 0u);
   EXPECT_EQ(too_high.missing_voxels, 12u * 16 * 5);
   EXPECT_NEAR(too_high.missing->max_m, 5 * kVoxel, 1e-12);
+  EXPECT_EQ(cell_at(*too_high.missing).z(), 24);
   EXPECT_NEAR(too_high.dice, 2.0 * 7 / (12 + 7), 1e-12);
 }
 
