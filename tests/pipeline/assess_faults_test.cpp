@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/pipeline/small_scenes.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
@@ -28,15 +29,9 @@ struct Waypoint {
 using Script = std::vector<Waypoint>;
 
 // A slot of 2.5 x 1 mm, 1.5 mm deep, in the middle of a block; a neighbour stands 0.5 mm beside it.
-const std::string kScene = R"(
-tissue = ["enamel"]
-[workpiece]
-shape = "box"
-voxel_mm = 0.05
-cells = [128, 128, 72]
-[workpiece.box]
-size_mm = [5, 5, 3]
-[[body]]
+const std::string kScene = "tissue = ['enamel']" +
+                           test::block_and_fissure_burr("[5, 5, 3]", "0.05", "[128, 128, 72]") +
+                           R"([[body]]
 name = "neighbour"
 shape = "box"
 voxel_mm = 0.05
@@ -44,12 +39,6 @@ cells = [24, 64, 104]
 box.size_mm = [1, 3, 5]
 position_mm = [3.5, 0, 0]
 cuttable = true
-[burr]
-shape = "fissure"
-diameter_mm = 1.0
-length_mm = 3
-speed_rpm = 300000
-field = [48, 192, 48]
 [trajectory]
 file = "hand.csv"
 [haptics]

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/import/meshes/mesh_file.hpp"
+#include "tests/pipeline/small_scenes.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
@@ -19,21 +20,9 @@ namespace sulcus {
 namespace {
 
 /// A block into which a flat fissure burr is sunk 1 mm deep at 2 mm/s, and 0.5 mm to a side.
-const std::string kPocket = R"(
-tissue = ["enamel"]
-[workpiece]
-shape = "box"
-voxel_mm = 0.05
-cells = [96, 96, 64]
-[workpiece.box]
-size_mm = [4, 4, 2]
-[burr]
-shape = "fissure"
-diameter_mm = 1.0
-length_mm = 3
-speed_rpm = 300000
-field = [48, 192, 48]
-[trajectory]
+const std::string kPocket = "tissue = ['enamel']" +
+                            test::block_and_fissure_burr("[4, 4, 2]", "0.05", "[96, 96, 64]") +
+                            R"([trajectory]
 axis = [0, 0, 1]
 points_mm = [
   [0, 0, 1.2], [0, 0, 0], [0.5, 0, 0], [0.5, 0, 0.2], [0.5, 0, 0], [0, 0, 0], [0, 0, 1.4]]

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/pipeline/small_scenes.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
@@ -17,23 +18,12 @@ namespace sulcus {
 namespace {
 
 /// A block of one tissue, cut from above off its middle; wider along x than along y.
-constexpr const char* kBlock = R"(
+const std::string kBlock = R"(
 [[tissue]]
 name = "glass"
 colour = [0.1, 0.2, 0.9]
-[workpiece]
-shape = "box"
-voxel_mm = 0.1
-cells = [64, 48, 32]
-[workpiece.box]
-size_mm = [5, 3, 2]
-[burr]
-shape = "fissure"
-diameter_mm = 1.0
-length_mm = 3
-speed_rpm = 300000
-field = [48, 192, 48]
-[trajectory]
+)" + test::block_and_fissure_burr("[5, 3, 2]", "0.1", "[64, 48, 32]") +
+                           R"([trajectory]
 axis = [0, 0, 1]
 points_mm = [[1, 0, 1.2], [1, 0, 0]]
 speed_mm_per_s = 4

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/pipeline/small_scenes.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/png_file.hpp"
 #include "tests/support/scratch_folder.hpp"
@@ -21,19 +22,8 @@ using nlohmann::json;
 const std::string kSunkBurr = R"(
 title = "</script><b>\"a\" & b</b><!--"
 tissue = ["enamel"]
-[workpiece]
-shape = "box"
-voxel_mm = 0.1
-cells = [48, 48, 32]
-[workpiece.box]
-size_mm = [4, 4, 2]
-[burr]
-shape = "fissure"
-diameter_mm = 1.0
-length_mm = 3
-speed_rpm = 300000
-field = [48, 192, 48]
-[trajectory]
+)" + test::block_and_fissure_burr("[4, 4, 2]", "0.1", "[48, 48, 32]") +
+                              R"([trajectory]
 axis = [0, 0, 1]
 speed_mm_per_s = 4
 [cutting]

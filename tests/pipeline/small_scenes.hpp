@@ -38,6 +38,23 @@ size = [320, 240]
 fps = 4
 )";
 
+/// A block, its size in mm, and a flat fissure burr of 1 mm that is sunk into it as into butter.
+inline std::string block_and_fissure_burr(const std::string& size_mm, const std::string& voxel_mm,
+                                          const std::string& cells) {
+  return R"(
+[workpiece]
+shape = "box"
+voxel_mm = )" +
+         voxel_mm + "\ncells = " + cells + "\n[workpiece.box]\nsize_mm = " + size_mm + R"(
+[burr]
+shape = "fissure"
+diameter_mm = 1.0
+length_mm = 3
+speed_rpm = 300000
+field = [48, 192, 48]
+)";
+}
+
 /// A post that is cut through, so that its upper end falls on its stump.
 inline const std::string kPostScene = R"(
 [workpiece]
