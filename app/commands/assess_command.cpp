@@ -27,7 +27,7 @@ namespace {
 
 struct AssessOptions {
   std::vector<std::string> recordings;
-  std::string assessment, before, after, folder;
+  std::string assessment, before, after, plan, folder;
   std::optional<double> solid_above;
   bool no_render = false;
 };
@@ -124,9 +124,12 @@ void assess_pair(const AssessOptions& options) {
       settings_of(read_scene_text(options.assessment), options.assessment);
   const Assessment result = [&] {
     const Progress progress("assessing");
-    const TriangleMesh before = surface_of_file(options.before, options.solid_above, "--before");
-    const TriangleMesh after = surface_of_file(options.after, options.solid_above, "--after");
-    return assess_meshes(before, after, {options.before, options.after}, settings);
+    const auto surface = [&](const std::string& file, const std::string& option) {
+      return ScannedTooth::Surface{file, surface_of_file(file, options.solid_above, option)};
+    };
+    ScannedTooth tooth{surface(options.before, "--before"), surface(options.after, "--after"), {}};
+    if (!options.plan.empty()) tooth.plan = surface(options.plan, "--plan");
+    return assess_scanned(tooth, settings);
   }();
   say_assessment(result);
   const std::string folder =
@@ -141,6 +144,10 @@ void assess(AssessOptions options) {
     throw InputError("", "--solid-above", "no --before and --after", "both, of volumes");
   }
   if (!options.before.empty() || !options.after.empty()) return assess_pair(options);
+  if (!options.plan.empty()) {
+    throw InputError("", "--plan", "no --before and --after",
+                     "both; what a recording was to become is its scene's [goal]");
+  }
   if (options.recordings.empty()) {
     throw InputError("", "assess", "nothing to assess", "RECORDING..., or --before and --after");
   }
@@ -186,6 +193,8 @@ void add_assess_command(CLI::App& program) {
              "Without a recording: the tooth as it was, a mesh in mm (.stl, .obj, .ply) or\n"
              "a volume, as a scene takes them");
   add_option(*command, "--after", options->after, "FILE", "And as it is, in the same space");
+  add_option(*command, "--plan", options->plan, "FILE",
+             "And as it should have become, in the same space");
   add_option(*command, "--solid-above", options->solid_above, "VALUE",
              "Of volumes of grey values: from which on they are tooth");
   add_option(*command, "-o", options->folder, "DIR",

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -54,11 +53,18 @@ std::optional<Assessment> assessment_if_cut(const RecordingReader& reader, const
 Assessment assess_recording(const RecordingReader& reader, const std::string& path,
                             const AssessmentSettings& settings);
 
-/// Of two closed surfaces, m, in one space. InputError where they do not overlie, or where nothing
-/// was removed; `names`: of their files.
-Assessment assess_meshes(const TriangleMesh& before, const TriangleMesh& after,
-                         const std::array<std::string, 2>& names,
-                         const AssessmentSettings& settings);
+/// A tooth that no recording made: closed surfaces, m, in one space.
+struct ScannedTooth {
+  struct Surface {
+    std::string file;
+    TriangleMesh mesh;
+  };
+  Surface before, after;
+  std::optional<Surface> plan;  // the tooth as it should have become
+};
+/// InputError where the surfaces do not overlie, where nothing was removed, and where the plan
+/// removes nothing.
+Assessment assess_scanned(const ScannedTooth& tooth, const AssessmentSettings& settings);
 
 /// Of a measure; none where it was not measured.
 std::optional<double> value_of(const Assessment& assessment, std::string_view name);

@@ -1,7 +1,9 @@
 #include "engine/assessment/insertion_frame.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "engine/core/units.hpp"
 
@@ -33,6 +35,59 @@ RayLattice lattice_over(const Eigen::AlignedBox2d& box, double pitch_mm) {
   const Eigen::Vector2d first = box.min() - Eigen::Vector2d(1.93, 1.87) * pitch;
   const auto count = [&](double length) { return static_cast<int>(length / pitch) + 5; };
   return {first, pitch, count(size.x()), count(size.y())};
+}
+
+namespace {
+
+constexpr double kSliver_mm = 0.06;  // half the width of what is cut at least
+
+RayMask removed_rays(const RayStack& before, const RayStack& after, const RayLattice& lattice) {
+  RayMask removed(lattice.size());
+  for (std::size_t place = 0; place < lattice.size(); ++place) {
+    removed[place] = !without(before.spans(place), after.spans(place), kSame_mm).empty();
+  }
+  return removed;
+}
+
+/// Whether `test(place, z_mm)` holds round a point, by a little above and below beside it.
+template <class Test>
+bool all_round(const RayLattice& lattice, const Eigen::Vector3d& p_mm, const Test& test) {
+  return std::ranges::all_of(kRaysBeside, [&](const std::array<int, 2>& side) {
+    const Eigen::Vector2d at = p_mm.head<2>() + 1.2 * kSame_mm * Eigen::Vector2d(side[0], side[1]);
+    const std::size_t place = lattice.nearest(at);
+    return test(place, p_mm.z() - kSame_mm) && test(place, p_mm.z() + kSame_mm);
+  });
+}
+
+}  // namespace
+
+RayMask cut_rays(const RayStack& before, const RayStack& after, const RayLattice& lattice) {
+  return opened(removed_rays(before, after, lattice), kSliver_mm, lattice);
+}
+
+Eigen::AlignedBox2d box_of_removed(const TriangleMesh& before, const TriangleMesh& after) {
+  const RayLattice rough = lattice_over(box_of(before).merged(box_of(after)), kCoarsePitch_mm);
+  const RayMask removed = removed_rays(RayStack(before, rough), RayStack(after, rough), rough);
+  Eigen::AlignedBox2d where;
+  for (std::size_t place = 0; place < rough.size(); ++place) {
+    if (removed[place]) where.extend(rough.at_mm(place));
+  }
+  return where;
+}
+
+Eigen::AlignedBox2d widened(const Eigen::AlignedBox2d& box, double by_mm) {
+  const Eigen::Vector2d by = Eigen::Vector2d::Constant(by_mm);
+  return {box.min() - by, box.max() + by};
+}
+
+bool is_deep_in(const RayStack& solid, const RayLattice& lattice, const Eigen::Vector3d& p_mm) {
+  return all_round(lattice, p_mm,
+                   [&](std::size_t place, double z_mm) { return solid.contains(place, z_mm); });
+}
+
+bool is_clear_of(const RayStack& solid, const RayLattice& lattice, const Eigen::Vector3d& p_mm) {
+  return all_round(lattice, p_mm,
+                   [&](std::size_t place, double z_mm) { return !solid.contains(place, z_mm); });
 }
 
 double share_outside(const TriangleMesh& before, const TriangleMesh& after,

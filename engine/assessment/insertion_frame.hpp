@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 
+#include "engine/assessment/ray_mask.hpp"
 #include "engine/assessment/ray_stack.hpp"
 #include "engine/core/triangle_mesh.hpp"
 
@@ -9,6 +10,8 @@ namespace sulcus {
 
 /// Between rays where a rough look is enough.
 inline constexpr double kCoarsePitch_mm = 0.1;
+/// What two surfaces of one tooth may differ by and be the same.
+inline constexpr double kSame_mm = 0.05;
 
 /// The frame that a preparation is measured in: mm, z along the path of insertion, a unit vector.
 Eigen::Affine3d insertion_frame_from_m(const Eigen::Vector3d& insertion);
@@ -20,6 +23,20 @@ Eigen::AlignedBox2d box_of(const TriangleMesh& mesh);
 
 /// Rays that stand `pitch_mm` apart, or so far that there are at most 2 million.
 RayLattice lattice_over(const Eigen::AlignedBox2d& box, double pitch_mm);
+
+/// The rays on which something was removed, without the slivers that two surfaces of one tooth
+/// leave between each other.
+RayMask cut_rays(const RayStack& before, const RayStack& after, const RayLattice& lattice);
+
+/// Where something was removed, roughly, slivers among it; empty where nothing was.
+Eigen::AlignedBox2d box_of_removed(const TriangleMesh& before, const TriangleMesh& after);
+
+Eigen::AlignedBox2d widened(const Eigen::AlignedBox2d& box, double by_mm);
+
+/// Whether a solid reaches further than kSame_mm beyond a point to all sides.
+bool is_deep_in(const RayStack& solid, const RayLattice& lattice, const Eigen::Vector3d& p_mm);
+/// Whether it stays further away than that, likewise.
+bool is_clear_of(const RayStack& solid, const RayLattice& lattice, const Eigen::Vector3d& p_mm);
 
 /// Whether two meshes are of one tooth in one place: the share of the second's volume that lies
 /// outside of the first. What was cut lies in what was there. 1 where the second encloses nothing.

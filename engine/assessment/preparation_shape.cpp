@@ -12,30 +12,18 @@
 #include "engine/assessment/insertion_frame.hpp"
 #include "engine/assessment/ray_mask.hpp"
 #include "engine/assessment/ray_stack.hpp"
+#include "engine/assessment/surface_pieces.hpp"
 #include "engine/core/units.hpp"
 
 namespace sulcus {
 
 namespace {
 
-constexpr double kSame_mm = 0.05;
-constexpr double kSliver_mm = 0.06;  // half the width of what is cut at least
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFloorSlope = 0.84;   // tan 40 degrees
 constexpr double kSlopeOver_mm = 0.1;  // to each side
 constexpr double kLeastFloor_mm2 = 0.1;
 constexpr double kAboveMargin_mm = 0.25;
-constexpr std::array<std::array<int, 2>, 4> kSides{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
-
-/// The rays on which something was removed, slivers that two surfaces of one tooth leave between
-/// each other among them.
-RayMask removed_rays(const RayStack& before, const RayStack& after, const RayLattice& lattice) {
-  RayMask removed(lattice.size());
-  for (std::size_t place = 0; place < lattice.size(); ++place) {
-    removed[place] = !without(before.spans(place), after.spans(place), kSame_mm).empty();
-  }
-  return removed;
-}
 
 class ShapeMeter {
  public:
@@ -48,7 +36,7 @@ class ShapeMeter {
         after_mesh_(after),
         m_from_frame_(insertion_frame_from_m(settings.insertion).inverse()) {
     const std::size_t rays = lattice.size();
-    cut_ = opened(removed_rays(before_, after_, lattice), kSliver_mm, lattice);
+    cut_ = cut_rays(before_, after_, lattice);
     top_.assign(rays, kNone);
     depth_.assign(rays, kNone);
     open_.assign(rays, 0);
@@ -192,7 +180,7 @@ class ShapeMeter {
     for (std::size_t next = 0; next < reached.size(); ++next) {  // breadth first
       const std::size_t place = reached[next];
       core[place] = after_.contains(place, height[place] + kAboveMargin_mm);
-      for (const auto& [dx, dy] : kSides) {
+      for (const auto& [dx, dy] : kRaysBeside) {
         const int x = lattice_.x_of(place) + dx, y = lattice_.y_of(place) + dy;
         if (!lattice_.holds(x, y)) continue;
         const std::size_t beside = lattice_.place(x, y);
@@ -227,54 +215,23 @@ class ShapeMeter {
             world(worst, top_[worst])};
   }
 
-  /// Deeper than what two surfaces of one tooth differ by, to all sides.
-  bool was_inside(const Eigen::Vector3d& p_mm) const {
-    return std::ranges::all_of(kSides, [&](const std::array<int, 2>& side) {
-      const Eigen::Vector2d at =
-          p_mm.head<2>() + 1.2 * kSame_mm * Eigen::Vector2d(side[0], side[1]);
-      const std::size_t place = lattice_.nearest(at);
-      return before_.contains(place, p_mm.z() - kSame_mm) &&
-             before_.contains(place, p_mm.z() + kSame_mm);
-    });
-  }
-
-  /// Triangles of the walls, without what lies near their foot and their upper edge.
+  /// Pieces of the walls, without what lies near their foot and their upper edge. A large triangle
+  /// counts where each of its pieces lies.
   std::vector<WallSample> wall_samples() const {
     constexpr double kSteep = 0.6;  // of the normal's part along the path
     constexpr double kBeside_mm = 0.3;
+    constexpr double kPiece_mm = 0.1;
     std::vector<WallSample> samples;
     for (const auto& triangle : after_mesh_.triangles) {
-      std::array<Eigen::Vector3d, 3> corner;
-      for (std::size_t i = 0; i < 3; ++i) {
-        corner[i] = after_mesh_.positions[triangle[i]].cast<double>();
-      }
+      const auto corner = corners_of(after_mesh_, triangle);
       const Eigen::Vector3d twice = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
-      const double area = 0.5 * twice.norm();
-      if (area == 0.0 || std::abs(twice.z()) > kSteep * 2.0 * area) continue;
-      add_pieces(corner, {Eigen::Vector3d::Zero(), twice.normalized(), area}, kBeside_mm, samples);
+      if (twice.isZero(0.0) || std::abs(twice.z()) > kSteep * twice.norm()) continue;
+      for_each_piece(corner, kPiece_mm, [&](const SurfacePiece& piece) {
+        const WallSample sample{piece.middle(), piece.normal(), piece.area()};
+        if (is_of_wall(sample, kBeside_mm)) samples.push_back(sample);
+      });
     }
     return samples;
-  }
-  /// A large triangle counts where each of its pieces lies.
-  void add_pieces(const std::array<Eigen::Vector3d, 3>& corner, WallSample sample, double beside_mm,
-                  std::vector<WallSample>& samples) const {
-    constexpr double kPiece_mm = 0.1;
-    double longest = 0.0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      longest = std::max(longest, (corner[i] - corner[(i + 1) % 3]).norm());
-    }
-    const int n = std::clamp(static_cast<int>(std::ceil(longest / kPiece_mm)), 1, 1000);
-    sample.area_mm2 /= static_cast<double>(n) * n;
-    const Eigen::Vector3d u = (corner[1] - corner[0]) / n, v = (corner[2] - corner[0]) / n;
-    for (int j = 0; j < n; ++j) {
-      for (int i = 0; i + j < n; ++i) {
-        for (int half = 0; half < (i + j + 1 < n ? 2 : 1); ++half) {
-          const double third = (1.0 + half) / 3.0;
-          sample.at_mm = corner[0] + (i + third) * u + (j + third) * v;
-          if (is_of_wall(sample, beside_mm)) samples.push_back(sample);
-        }
-      }
-    }
   }
   bool is_of_wall(const WallSample& sample, double beside_mm) const {
     const Eigen::Vector2d facing = sample.normal.head<2>().normalized();
@@ -283,7 +240,7 @@ class ShapeMeter {
     const double high = top_[lattice_.nearest(at - beside_mm * facing)];
     const double edge = std::max(0.1, 0.15 * (high - low));
     return sample.at_mm.z() > low + edge && sample.at_mm.z() < high - edge &&
-           was_inside(sample.at_mm);
+           is_deep_in(before_, lattice_, sample.at_mm);
   }
 
   void measure_walls(PreparationShape& result) {
@@ -444,7 +401,7 @@ class ShapeMeter {
   bool is_outer_edge(std::size_t place, const RayMask& core) const {
     if (!open_[place] || beyond_[place] || core[place]) return false;
     const int x = lattice_.x_of(place), y = lattice_.y_of(place);
-    return std::ranges::any_of(kSides, [&](const std::array<int, 2>& side) {
+    return std::ranges::any_of(kRaysBeside, [&](const std::array<int, 2>& side) {
       if (!lattice_.holds(x + side[0], y + side[1])) return false;
       const std::size_t beside = lattice_.place(x + side[0], y + side[1]);
       return beyond_[beside] && !core[beside];
@@ -471,19 +428,11 @@ std::optional<PreparationShape> preparation_shape(const TriangleMesh& before,
                                                   const ShapeSettings& settings) {
   const Eigen::Affine3d frame = insertion_frame_from_m(settings.insertion);
   const TriangleMesh was = moved(before, frame), is = moved(after, frame);
-  // First roughly, to know where to look.
-  const RayLattice rough = lattice_over(box_of(was).merged(box_of(is)), kCoarsePitch_mm);
-  const RayMask removed = removed_rays(RayStack(was, rough), RayStack(is, rough), rough);
-  Eigen::AlignedBox2d where;
-  for (std::size_t place = 0; place < rough.size(); ++place) {
-    if (removed[place]) where.extend(rough.at_mm(place));
-  }
-  if (where.isEmpty()) return {};
-  // As far beside as the tooth may stand behind a wall.
-  constexpr double kMargin_mm = 3.0;
-  const Eigen::AlignedBox2d all = box_of(was).merged(box_of(is));
-  where.min() = (where.min().array() - kMargin_mm).matrix().cwiseMax(all.min());
-  where.max() = (where.max().array() + kMargin_mm).matrix().cwiseMin(all.max());
+  const Eigen::AlignedBox2d removed = box_of_removed(was, is);
+  if (removed.isEmpty()) return {};
+  constexpr double kBeside_mm = 3.0;  // as far as the tooth may stand behind a wall
+  const Eigen::AlignedBox2d where =
+      widened(removed, kBeside_mm).intersection(box_of(was).merged(box_of(is)));
   const RayLattice lattice = lattice_over(where, settings.pitch_mm);
   return ShapeMeter(was, is, lattice, settings).shape();
 }

@@ -1,20 +1,14 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
-#include <Eigen/Geometry>
+#include <Eigen/Core>
 
+#include "engine/assessment/placed_figure.hpp"
 #include "engine/core/triangle_mesh.hpp"
 #include "engine/scene/assessment_table.hpp"
 
 namespace sulcus {
-
-/// A figure of a preparation, and the place where it is decided.
-struct PlacedFigure {
-  double value = 0.0;
-  Eigen::Vector3d at_m{0, 0, 0};  // the space of the meshes
-};
 
 /// The shape of what was cut, as an examiner measures it. Lengths along the path of insertion or
 /// across it. None: the preparation has no such thing.

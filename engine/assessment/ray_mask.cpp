@@ -1,7 +1,6 @@
 #include "engine/assessment/ray_mask.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -107,8 +106,7 @@ std::vector<RayComponent> components(const RayMask& set, std::size_t least,
     left[seed] = 0;
     for (std::size_t i = 0; i < component.size(); ++i) {
       const int x = lattice.x_of(component[i]), y = lattice.y_of(component[i]);
-      constexpr std::array<std::array<int, 2>, 4> kSides{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
-      for (const auto& [dx, dy] : kSides) {
+      for (const auto& [dx, dy] : kRaysBeside) {
         if (!lattice.holds(x + dx, y + dy)) continue;
         const std::size_t beside = lattice.place(x + dx, y + dy);
         if (!left[beside]) continue;

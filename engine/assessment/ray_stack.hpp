@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -10,6 +11,9 @@
 #include "engine/core/triangle_mesh.hpp"
 
 namespace sulcus {
+
+/// From a ray to those beside it, in rays.
+inline constexpr std::array<std::array<int, 2>, 4> kRaysBeside{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
 
 /// Parallel rays along +z on a square lattice, mm, in a frame whose z is the path of insertion.
 struct RayLattice {

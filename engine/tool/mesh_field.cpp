@@ -14,6 +14,7 @@
 #include <Eigen/Geometry>
 
 #include "engine/core/error.hpp"
+#include "engine/core/nearest_on_triangle.hpp"
 #include "engine/core/parallel.hpp"
 
 namespace sulcus {
@@ -38,29 +39,6 @@ struct NearestPoint {
   Vector3f point{0.0f, 0.0f, 0.0f};  // field space
   std::int32_t triangle = -1;
 };
-
-/// Nearest point of a triangle [Ericson 2005, Real-Time Collision Detection, 5.1.5].
-Vector3d nearest_point(const Vector3d& p, const Triangle& t) {
-  const Vector3d ab = t.b - t.a, ac = t.c - t.a, ap = p - t.a;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-  if (d1 <= 0.0 && d2 <= 0.0) return t.a;
-  const Vector3d bp = p - t.b;
-  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-  if (d3 >= 0.0 && d4 <= d3) return t.b;
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return t.a + ab * (d1 / (d1 - d3));
-  const Vector3d cp = p - t.c;
-  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d6 >= 0.0 && d5 <= d6) return t.c;
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return t.a + ac * (d2 / (d2 - d6));
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) {
-    return t.b + (t.c - t.b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
-  }
-  const double scale = 1.0 / (va + vb + vc);
-  return t.a + ab * (vb * scale) + ac * (vc * scale);
-}
 
 std::vector<Triangle> triangles_in_field(const TriangleMesh& mesh, const FieldGrid& grid) {
   std::vector<Triangle> triangles;
@@ -151,7 +129,8 @@ class NearestGrid {
 
   /// Takes the triangle where it is nearer; of equals the first stays.
   void offer(std::size_t s, const Vector3d& p, std::int32_t number) {
-    const Vector3d q = nearest_point(p, triangles_[static_cast<std::size_t>(number)]);
+    const Triangle& t = triangles_[static_cast<std::size_t>(number)];
+    const Vector3d q = nearest_on_triangle(p, t.a, t.b, t.c);
     const auto squared = static_cast<float>((p - q).squaredNorm());
     if (squared < squared_[s]) {
       squared_[s] = squared;

@@ -1,5 +1,6 @@
 // sulcus assess: of recordings and of meshes.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <numbers>
@@ -12,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/import/meshes/mesh_file.hpp"
+#include "tests/assessment/lofted_solid.hpp"
 #include "tests/pipeline/small_scenes.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
@@ -163,6 +165,80 @@ TEST_F(Assess, MeshesGiveWhatTheRecordingGives) {
                                scratch_.path("moved.stl") + " --assessment " + limits);
   EXPECT_EQ(refused.status, 2);
   EXPECT_NE(refused.err.find("outside of --before"), std::string::npos) << refused.err;
+}
+
+constexpr std::array kAgainstAPlan{"over_mm",          "under_mm",         "goal_error_mm",
+                                   "goal_error_95_mm", "within_tolerance", "dice"};
+
+/// The block with a box in it: its upper face is at z = 1 mm.
+TriangleMesh planned_block(double floor_mm) {
+  const test::Rectangle bottom{-2, 2, -2, 2, -1}, floor{-0.5, 1, -0.5, 0.5, floor_mm};
+  return test::lofted_mesh(
+      {bottom, test::raised(bottom, 2, {}), test::raised(floor, 1 - floor_mm, {}), floor}, 3,
+      Eigen::Affine3d::Identity());
+}
+
+TEST_F(Assess, APlanForMeshesGivesWhatAGoalGives) {
+  // 0.3 mm less deep than the burr went, and with corners into which it does not reach.
+  const std::string recording = run("pocket", kPocket +
+                                                  "[goal]\nshape = 'box'\nsize_mm = [1.5, 1, 1]\n"
+                                                  "position_mm = [0.25, 0, 0.8]\n");
+  const std::string limits =
+      scratch_.write("a.toml", "[assessment]\nover_mm = 0.2\ndice = 0.5\ntolerance_mm = 0.2\n");
+  const std::string pair = exported_pair(recording, "--mesh", "before.stl", "after.ply");
+  write_mesh(scratch_.path("plan.stl"), planned_block(0.3));
+  const std::string plan = " --plan " + scratch_.path("plan.stl");
+  const nlohmann::json of_run = assessment(recording + " --assessment " + limits);
+  const nlohmann::json of_meshes = assessment(pair + plan + " --assessment " + limits);
+  for (const char* name : kAgainstAPlan) {
+    // Of voxels to the voxel.
+    EXPECT_NEAR(measure(of_meshes, name)["value"].get<double>(),
+                measure(of_run, name)["value"].get<double>(), 0.051)
+        << name;
+    EXPECT_EQ(measure(of_meshes, name)["unit"], measure(of_run, name)["unit"]);
+    EXPECT_EQ(measure(of_meshes, name)["limit"], measure(of_run, name)["limit"]);
+  }
+  const auto over = measure(of_meshes, "over_mm");
+  EXPECT_NEAR(over["value"], 0.3, 0.03);
+  EXPECT_NEAR(over["position_mm"][2], 0.0, 0.03);
+  EXPECT_EQ(over["met"], false);
+  EXPECT_EQ(over["tick"], nullptr);
+  EXPECT_NEAR(measure(of_meshes, "under_mm")["value"], (1.0 - std::sqrt(0.5)) / 2.0, 0.03);
+  EXPECT_DOUBLE_EQ(of_meshes["mark"], 50.0);
+}
+
+TEST_F(Assess, APlanMayBeAVolume) {
+  const std::string recording = run("pocket", kPocket);
+  const std::string limits = scratch_.write("a.toml", "[assessment]\nover_mm = 0.01\n");
+  const std::string pair = exported_pair(recording, "--mesh", "before.stl", "after.ply");
+  exported_pair(recording, "--volume", "before.nrrd", "after.nrrd");
+  const nlohmann::json found =
+      assessment(pair + " --plan " + scratch_.path("after.nrrd") + " --assessment " + limits);
+  EXPECT_NEAR(measure(found, "goal_error_95_mm")["value"], 0.0, 1e-3);
+  EXPECT_NEAR(measure(found, "dice")["value"], 1.0, 1e-3);
+  EXPECT_EQ(measure(found, "within_tolerance")["value"], 1.0);
+  EXPECT_DOUBLE_EQ(found["mark"], 100.0);
+}
+
+TEST_F(Assess, APlanThatIsNotOfTheToothIsRefused) {
+  const std::string recording = run("pocket", kPocket);
+  const std::string limits = scratch_.write("a.toml", "[assessment]\nover_mm = 0.01\n");
+  const std::string pair = exported_pair(recording, "--mesh", "before.stl", "after.ply");
+  TriangleMesh moved = planned_block(0.3);
+  for (Eigen::Vector3f& p : moved.positions) p.x() += 0.4e-3f;
+  write_mesh(scratch_.path("moved.stl"), moved);
+  const auto refused = [&](const std::string& arguments, const std::string& says) {
+    const auto result = command("assess " + arguments + " --assessment " + limits);
+    EXPECT_EQ(result.status, 2) << arguments;
+    EXPECT_NE(result.err.find(says), std::string::npos) << result.err;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  };
+  const std::string plan = " --plan " + scratch_.path("moved.stl");
+  refused(pair + plan, "moved.stl: --plan: found 11 % of it outside of --before");
+  refused(pair + " --plan " + scratch_.path("before.stl"), "--plan: found nothing to be removed");
+  refused(recording + plan, "expected both; what a recording was to become");
+  refused(plan, "--plan: found no --before and --after");
+  refused("--before " + scratch_.path("before.stl") + plan, "one of --before and --after");
 }
 
 TEST_F(Assess, VolumesGiveWhatTheRecordingGives) {
