@@ -1,6 +1,7 @@
 #include "app/report/measure_list.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -40,6 +41,9 @@ void MeasureList::add(const PreparationShape& shape) {
   add("greatest_depth_mm", shape.greatest_depth_mm);
   add("floor_flatness_um", shape.floor_flatness_um);
   add("convergence_deg", shape.convergence_deg);
+  constexpr std::array kWalls{"wall_mesial_deg", "wall_distal_deg", "wall_buccal_deg",
+                              "wall_lingual_deg"};  // as ToothSide
+  for (std::size_t side = 0; side < kWalls.size(); ++side) add(kWalls[side], shape.wall_deg[side]);
   AssessedMeasure& undercut = add("undercut_mm2", shape.undercut_mm2.value);
   if (undercut.value > 0.0) undercut.position_m = shape.undercut_mm2.at_m;
   add("isthmus_mm", shape.isthmus_mm);

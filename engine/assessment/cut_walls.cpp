@@ -219,4 +219,24 @@ Convergence convergence_of(const std::vector<WallPatch>& patches) {
   return result;
 }
 
+WallTaper taper_facing(const std::vector<WallPatch>& patches, const Eigen::Vector2d& direction) {
+  const double ragged_um = ragged_above_um(patches);
+  std::vector<const WallPatch*> facing;
+  double area = 0.0, sum = 0.0;
+  for (const WallPatch& patch : patches) {
+    if (patch.roughness_um > ragged_um) continue;
+    if (patch.facing.dot(direction) <= std::numbers::sqrt2 / 2.0) continue;
+    facing.push_back(&patch);
+    area += patch.area_mm2;
+    sum += patch.area_mm2 * patch.taper_deg;
+  }
+  WallTaper result;
+  if (facing.empty()) return result;
+  result.mean_deg = sum / area;
+  result.worst = *std::ranges::max_element(facing, {}, [&](const WallPatch* patch) {
+    return std::abs(patch->taper_deg - result.mean_deg);
+  });
+  return result;
+}
+
 }  // namespace sulcus

@@ -42,4 +42,13 @@ struct Convergence {
 /// Without `worst` where no walls face each other. It points into `patches`.
 Convergence convergence_of(const std::vector<WallPatch>& patches);
 
+/// How the walls that face one way lean, by area.
+struct WallTaper {
+  double mean_deg = 0.0;             // against the path of insertion; above 0 they open outward
+  const WallPatch* worst = nullptr;  // whose taper is furthest from that
+};
+/// Of those that face less than 45 degrees from a direction, a unit vector across the path of
+/// insertion. Without `worst` where there are none. It points into `patches`.
+WallTaper taper_facing(const std::vector<WallPatch>& patches, const Eigen::Vector2d& direction);
+
 }  // namespace sulcus

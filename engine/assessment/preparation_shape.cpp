@@ -251,6 +251,7 @@ class ShapeMeter {
     if (convergence.worst) {
       result.convergence_deg = {convergence.mean_deg, world(convergence.worst->at_mm)};
     }
+    measure_sides(result);
     const auto roughest = std::ranges::max_element(patches, {}, &WallPatch::roughness_um);
     double rough = 0.0, area = 0.0;
     for (const WallPatch& patch : patches) {
@@ -260,6 +261,25 @@ class ShapeMeter {
     result.greatest_roughness_um = {roughest->roughness_um, world(roughest->at_mm)};
     result.roughness_um = {rough / area, result.greatest_roughness_um->at_m};
     if (settings_.kind == AssessedKind::kCavity) result.wall_left_mm = wall_left();
+  }
+
+  /// A crown's walls face the sides that they are of, a cavity's face away from them.
+  void measure_sides(PreparationShape& result) const {
+    const double out = settings_.kind == AssessedKind::kCrown ? 1.0 : -1.0;
+    const auto measure = [&](ToothSide side, const Eigen::Vector3d& to) {
+      constexpr double kLeastAcross = 0.5;  // sin 30 degrees
+      const Eigen::Vector3d in_frame = (m_from_frame_.linear().inverse() * to).normalized();
+      const Eigen::Vector2d across = in_frame.head<2>();
+      if (across.norm() < kLeastAcross) return;
+      const WallTaper taper = taper_facing(patches_, out * across.normalized());
+      if (!taper.worst) return;
+      result.wall_deg[static_cast<std::size_t>(side)] =
+          PlacedFigure{taper.mean_deg, world(taper.worst->at_mm)};
+    };
+    measure(ToothSide::kMesial, settings_.mesial);
+    measure(ToothSide::kDistal, -settings_.mesial);
+    measure(ToothSide::kBuccal, settings_.buccal);
+    measure(ToothSide::kLingual, -settings_.buccal);
   }
 
   /// How thick the tooth stands behind the walls, across the path.

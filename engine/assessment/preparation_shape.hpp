@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <optional>
 
 #include <Eigen/Core>
@@ -9,6 +11,8 @@
 #include "engine/scene/assessment_table.hpp"
 
 namespace sulcus {
+
+enum class ToothSide : std::uint8_t { kMesial, kDistal, kBuccal, kLingual };
 
 /// The shape of what was cut, as an examiner measures it. Lengths along the path of insertion or
 /// across it. None: the preparation has no such thing.
@@ -20,6 +24,10 @@ struct PreparationShape {
   /// Between walls that face each other, above 0 where the shape opens outward; its place is that
   /// of the wall that is most unlike the others.
   std::optional<PlacedFigure> convergence_deg;
+  /// The taper of the walls of each side, by ToothSide, above 0 where they open outward; its place
+  /// is that of the wall that is most unlike the others of the side. None also where the path of
+  /// insertion lies within 30 degrees of the direction of the side.
+  std::array<std::optional<PlacedFigure>, 4> wall_deg;
   /// Ra of the walls, the mean, and that of the roughest patch, at it.
   std::optional<PlacedFigure> roughness_um, greatest_roughness_um;
   /// What is hidden, along the path of insertion, by tooth above it, by area across the path.
@@ -39,13 +47,19 @@ struct PreparationShape {
 struct ShapeSettings {
   AssessedKind kind = AssessedKind::kCavity;
   Eigen::Vector3d insertion{0, 0, 1};  // out of the tooth, a unit vector
+  /// Out of the tooth to these sides, unit vectors.
+  Eigen::Vector3d mesial{1, 0, 0}, buccal{0, -1, 0};
   /// Overhangs that reach out less are roughness.
   double least_overhang_mm = 0.08;
   double pitch_mm = 0.02;  // between rays
 };
 
 inline ShapeSettings shape_settings(const AssessmentSettings& settings) {
-  return {.kind = settings.kind, .insertion = settings.insertion, .pitch_mm = settings.voxel_mm};
+  return {.kind = settings.kind,
+          .insertion = settings.insertion,
+          .mesial = settings.mesial,
+          .buccal = settings.buccal,
+          .pitch_mm = settings.voxel_mm};
 }
 
 /// Compares closed surfaces of a tooth before and after, in metres, in one space. They may be of

@@ -66,6 +66,8 @@ AssessmentSettings read_assessment(SceneTable& table) {
   }
   if (const auto kind = table.choice_if("kind")) settings.kind = AssessedKind(*kind);
   settings.insertion = table.direction("insertion");
+  settings.mesial = table.direction("mesial");
+  settings.buccal = table.direction("buccal");
   settings.tolerance_mm = table.number("tolerance_mm");
   settings.voxel_mm = table.number("voxel_mm");
   for (const MeasureName& measure : measure_names()) {

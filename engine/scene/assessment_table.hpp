@@ -38,10 +38,11 @@ inline constexpr std::array<std::string_view, 2> kAssessedKindNames{"cavity", "c
 /// [assessment]: what a preparation is measured and marked by. A run knows nothing of it.
 struct AssessmentSettings {
   AssessedKind kind = AssessedKind::kCavity;
-  Eigen::Vector3d insertion{0, 0, 1};  // out of the tooth, a unit vector
-  double tolerance_mm = 0.3;           // of a comparison with a goal
-  double voxel_mm = 0.02;              // between the rays that surfaces are measured on, at least
-  std::vector<MeasureLimit> limits;    // in the order of measure_names()
+  Eigen::Vector3d insertion{0, 0, 1};                 // out of the tooth, a unit vector
+  Eigen::Vector3d mesial{1, 0, 0}, buccal{0, -1, 0};  // out of the tooth, unit vectors
+  double tolerance_mm = 0.3;                          // of a comparison with a goal
+  double voxel_mm = 0.02;            // between the rays that surfaces are measured on, at least
+  std::vector<MeasureLimit> limits;  // in the order of measure_names()
 };
 
 /// Of a scene's text, or a file's with nothing but [assessment]; none where the table is absent.

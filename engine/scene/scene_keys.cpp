@@ -332,6 +332,8 @@ constexpr auto kAssessment = [] {
       choice("preset", kAssessmentPresets, "", "limits of a school; keys beside it go before them"),
       choice("kind", kAssessedKindNames, "(of the preset, else \"cavity\")", "what was prepared"),
       direction("insertion", "[0, 0, 1]", "path of insertion, out of the tooth"),
+      direction("mesial", "[1, 0, 0]", "out of the tooth to its mesial side"),
+      direction("buccal", "[0, -1, 0]", "out of the tooth to its buccal side"),
       number("tolerance_mm", {1e-3, 10}, "0.3", "of a comparison with a goal [Dai 2024]"),
       number(
           "voxel_mm", {1e-3, 1}, "0.02",

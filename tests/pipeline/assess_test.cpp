@@ -241,6 +241,30 @@ TEST_F(Assess, APlanThatIsNotOfTheToothIsRefused) {
   refused("--before " + scratch_.path("before.stl") + plan, "one of --before and --after");
 }
 
+TEST_F(Assess, WallsAreMeasuredBySide) {
+  const std::string recording = run("pocket", kPocket);
+  // A slot of straight walls along x; then the tooth as one of the other half of the mouth.
+  const nlohmann::json found = assessment(
+      recording + " --assessment " +
+      scratch_.write("a.toml",
+                     "[assessment]\nwall_mesial_deg = [-2, 2]\nwall_buccal_deg = [3, 8]\n"));
+  for (const char* name :
+       {"wall_mesial_deg", "wall_distal_deg", "wall_buccal_deg", "wall_lingual_deg"}) {
+    EXPECT_NEAR(measure(found, name)["value"], 0.0, 2.0) << name;
+    EXPECT_EQ(measure(found, name)["unit"], "deg");
+    EXPECT_FALSE(measure(found, name)["time_s"].is_null());
+  }
+  EXPECT_GT(measure(found, "wall_mesial_deg")["position_mm"][0], 0.5);
+  EXPECT_LT(measure(found, "wall_distal_deg")["position_mm"][0], 0.0);
+  EXPECT_LT(measure(found, "wall_buccal_deg")["position_mm"][1], -0.2);  // the ends are round
+  EXPECT_GT(measure(found, "wall_lingual_deg")["position_mm"][1], 0.2);
+  EXPECT_DOUBLE_EQ(found["mark"], 50.0);
+  const nlohmann::json mirrored =
+      assessment(recording + " --assessment " +
+                 scratch_.write("b.toml", "[assessment]\nbuccal = [0, 1, 0]\n"));
+  EXPECT_GT(measure(mirrored, "wall_buccal_deg")["position_mm"][1], 0.2);
+}
+
 TEST_F(Assess, VolumesGiveWhatTheRecordingGives) {
   const std::string recording = run("pocket", kPocket);
   const std::string limits = scratch_.write("a.toml", "[assessment]\ndepth_mm = 2\n");
