@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <vector>
 
 #include "engine/core/units.hpp"
 
@@ -39,8 +40,6 @@ RayLattice lattice_over(const Eigen::AlignedBox2d& box, double pitch_mm) {
 
 namespace {
 
-constexpr double kSliver_mm = 0.06;  // half the width of what is cut at least
-
 RayMask removed_rays(const RayStack& before, const RayStack& after, const RayLattice& lattice) {
   RayMask removed(lattice.size());
   for (std::size_t place = 0; place < lattice.size(); ++place) {
@@ -60,10 +59,6 @@ bool all_round(const RayLattice& lattice, const Eigen::Vector3d& p_mm, const Tes
 }
 
 }  // namespace
-
-RayMask cut_rays(const RayStack& before, const RayStack& after, const RayLattice& lattice) {
-  return opened(removed_rays(before, after, lattice), kSliver_mm, lattice);
-}
 
 Eigen::AlignedBox2d box_of_removed(const TriangleMesh& before, const TriangleMesh& after) {
   const RayLattice rough = lattice_over(box_of(before).merged(box_of(after)), kCoarsePitch_mm);
@@ -88,6 +83,26 @@ bool is_deep_in(const RayStack& solid, const RayLattice& lattice, const Eigen::V
 bool is_clear_of(const RayStack& solid, const RayLattice& lattice, const Eigen::Vector3d& p_mm) {
   return all_round(lattice, p_mm,
                    [&](std::size_t place, double z_mm) { return !solid.contains(place, z_mm); });
+}
+
+RayMask cut_rays(const RayStack& before, const RayStack& after, const RayLattice& lattice,
+                 double reach_mm) {
+  RayMask cut(lattice.size()), thick(lattice.size());
+  for (std::size_t place = 0; place < lattice.size(); ++place) {
+    const Eigen::Vector2d at = lattice.at_mm(place);
+    for (const auto& [bottom, top] : without(before.spans(place), after.spans(place), kSame_mm)) {
+      const Eigen::Vector3d middle(at.x(), at.y(), 0.5 * (bottom + top));
+      cut[place] = 1;
+      if (is_deep_in(before, lattice, middle) && is_clear_of(after, lattice, middle)) {
+        thick[place] = 1;
+      }
+    }
+  }
+  const std::vector<double> to_thick_mm = distances_to(thick, lattice);
+  for (std::size_t place = 0; place < lattice.size(); ++place) {
+    if (to_thick_mm[place] > reach_mm) cut[place] = 0;
+  }
+  return cut;
 }
 
 double share_outside(const TriangleMesh& before, const TriangleMesh& after,

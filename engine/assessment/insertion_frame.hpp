@@ -24,9 +24,11 @@ Eigen::AlignedBox2d box_of(const TriangleMesh& mesh);
 /// Rays that stand `pitch_mm` apart, or so far that there are at most 2 million.
 RayLattice lattice_over(const Eigen::AlignedBox2d& box, double pitch_mm);
 
-/// The rays on which something was removed, without the slivers that two surfaces of one tooth
-/// leave between each other.
-RayMask cut_rays(const RayStack& before, const RayStack& after, const RayLattice& lattice);
+/// The rays on which something was removed, as far as `reach_mm` from where it is thicker, to all
+/// sides, than what two surfaces of one tooth leave between each other, which is long along a ray
+/// on steep faces. All of them where `reach_mm` is infinite.
+RayMask cut_rays(const RayStack& before, const RayStack& after, const RayLattice& lattice,
+                 double reach_mm);
 
 /// Where something was removed, roughly, slivers among it; empty where nothing was.
 Eigen::AlignedBox2d box_of_removed(const TriangleMesh& before, const TriangleMesh& after);

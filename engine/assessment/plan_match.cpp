@@ -23,6 +23,7 @@ namespace sulcus {
 namespace {
 
 constexpr double kPiece_mm = 0.1;
+constexpr double kToWalls_mm = 3.0 * kSame_mm;  // from where a cut is sure to be one
 
 /// Triangles, and a tree of boxes over them.
 class Walls {
@@ -90,8 +91,8 @@ class PlanMeter {
         before_(before, lattice),
         after_(after, lattice),
         plan_(plan, lattice),
-        removed_(rays_of_cut(after_)),
-        wanted_(rays_of_cut(plan_)),
+        removed_(cut_rays(before_, after_, lattice, kToWalls_mm)),
+        wanted_(cut_rays(before_, plan_, lattice, kToWalls_mm)),
         to_removed_mm_(distances_to(removed_, lattice)),
         to_wanted_mm_(distances_to(wanted_, lattice)) {}
 
@@ -115,28 +116,6 @@ class PlanMeter {
   }
 
  private:
-  /// The rays of what is gone, up to the walls, without what two surfaces of one tooth leave
-  /// between each other on steep faces: somewhere beside them it is thicker than that.
-  RayMask rays_of_cut(const RayStack& now) const {
-    constexpr double kToWalls_mm = 3.0 * kSame_mm;
-    RayMask gone(lattice_.size()), thick(lattice_.size());
-    for (std::size_t place = 0; place < lattice_.size(); ++place) {
-      const Eigen::Vector2d at = lattice_.at_mm(place);
-      for (const RayStack::Span& span : without(before_.spans(place), now.spans(place), kSame_mm)) {
-        const Eigen::Vector3d middle(at.x(), at.y(), 0.5 * (span.bottom_mm + span.top_mm));
-        gone[place] = 1;
-        if (is_deep_in(before_, lattice_, middle) && is_clear_of(now, lattice_, middle)) {
-          thick[place] = 1;
-        }
-      }
-    }
-    const std::vector<double> to_thick_mm = distances_to(thick, lattice_);
-    for (std::size_t place = 0; place < lattice_.size(); ++place) {
-      if (to_thick_mm[place] > kToWalls_mm) gone[place] = 0;
-    }
-    return gone;
-  }
-
   /// Calls `visit` for the pieces of a mesh over which there are rays.
   template <class Visit>
   void for_pieces(const TriangleMesh& mesh, const Visit& visit) const {
@@ -148,7 +127,7 @@ class PlanMeter {
       for (const Eigen::Vector3d& p : corner) box.extend(p.head<2>());
       if (!box.intersects(rays)) continue;
       for_each_piece(corner, kPiece_mm, [&](const SurfacePiece& piece) {
-        if (rays.contains(piece.middle().head<2>())) visit(piece);
+        if (lattice_.covers(piece.middle().head<2>())) visit(piece);
       });
     }
   }

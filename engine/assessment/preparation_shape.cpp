@@ -19,6 +19,8 @@ namespace sulcus {
 
 namespace {
 
+constexpr double kSliver_mm = 0.06;  // half the width of what is cut at least
+constexpr double kToCut_mm = 0.5;    // from where it is sure to be cut; overhangs hide that much
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFloorSlope = 0.84;   // tan 40 degrees
 constexpr double kSlopeOver_mm = 0.1;  // to each side
@@ -36,17 +38,20 @@ class ShapeMeter {
         after_mesh_(after),
         m_from_frame_(insertion_frame_from_m(settings.insertion).inverse()) {
     const std::size_t rays = lattice.size();
-    cut_ = cut_rays(before_, after_, lattice);
+    cut_ = cut(kToCut_mm);
+    // So little was removed that it is not sure anywhere.
+    if (!any_of(cut_)) cut_ = cut(std::numeric_limits<double>::infinity());
     top_.assign(rays, kNone);
     depth_.assign(rays, kNone);
     open_.assign(rays, 0);
     hidden_.assign(rays, 0);
     beyond_.assign(rays, 0);
     for (std::size_t place = 0; place < rays; ++place) look_at(place);
+    find_hidden();
   }
 
   std::optional<PreparationShape> shape() {
-    if (std::ranges::find(cut_, char{1}) == cut_.end()) return {};
+    if (!any_of(cut_)) return {};
     PreparationShape result;
     result.removed_mm3 = removed_mm3_;
     measure_floor(result);
@@ -61,6 +66,10 @@ class ShapeMeter {
   }
 
  private:
+  static bool any_of(const RayMask& mask) { return std::ranges::find(mask, char{1}) != mask.end(); }
+  RayMask cut(double reach_mm) const {
+    return opened(cut_rays(before_, after_, lattice_, reach_mm), kSliver_mm, lattice_);
+  }
   void look_at(std::size_t place) {
     const auto now = after_.spans(place);
     const double top = now.empty() ? -std::numeric_limits<double>::infinity() : now.back().top_mm;
@@ -72,10 +81,26 @@ class ShapeMeter {
       if (gone.top_mm > top) {
         open_[place] = 1;
         depth_[place] = before_.spans(place).back().top_mm - top;
-      } else {
-        hidden_[place] = 1;
       }
     }
+  }
+  /// Not below all that can be seen, where only two surfaces of a root differ.
+  void find_hidden() {
+    constexpr double kFar = std::numeric_limits<double>::infinity();
+    lowest_open_mm_ = kFar;
+    for (std::size_t place = 0; place < cut_.size(); ++place) {
+      if (!open_[place]) continue;
+      lowest_open_mm_ = std::min(lowest_open_mm_, std::isnan(top_[place]) ? -kFar : top_[place]);
+    }
+    for (std::size_t place = 0; place < cut_.size(); ++place) {
+      hidden_[place] = cut_[place] && hidden_span(place);
+    }
+  }
+  std::optional<RayStack::Span> hidden_span(std::size_t place) const {
+    for (const auto& gone : without(before_.spans(place), after_.spans(place), kSame_mm)) {
+      if (gone.top_mm <= top_[place] && gone.top_mm > lowest_open_mm_) return gone;
+    }
+    return {};
   }
 
   /// Whether the tooth ended there before, below what was cut off over it.
@@ -168,7 +193,7 @@ class ShapeMeter {
   /// Above what would be the finish line.
   bool stump_stands() const {
     const RayMask core = core_over_margin();
-    return std::ranges::find(core, char{1}) != core.end();
+    return any_of(core);
   }
   /// Where the tooth stands a little above the finish line that is nearest, which rises and falls
   /// round a tooth.
@@ -236,6 +261,7 @@ class ShapeMeter {
   bool is_of_wall(const WallSample& sample, double beside_mm) const {
     const Eigen::Vector2d facing = sample.normal.head<2>().normalized();
     const Eigen::Vector2d at = sample.at_mm.head<2>();
+    if (!lattice_.covers(at)) return false;  // what is known there is of other places
     const double low = top_[lattice_.nearest(at + beside_mm * facing)];
     const double high = top_[lattice_.nearest(at - beside_mm * facing)];
     const double edge = std::max(0.1, 0.15 * (high - low));
@@ -297,14 +323,11 @@ class ShapeMeter {
   std::optional<double> tooth_behind(const WallPatch& patch) const {
     constexpr double kToTooth_mm = 0.15;  // by which a fit may lie before the wall itself
     const double step = 0.5 * lattice_.pitch_mm;
-    const Eigen::Vector2d last =
-        (Eigen::Vector2d(lattice_.nx, lattice_.ny) - Eigen::Vector2d::Ones()) * lattice_.pitch_mm;
     bool entered = false;
     std::optional<double> left_at;
     for (double way = 0.0;; way += step) {
       const Eigen::Vector2d at = patch.at_mm.head<2>() - way * patch.facing;
-      const Eigen::Array2d inside = at - lattice_.first_mm;
-      if ((inside < 0.0).any() || (inside > last.array()).any()) return {};
+      if (!lattice_.covers(at)) return {};
       const bool tooth = after_.contains(lattice_.nearest(at), patch.at_mm.z());
       if (entered && !tooth) {
         left_at = way;
@@ -334,9 +357,8 @@ class ShapeMeter {
     for (std::size_t i = 0; i < cut_.size(); ++i) {
       rays += hidden_[i] && from_deep[i] <= 1.5 * settings_.least_overhang_mm ? 1u : 0u;
     }
-    const auto gone = without(before_.spans(*worst), after_.spans(*worst), kSame_mm);
-    const double z = gone.empty() ? 0.0 : 0.5 * (gone.front().bottom_mm + gone.front().top_mm);
-    return {area_mm2(rays), world(*worst, z)};
+    const RayStack::Span gone = hidden_span(*worst).value();
+    return {area_mm2(rays), world(*worst, 0.5 * (gone.bottom_mm + gone.top_mm))};
   }
 
   /// Of a section halfway between the floor and the tooth as it was.
@@ -439,6 +461,7 @@ class ShapeMeter {
   RayComponent margin_;              // of a crown
   std::vector<WallPatch> patches_;
   double removed_mm3_ = 0.0;
+  double lowest_open_mm_ = 0.0;  // of what can be seen of the cut
 };
 
 }  // namespace
@@ -450,7 +473,7 @@ std::optional<PreparationShape> preparation_shape(const TriangleMesh& before,
   const TriangleMesh was = moved(before, frame), is = moved(after, frame);
   const Eigen::AlignedBox2d removed = box_of_removed(was, is);
   if (removed.isEmpty()) return {};
-  constexpr double kBeside_mm = 3.0;  // as far as the tooth may stand behind a wall
+  constexpr double kBeside_mm = 6.0;  // as far as the tooth may stand behind a wall
   const Eigen::AlignedBox2d where =
       widened(removed, kBeside_mm).intersection(box_of(was).merged(box_of(is)));
   const RayLattice lattice = lattice_over(where, settings.pitch_mm);

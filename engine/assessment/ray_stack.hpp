@@ -35,6 +35,11 @@ struct RayLattice {
   Eigen::Vector2d at_mm(std::size_t place) const {
     return first_mm + pitch_mm * Eigen::Vector2d(x_of(place), y_of(place));
   }
+  /// Whether a point lies among the rays.
+  bool covers(const Eigen::Vector2d& p_mm) const {
+    const Eigen::Array2d at = (p_mm - first_mm) / pitch_mm;
+    return (at >= 0.0).all() && at.x() <= nx - 1 && at.y() <= ny - 1;
+  }
   /// The ray nearest to a point; clamped to the lattice.
   std::size_t nearest(const Eigen::Vector2d& p_mm) const;
 };

@@ -207,6 +207,35 @@ TEST_F(ShapeOfMeshes, AreMeasuredAsTheyAreWhereverTheyStand) {
   EXPECT_NEAR(stump.depth_mm->value, 1.0, 0.005);
 }
 
+/// Steep faces further away than is looked at, beyond a valley.
+TEST_F(ShapeOfMeshes, WallsAreNotThoseOfTeethFarAway) {
+  const Profile jaw{{0, -6}, {9.8, -6}, {9.8, 2}, {9.7, 2}, {9.1, -4}, {9, -4}, {8.6, 2}, {0, 2}};
+  Profile cut = jaw;
+  cut.back() = {1.3, 2};
+  cut.insert(cut.end(), {{1.2, 0.5}, {0, 0.5}});
+  const auto found = shape(jaw, cut, AssessedKind::kCavity, Eigen::Affine3d::Identity());
+  const double taper = std::atan(0.1 / 1.5) * 180.0 / std::numbers::pi;
+  EXPECT_NEAR(found.convergence_deg->value, 2.0 * taper, 0.05);
+  for (const auto& side : found.wall_deg) EXPECT_NEAR(side->value, taper, 0.05);
+}
+
+/// As scans do, that were laid over each other.
+TEST_F(ShapeOfMeshes, AToothThatIsALittleOffHasNoUndercutAtItsRoot) {
+  const Profile tooth{{0, -9}, {1.0, -9}, {3.5, -2}, {4.0, 1}, {3.0, 3}, {0, 3}};
+  const Profile cut{{0, -9},  {1.0, -9}, {3.5, -2},  {4.0, 1},
+                    {3.0, 3}, {1.2, 3},  {1.1, 1.5}, {0, 1.5}};
+  const Eigen::Affine3d here = Eigen::Affine3d::Identity();
+  const Eigen::Affine3d off(Eigen::Translation3d(0.03e-3, -0.02e-3, 0.02e-3));
+  const auto found =
+      preparation_shape(test::turned_mesh(tooth, 200, here), test::turned_mesh(cut, 331, off), {});
+  ASSERT_TRUE(found && found->depth_mm && found->convergence_deg);
+  EXPECT_EQ(found->undercut_mm2.value, 0.0);
+  EXPECT_NEAR(found->depth_mm->value, 1.5, 0.03);
+  EXPECT_NEAR(found->convergence_deg->value, 2.0 * std::atan(0.1 / 1.5) * 180.0 / std::numbers::pi,
+              0.1);
+  EXPECT_NEAR(found->isthmus_mm->value, 2.3, 0.03);
+}
+
 TEST_F(ShapeOfMeshes, NothingIsRemovedWhereOnlyTheTrianglesDiffer) {
   const auto none =
       preparation_shape(test::turned_mesh(block(), 90, Eigen::Affine3d::Identity()),
