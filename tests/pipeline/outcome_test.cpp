@@ -1,6 +1,10 @@
 // What summary.json says that a cut did to the tooth, against the recording of the same run.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -66,6 +70,52 @@ TEST(Outcome, TheAccessCavityExposesThePulpWhenItsEditsDo) {
   EXPECT_EQ(outcome["dentine_over_pulp_mm"], 0.0);
   EXPECT_FALSE(outcome.contains("caries_left_mm3")) << "no such tissue in the scene";
   EXPECT_FALSE(outcome.contains("pulp_distance")) << "nor a distance to be kept";
+}
+
+TEST(Outcome, DentineOverThePulpIsThatOfEveryPairOfVoxels) {
+  const ScratchFolder scratch;
+  const RecordedOutcome run(
+      scratch, std::string(SULCUS_SOURCE_DIR) +
+                   "/scenes/access_cavity.toml --set workpiece.voxel_mm=0.15 "
+                   "--set 'workpiece.cells=[96, 88, 168]' --set 'burr.field=[48, 192, 48]' "
+                   "--set 'trajectory.points_mm=[[0.9, 0.3, 6], [0.7, 0.2, 2.9], [0.1, -0.3, 3]]'");
+  std::vector<Eigen::Vector3i> pulp;
+  for (std::uint32_t v = 0; v < run.start.grid.cell_count(); ++v) {
+    const Cell c = run.start.grid.cell_of_linear(v);
+    if (run.start.solid(c) && run.start.tissue(c) == 2) pulp.push_back(c);
+  }
+  ASSERT_GT(pulp.size(), 1000u);
+  int least = std::numeric_limits<int>::max();
+  Edit nearest;
+  for (const Edit& edit : run.edits) {
+    const Cell c = run.start.grid.cell_of_linear(edit.voxel);
+    for (const Eigen::Vector3i& p : pulp) {
+      const int x = c.x() - p.x(), y = c.y() - p.y(), z = c.z() - p.z();
+      const int squared = x * x + y * y + z * z;
+      if (squared < least) least = squared, nearest = edit;
+    }
+  }
+  ASSERT_GT(least, 4);
+  const double wall_mm = 0.15 * (std::sqrt(static_cast<double>(least)) - 1.0);
+  EXPECT_NEAR(run.summary["outcome"]["dentine_over_pulp_mm"].get<double>(), wall_mm, 1e-9);
+
+  const auto assessed = sulcus_command(
+      "assess " + scratch.path("out/recording.h5") + " --no-render -o " + scratch.path("assessed") +
+          " --assessment " + scratch.write("pulp.toml", "[assessment]\ndentine_over_pulp_mm = 5\n"),
+      scratch.path("err"));
+  ASSERT_EQ(assessed.status, 0) << assessed.err;
+  const auto json =
+      nlohmann::json::parse(test::read_file(scratch.path("assessed/assessment.json")));
+  const auto measure = std::ranges::find_if(
+      json["measures"], [](const auto& m) { return m["name"] == "dentine_over_pulp_mm"; });
+  ASSERT_NE(measure, json["measures"].end());
+  EXPECT_NEAR((*measure)["value"].get<double>(), wall_mm, 1e-9);
+  EXPECT_EQ((*measure)["tick"], nearest.tick);
+  const Eigen::Vector3d at_m =
+      run.start.grid.centre_world(run.start.grid.cell_of_linear(nearest.voxel));
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR((*measure)["position_mm"][axis].get<double>(), 1e3 * at_m[axis], 1e-6);
+  }
 }
 
 TEST(Outcome, BeforeTheRoofIsThroughThePulpIsNotExposed) {

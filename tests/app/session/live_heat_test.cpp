@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "app/terminal/terminal.hpp"
 #include "tests/outcome/labelled_model.hpp"
 #include "tests/support/scene_text.hpp"
 #include "tests/support/shapes.hpp"
@@ -81,7 +82,7 @@ TEST(LiveHeat, SaysWhatTheSummaryWillSay) {
   whole.advance(log, 1.5);
   const double rise_K = whole.result().pulp->end_change_K();
   EXPECT_GT(rise_K, 1.0);
-  EXPECT_EQ(line(lines, "Pulp's wall").substr(0, 3), ("+" + std::to_string(rise_K)).substr(0, 3));
+  EXPECT_EQ(line(lines, "Pulp's wall").substr(0, 3), formatted("%+.4f", rise_K).substr(0, 3));
 }
 
 TEST(LiveHeat, WarnsOnceThePulpIsTooWarmAndFromThenOn) {
