@@ -84,23 +84,39 @@ class ShapeMeter {
       }
     }
   }
-  /// Not below all that can be seen, where only two surfaces of a root differ.
+  /// Below all that can be seen two surfaces of a root may differ: there it counts only beside
+  /// where the removed is thicker than that.
   void find_hidden() {
     constexpr double kFar = std::numeric_limits<double>::infinity();
-    lowest_open_mm_ = kFar;
+    double lowest_open_mm = kFar;
     for (std::size_t place = 0; place < cut_.size(); ++place) {
       if (!open_[place]) continue;
-      lowest_open_mm_ = std::min(lowest_open_mm_, std::isnan(top_[place]) ? -kFar : top_[place]);
+      lowest_open_mm = std::min(lowest_open_mm, std::isnan(top_[place]) ? -kFar : top_[place]);
     }
+    RayMask below(cut_.size()), thick(cut_.size());
     for (std::size_t place = 0; place < cut_.size(); ++place) {
-      hidden_[place] = cut_[place] && hidden_span(place);
+      const auto gone = hidden_span(place);
+      if (!gone) continue;
+      hidden_[place] = gone->top_mm > lowest_open_mm;
+      below[place] = !hidden_[place];
+      const Eigen::Vector2d at = lattice_.at_mm(place);
+      const Eigen::Vector3d middle(at.x(), at.y(), 0.5 * (gone->bottom_mm + gone->top_mm));
+      thick[place] = below[place] && is_deep_in(before_, lattice_, middle) &&
+                     is_clear_of(after_, lattice_, middle);
+    }
+    const std::vector<double> to_thick_mm = distances_to(thick, lattice_);
+    for (std::size_t place = 0; place < cut_.size(); ++place) {
+      if (below[place] && to_thick_mm[place] <= 2.0 * kSame_mm) hidden_[place] = 1;
     }
   }
+  /// The highest of what was removed below tooth.
   std::optional<RayStack::Span> hidden_span(std::size_t place) const {
+    if (!cut_[place]) return {};
+    std::optional<RayStack::Span> highest;
     for (const auto& gone : without(before_.spans(place), after_.spans(place), kSame_mm)) {
-      if (gone.top_mm <= top_[place] && gone.top_mm > lowest_open_mm_) return gone;
+      if (gone.top_mm <= top_[place]) highest = gone;
     }
-    return {};
+    return highest;
   }
 
   /// Whether the tooth ended there before, below what was cut off over it.
@@ -461,7 +477,6 @@ class ShapeMeter {
   RayComponent margin_;              // of a crown
   std::vector<WallPatch> patches_;
   double removed_mm3_ = 0.0;
-  double lowest_open_mm_ = 0.0;  // of what can be seen of the cut
 };
 
 }  // namespace

@@ -173,6 +173,28 @@ TEST(ShapeOfTwoCavities, IsAsWideAsEachOfThem) {
   EXPECT_NEAR(found->width_mm->value, 1.1, 0.05);
 }
 
+/// With a pit over it or without, however deep that is: 1 mm wide, right through the block.
+TEST(ShapeOfATunnel, IsAnUndercutFromEndToEnd) {
+  constexpr double kVoxel_m = 0.05e-3;
+  const auto block_with = [&](bool tunnel, int pit) {
+    return closed_surface(test::make_model({96, 64, 48}, kVoxel_m, [&](const Cell& c) {
+      if ((c.array() < 4).any() || c.x() >= 92 || c.y() >= 60 || c.z() >= 44) return false;
+      const bool in_tunnel = c.y() >= 20 && c.y() < 40 && c.z() >= 10 && c.z() < 22;
+      const bool in_pit = std::hypot(c.x() - 47.5, c.y() - 29.5) < 9.0 && c.z() >= 44 - pit;
+      return !(tunnel && in_tunnel) && !in_pit;
+    }));
+  };
+  const TriangleMesh before = block_with(false, 0);
+  double bottom_m = 1.0;
+  for (const auto& p : before.positions) bottom_m = std::min(bottom_m, double{p.z()});
+  for (const int pit : {0, 12}) {  // its floor is above the tunnel
+    const auto found = preparation_shape(before, block_with(true, pit), {});
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(found->undercut_mm2.value, 4.4 * 1.0, 0.1 * 4.4) << pit;
+    EXPECT_NEAR(found->undercut_mm2.at_m.z() - bottom_m, 12 * kVoxel_m, kVoxel_m) << pit;
+  }
+}
+
 class ShapeOfMeshes : public ::testing::Test {
  protected:
   /// Of other corners to the circle before and after.
