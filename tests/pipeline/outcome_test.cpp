@@ -19,6 +19,12 @@ namespace {
 
 using test::sulcus_command;
 
+/// Enamel, dentine, pulp, in voxels of 0.15 mm; options may follow.
+const std::string kCoarseAccess = std::string(SULCUS_SOURCE_DIR) +
+                                  "/scenes/access_cavity.toml --set workpiece.voxel_mm=0.15 "
+                                  "--set 'workpiece.cells=[96, 88, 168]' "
+                                  "--set 'burr.field=[48, 192, 48]' ";
+
 /// A run of a scene with options, its summary and its recording.
 struct RecordedOutcome {
   RecordedOutcome(const ScratchFolder& scratch, const std::string& scene_and_options) {
@@ -41,10 +47,8 @@ TEST(Outcome, TheAccessCavityExposesThePulpWhenItsEditsDo) {
   const ScratchFolder scratch;
   // Coarse, and straight down through the roof of the chamber.
   const RecordedOutcome run(
-      scratch, std::string(SULCUS_SOURCE_DIR) +
-                   "/scenes/access_cavity.toml --set workpiece.voxel_mm=0.15 "
-                   "--set 'workpiece.cells=[96, 88, 168]' --set 'burr.field=[48, 192, 48]' "
-                   "--set 'trajectory.points_mm=[[0.46, -0.12, 6], [0.46, -0.12, 1.3]]'");
+      scratch,
+      kCoarseAccess + "--set 'trajectory.points_mm=[[0.46, -0.12, 6], [0.46, -0.12, 1.3]]'");
   constexpr std::uint8_t kPulp = 2;  // of enamel, dentine, pulp
   VoxelModel tooth = run.start;
   const auto is_pulp = [&](const Cell& c) { return tooth.solid(c) && tooth.tissue(c) == kPulp; };
@@ -75,9 +79,7 @@ TEST(Outcome, TheAccessCavityExposesThePulpWhenItsEditsDo) {
 TEST(Outcome, DentineOverThePulpIsThatOfEveryPairOfVoxels) {
   const ScratchFolder scratch;
   const RecordedOutcome run(
-      scratch, std::string(SULCUS_SOURCE_DIR) +
-                   "/scenes/access_cavity.toml --set workpiece.voxel_mm=0.15 "
-                   "--set 'workpiece.cells=[96, 88, 168]' --set 'burr.field=[48, 192, 48]' "
+      scratch, kCoarseAccess +
                    "--set 'trajectory.points_mm=[[0.9, 0.3, 6], [0.7, 0.2, 2.9], [0.1, -0.3, 3]]'");
   std::vector<Eigen::Vector3i> pulp;
   for (std::uint32_t v = 0; v < run.start.grid.cell_count(); ++v) {
@@ -121,9 +123,7 @@ TEST(Outcome, DentineOverThePulpIsThatOfEveryPairOfVoxels) {
 TEST(Outcome, BeforeTheRoofIsThroughThePulpIsNotExposed) {
   const ScratchFolder scratch;
   const RecordedOutcome run(
-      scratch, std::string(SULCUS_SOURCE_DIR) +
-                   "/scenes/access_cavity.toml --set workpiece.voxel_mm=0.15 "
-                   "--set 'workpiece.cells=[96, 88, 168]' --set 'burr.field=[48, 192, 48]' "
+      scratch, kCoarseAccess +
                    "--set 'tissue=[\"enamel\", \"dentine\", \"pulp\", \"caries\"]' "
                    "--set workpiece.molar.caries_radius_mm=1.2 --set goal.pulp_distance_mm=2 "
                    "--set 'trajectory.points_mm=[[0.46, -0.12, 6], [0.46, -0.12, 3.4]]'");
