@@ -85,17 +85,20 @@ bool is_clear_of(const RayStack& solid, const RayLattice& lattice, const Eigen::
                    [&](std::size_t place, double z_mm) { return !solid.contains(place, z_mm); });
 }
 
+bool is_thick(const RayStack& before, const RayStack& after, const RayLattice& lattice,
+              std::size_t place, const RayStack::Span& removed) {
+  const Eigen::Vector2d at = lattice.at_mm(place);
+  const Eigen::Vector3d middle(at.x(), at.y(), 0.5 * (removed.bottom_mm + removed.top_mm));
+  return is_deep_in(before, lattice, middle) && is_clear_of(after, lattice, middle);
+}
+
 RayMask cut_rays(const RayStack& before, const RayStack& after, const RayLattice& lattice,
                  double reach_mm) {
   RayMask cut(lattice.size()), thick(lattice.size());
   for (std::size_t place = 0; place < lattice.size(); ++place) {
-    const Eigen::Vector2d at = lattice.at_mm(place);
-    for (const auto& [bottom, top] : without(before.spans(place), after.spans(place), kSame_mm)) {
-      const Eigen::Vector3d middle(at.x(), at.y(), 0.5 * (bottom + top));
+    for (const auto& gone : without(before.spans(place), after.spans(place), kSame_mm)) {
       cut[place] = 1;
-      if (is_deep_in(before, lattice, middle) && is_clear_of(after, lattice, middle)) {
-        thick[place] = 1;
-      }
+      if (is_thick(before, after, lattice, place, gone)) thick[place] = 1;
     }
   }
   const std::vector<double> to_thick_mm = distances_to(thick, lattice);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 #include <Eigen/Geometry>
 
 #include "engine/assessment/ray_mask.hpp"
@@ -39,6 +41,9 @@ Eigen::AlignedBox2d widened(const Eigen::AlignedBox2d& box, double by_mm);
 bool is_deep_in(const RayStack& solid, const RayLattice& lattice, const Eigen::Vector3d& p_mm);
 /// Whether it stays further away than that, likewise.
 bool is_clear_of(const RayStack& solid, const RayLattice& lattice, const Eigen::Vector3d& p_mm);
+/// Whether what was removed along a ray is thicker than that, likewise.
+bool is_thick(const RayStack& before, const RayStack& after, const RayLattice& lattice,
+              std::size_t place, const RayStack::Span& removed);
 
 /// Whether two meshes are of one tooth in one place: the share of the second's volume that lies
 /// outside of the first. What was cut lies in what was there. 1 where the second encloses nothing.

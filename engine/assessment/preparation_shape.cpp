@@ -99,10 +99,7 @@ class ShapeMeter {
       if (!gone) continue;
       hidden_[place] = gone->top_mm > lowest_open_mm;
       below[place] = !hidden_[place];
-      const Eigen::Vector2d at = lattice_.at_mm(place);
-      const Eigen::Vector3d middle(at.x(), at.y(), 0.5 * (gone->bottom_mm + gone->top_mm));
-      thick[place] = below[place] && is_deep_in(before_, lattice_, middle) &&
-                     is_clear_of(after_, lattice_, middle);
+      thick[place] = below[place] && is_thick(before_, after_, lattice_, place, *gone);
     }
     const std::vector<double> to_thick_mm = distances_to(thick, lattice_);
     for (std::size_t place = 0; place < cut_.size(); ++place) {
