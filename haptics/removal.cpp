@@ -45,53 +45,130 @@ std::array<double, 256> RemovalState::stored_by_tissue_J(const Workpiece& workpi
 
 namespace {
 
-/// Cuts voxels that carry fractions.
+/// Cuts voxels that carry fractions: first each contact's own voxel, then, where that is gone, the
+/// columns beneath. So the order of the contacts, which is the grid's, decides nothing but which of
+/// several columns through a voxel comes first.
 class FillCut {
  public:
-  FillCut(Workpiece& workpiece, std::uint64_t tick, RemovalState& state, std::vector<Edit>& edits)
-      : workpiece_(workpiece), tick_(tick), state_(state), edits_(edits) {}
+  FillCut(Workpiece& workpiece, std::span<const TissueSettings> tissues, std::uint64_t tick,
+          RemovalState& state, std::vector<Edit>& edits)
+      : workpiece_(workpiece),
+        tissues_(tissues),
+        level_m3_(workpiece.grid().voxel_volume_m3() / kFullLevel),
+        tick_(tick),
+        state_(state),
+        edits_(edits) {}
 
-  /// Spends energy on what lies in the burr at a contact: its column, along the axis that its
-  /// normal is nearest to, from its voxel inward, to the contact's depth and while it is of the
-  /// same tissue.
-  struct Spent {
-    double removed_J = 0.0;  // on levels that are gone
-    Cell cell;               // where it ended
-  };
-  Spent cut(const Contact& contact, double level_J, double energy_J) noexcept {
-    int axis = 0;
-    const float along = contact.normal.cwiseAbs().maxCoeff(&axis);
-    if (!(along > 0.0f)) return {0.0, contact.cell};
-    const double inside = kFullLevel * static_cast<double>(contact.depth_m) /
-                          (workpiece_.grid().voxel_m * static_cast<double>(along));
-    const auto room = static_cast<int>(std::min(std::lround(inside), long{kMostLevels}));
-    int levels = static_cast<int>(std::min(energy_J / level_J, static_cast<double>(room)));
-    Cell cell = contact.cell;
-    const int inward = contact.normal[axis] > 0.0f ? -1 : 1;
+  /// Spends energy on the contact's own voxel. What of it is left waits there: less than a level,
+  /// or where the voxel is gone, what more of the contact's column lies in the burr. All else is
+  /// heat.
+  void cut_own(const Contact& contact, double spent_J) noexcept {
+    const std::uint32_t key = contact.key();
+    double left_J = state_.part_cut.energy(key) + spent_J;
+    state_.part_cut.set_energy(key, 0.0);
+    const double level_J = energy_of_level_J(contact);
+    const int room = levels_in_burr(contact), levels = levels_of(left_J, level_J, room);
     int gone = 0;
-    while (levels > 0 && stands(cell, contact.tissue)) {
-      const int taken = lower(cell, levels, contact.tissue);
-      if (taken == 0) break;
-      gone += taken;
-      levels -= taken;
-      if (!workpiece_.solid(cell)) cell[axis] += inward;
+    // Another contact's column may have reached it.
+    if (stands(contact.cell, contact.tissue)) gone = lower(contact.cell, levels, contact.tissue);
+    spend(contact, gone * level_J);
+    left_J += std::exchange(waited_J_, 0.0) - gone * level_J;
+    const bool is_gone = !workpiece_.solid(contact.cell);
+    const double most_J = is_gone ? (room - gone + 1) * level_J : level_J;
+    if (left_J < most_J) return wait(contact, contact.cell, left_J);
+    // Beyond the burr nothing is cut.
+    const double kept_J = is_gone ? (room - gone) * level_J : 0.0;
+    wait(contact, contact.cell, kept_J);
+    heat(contact, left_J - kept_J);
+  }
+  /// Spends what waits in the contact's voxel that is gone on its column inward, along the axis
+  /// that the normal is nearest to, while it is of the same tissue. Where the normal is as near to
+  /// another axis, as on an edge, half is spent along each. What is gone already is passed over.
+  void cut_beneath(const Contact& contact) noexcept {
+    if (workpiece_.solid(contact.cell)) return;
+    const std::uint32_t key = contact.key();
+    double left_J = state_.part_cut.energy(key);
+    if (!(left_J > 0.0)) return;
+    state_.part_cut.set_energy(key, 0.0);
+    const double level_J = energy_of_level_J(contact);
+    const Eigen::Vector3f sizes = contact.normal.cwiseAbs();
+    const float least = kEqualAxes * sizes.maxCoeff();
+    const auto columns = static_cast<int>((sizes.array() >= least).count());
+    const int room = levels_in_burr(contact);
+    const int levels = levels_of(left_J, level_J, room) / columns;
+    std::array<Cell, 3> ends;
+    int gone = 0, column = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (sizes[axis] < least) continue;
+      const Cell inward = contact.normal[axis] > 0.0f ? Cell(-Cell::Unit(axis)) : Cell::Unit(axis);
+      Cell& end = ends[static_cast<std::size_t>(column++)] = contact.cell;
+      gone += cut_column(end, inward, levels, 1 + room / kFullLevel, contact.tissue);
     }
-    return {gone * level_J, cell};
+    spend(contact, gone * level_J);
+    left_J += std::exchange(waited_J_, 0.0) - gone * level_J;
+    for (const Cell& end : std::span(ends).first(static_cast<std::size_t>(columns))) {
+      const double share_J = left_J / columns;
+      const bool may_wait = share_J < level_J && stands(end, contact.tissue);
+      may_wait ? wait(contact, end, share_J) : heat(contact, share_J);
+    }
   }
-  bool stands(const Cell& cell, std::uint8_t tissue) const noexcept {
-    return workpiece_.solid(cell) && workpiece_.tissue(cell) == tissue;
+  /// Of the contact, J.
+  void heat(const Contact& contact, double heat_J) noexcept {
+    state_.heat_J += heat_J;
+    state_.by_tissue[contact.tissue].heat_J += heat_J;
   }
-  /// What waited in voxels that have gone since it was last asked for, J.
-  double take_waited_J() noexcept { return std::exchange(waited_J_, 0.0); }
   std::uint32_t faults() const { return faults_; }
 
  private:
   static constexpr int kMostLevels = 8 * kFullLevel;  // of a contact, in a tick
+  /// Components of a normal that are equal but for rounding.
+  static constexpr float kEqualAxes = 1.0f - 1e-4f;
 
+  double energy_of_level_J(const Contact& contact) const noexcept {
+    return tissues_[contact.tissue].specific_energy_J_per_m3 * level_m3_;
+  }
+  /// Levels of the contact's column that lie in the burr.
+  int levels_in_burr(const Contact& contact) const noexcept {
+    const float along = contact.normal.cwiseAbs().maxCoeff();
+    if (!(along > 0.0f)) return 0;
+    const double inside = kFullLevel * static_cast<double>(contact.depth_m) /
+                          (workpiece_.grid().voxel_m * static_cast<double>(along));
+    return static_cast<int>(std::clamp(std::lround(inside), 0L, long{kMostLevels}));
+  }
+  static int levels_of(double energy_J, double level_J, int most) noexcept {
+    return static_cast<int>(std::min(energy_J / level_J, static_cast<double>(most)));
+  }
+  bool stands(const Cell& cell, std::uint8_t tissue) const noexcept {
+    return workpiece_.solid(cell) && workpiece_.tissue(cell) == tissue;
+  }
+  void spend(const Contact& contact, double spent_J) noexcept {
+    state_.removed_J += spent_J;
+    state_.by_tissue[contact.tissue].removed_J += spent_J;
+  }
+  /// Adds to what waits in a voxel, where the table has room for it.
+  void wait(const Contact& contact, const Cell& cell, double energy_J) noexcept {
+    const std::uint32_t key = voxel_key(cell);
+    if (state_.part_cut.set_energy(key, state_.part_cut.energy(key) + energy_J)) return;
+    faults_ |= kFaultCutStateFull;
+    heat(contact, energy_J);
+  }
+  /// Takes levels off what stands along a column of so many voxels behind `cell`, which goes on to
+  /// where it ends. Returns how many.
+  int cut_column(Cell& cell, const Cell& inward, int levels, int voxels,
+                 std::uint8_t tissue) noexcept {
+    int gone = 0;
+    for (int n = 0; n < voxels && !workpiece_.solid(cell); ++n) {
+      cell += inward;
+      if (!stands(cell, tissue)) continue;
+      gone += lower(cell, levels - gone, tissue);
+    }
+    return gone;
+  }
   /// Takes up to so many levels off a solid voxel. Returns how many; none where there is no room
   /// for what that changes.
   int lower(const Cell& cell, int levels, std::uint8_t tissue) noexcept {
     const int level = workpiece_.level(cell), taken = std::min(levels, level);
+    if (taken == 0) return 0;
     const auto left = static_cast<FillLevel>(level - taken);
     if (edits_.size() == edits_.capacity() || (left != 0 && !workpiece_.set_level(cell, left))) {
       faults_ |= kFaultCutStateFull;
@@ -109,10 +186,12 @@ class FillCut {
   }
 
   Workpiece& workpiece_;
+  std::span<const TissueSettings> tissues_;
+  double level_m3_;
   std::uint64_t tick_;
   RemovalState& state_;
   std::vector<Edit>& edits_;
-  double waited_J_ = 0.0;
+  double waited_J_ = 0.0;  // in voxels that have gone since it was last asked for
   std::uint32_t faults_ = 0;
 };
 
@@ -121,38 +200,25 @@ std::uint32_t remove_fills(Workpiece& workpiece, std::span<const TissueSettings>
                            double dt_s, std::uint64_t tick, const ContactScratch& scratch,
                            std::span<const double> removing, RemovalState& state,
                            std::vector<Edit>& edits) noexcept {
-  FillCut cut(workpiece, tick, state, edits);
-  std::uint32_t faults = 0;
-  const double level_m3 = workpiece.grid().voxel_volume_m3() / kFullLevel;
+  FillCut cut(workpiece, tissues, tick, state, edits);
   const Contacts& contacts = scratch.contacts;
+  const std::size_t first_edit = edits.size();
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const Contact contact = contacts[i];
     if (!(contact.power_W > 0.0f)) continue;
-    TissueEnergy& energy = state.by_tissue[contact.tissue];
-    const double level_J = tissues[contact.tissue].specific_energy_J_per_m3 * level_m3;
     const double work_J = static_cast<double>(contact.power_W) * dt_s;
     state.work_J += work_J;
-    energy.work_J += work_J;
+    state.by_tissue[contact.tissue].work_J += work_J;
     const double spent_J = removing.empty() ? work_J : work_J * removing[contact.tissue];
-    double left_J = state.part_cut.energy(contact.key()) + spent_J;
-    state.part_cut.set_energy(contact.key(), 0.0);
-    const FillCut::Spent spent = cut.cut(contact, level_J, left_J);
-    state.removed_J += spent.removed_J;
-    energy.removed_J += spent.removed_J;
-    left_J += cut.take_waited_J() - spent.removed_J;
-    // Less than a level waits in the voxel that it is to be taken from; all else is heat.
-    double heat_J = left_J;
-    if (left_J < level_J && cut.stands(spent.cell, contact.tissue)) {
-      const std::uint32_t key = voxel_key(spent.cell);
-      const bool kept = state.part_cut.set_energy(key, state.part_cut.energy(key) + left_J);
-      if (kept) heat_J = 0.0;
-      if (!kept) faults |= kFaultCutStateFull;
-    }
-    heat_J += work_J - spent_J;
-    state.heat_J += heat_J;
-    energy.heat_J += heat_J;
+    cut.heat(contact, work_J - spent_J);
+    cut.cut_own(contact, spent_J);
   }
-  return faults | cut.faults();
+  if (edits.size() == first_edit) return cut.faults();
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const Contact contact = contacts[i];
+    if (contact.power_W > 0.0f) cut.cut_beneath(contact);
+  }
+  return cut.faults();
 }
 
 }  // namespace

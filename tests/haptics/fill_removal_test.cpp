@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -120,6 +122,68 @@ TEST_F(FillRemoval, WhatAVoxelDoesNotNeedSinksTheOneBeneath) {
   EXPECT_EQ(edits_[1].level, 255 - 72);
   EXPECT_EQ(state_.heat_J, 0.0);
   expect_balances();
+}
+
+TEST_F(FillRemoval, OnAnEdgeHalfGoesAlongEachAxis) {
+  // Along the upper edge at x = 15: 200 levels, of which the voxel has 128. Another at y = 0, where
+  // the normal is nearest to both by rounding alone.
+  touch({15, 5, 15}, 200.5 * level_J(0) / kDt, 2 * kVoxel,
+        Eigen::Vector3f(1.0f, 0.0f, 1.0f).normalized());
+  touch({5, 0, 15}, 200.5 * level_J(0) / kDt, 2 * kVoxel,
+        Eigen::Vector3f(0.0f, -1.0f - 1e-6f, 1.0f).normalized());
+  EXPECT_EQ(run(), 0u);
+  EXPECT_EQ(workpiece_.level({15, 5, 14}), 255 - 36);
+  EXPECT_EQ(workpiece_.level({14, 5, 15}), 128 - 36);
+  EXPECT_EQ(workpiece_.level({5, 0, 14}), 255 - 36);
+  EXPECT_EQ(workpiece_.level({5, 1, 15}), 128 - 36);
+  EXPECT_EQ(state_.heat_J, 0.0);
+  expect_balances();
+}
+
+TEST_F(FillRemoval, AColumnThatMeetsOneThatIsGoneGoesOnBeneathIt) {
+  // Both are gone, and the column of the one that leans goes through the other's voxel.
+  const Eigen::Vector3f aside = Eigen::Vector3f(1.0f, 0.0f, 0.3f).normalized();
+  touch({15, 5, 15}, 150.5 * level_J(0) / kDt, 3 * kVoxel, aside);
+  touch({14, 5, 15}, 130.5 * level_J(0) / kDt, 2 * kVoxel);
+  EXPECT_EQ(run(), 0u);
+  EXPECT_EQ(workpiece_.level({13, 5, 15}), 128 - 22);
+  EXPECT_EQ(workpiece_.level({14, 5, 14}), 255 - 2);
+  EXPECT_EQ(state_.heat_J, 0.0);
+  expect_balances();
+}
+
+TEST_F(FillRemoval, TheOrderOfTheContactsDoesNotMatter) {
+  struct Touch {
+    Cell cell;
+    double levels;
+    Eigen::Vector3f normal;
+  };
+  const Eigen::Vector3f up = Eigen::Vector3f::UnitZ(), aside = Eigen::Vector3f::UnitX();
+  const std::vector<Touch> touches{{{15, 5, 15}, 170.5, aside}, {{14, 5, 15}, 130.5, up},
+                                   {{13, 5, 15}, 60.5, up},     {{15, 6, 15}, 90.5, aside},
+                                   {{14, 6, 15}, 128.5, up},    {{15, 5, 14}, 300.5, aside},
+                                   {{14, 5, 14}, 20.5, up}};
+  std::vector<std::size_t> order(touches.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::mt19937 random(5);
+  VoxelModel first;
+  for (int round = 0; round < 20; ++round) {
+    workpiece_ = Workpiece(start_);
+    workpiece_.reserve_fills(64);
+    state_ = RemovalState(CuttingSettings{});
+    work_J_ = {};
+    for (const std::size_t i : order) {
+      touch(touches[i].cell, touches[i].levels * level_J(0) / kDt, 3 * kVoxel, touches[i].normal);
+    }
+    EXPECT_EQ(run(), 0u);
+    expect_balances();
+    if (round == 0) first = workpiece_.model();
+    for (std::uint32_t v = 0; v < start_.grid.cell_count(); ++v) {
+      const Cell c = start_.grid.cell_of_linear(v);
+      ASSERT_EQ(workpiece_.level(c), first.level(c)) << c.transpose() << " in round " << round;
+    }
+    std::shuffle(order.begin(), order.end(), random);
+  }
 }
 
 TEST_F(FillRemoval, WhatIsNoShareOfTheWorkIsHeat) {
