@@ -61,6 +61,18 @@ TEST_F(Charts, FractionsWithAPanelOrBoth) {
   }
 }
 
+TEST_F(Charts, ErrorsOnACt) {
+  std::string rows = "quantity,truth,from,to,binary,fractions\n";
+  for (const char* key : {"offset_error_voxels,through", "normal_error_deg,through",
+                          "offset_error_voxels,smoothed", "normal_error_deg,smoothed"}) {
+    for (const char* bin : {",0,0.02,50,0", ",0.02,0.04,50,100", ",0.04,0.06,0,0"}) {
+      rows.append(key).append(bin).append("\n");
+    }
+  }
+  table("fractions_ct.csv", rows);
+  EXPECT_TRUE(drawn("fractions_ct"));
+}
+
 TEST_F(Charts, RealityWithPublishedPoints) {
   std::string rows = "against,series,x,mm3_per_s,label\n";
   for (const char* series :

@@ -74,6 +74,17 @@ TEST(Fractions, SideCuttingHasLessGrain) {
   EXPECT_TRUE(row->pass()) << row->fractions();
 }
 
+TEST(Fractions, SurfacesLieWhereTheyAre) {
+  const std::vector<FractionRow> rows = fractions_of_surfaces(quickly());
+  EXPECT_EQ(rows.size(), 10u);  // sphere, torus, planes, the cube's faces, its edges: two of each
+  for (const FractionRow& row : rows) {
+    SCOPED_TRACE(described(row));
+    EXPECT_GT(row.fractions(), 0.0);
+    EXPECT_LT(row.fractions(), row.binary());
+    EXPECT_TRUE(row.pass()) << row.fractions() << ", wanted " << row.wanted;
+  }
+}
+
 TEST(FractionRow, PassesByItsSize) {
   FractionRow row;
   row.wanted = 0.5;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ struct FractionsCommand {
   std::string folder = "out/lab/fractions";
   std::vector<std::string> names;  // none: all
   bool quick = false;
+  CtFile ct;  // no path: none
 };
 
 std::string fraction_line(const FractionRow& row) {
@@ -38,16 +40,39 @@ void print_fraction_row(const FractionRow& row) {
   std::fflush(stdout);
 }
 
+/// A bar of the chart of a CT's errors.
+std::string ct_bin_line(const CtBin& bin) {
+  return std::string(bin.quantity) + ',' + std::string(bin.truth) + ',' +
+         with_number("%.6g,", bin.from) + with_number("%.6g,", bin.to) +
+         with_number("%.6g,", bin.share_pct[0]) + with_number("%.6g", bin.share_pct[1]);
+}
+
+void draw_ct_bins(std::span<const CtBin> bins, Results& results) {
+  CsvFile csv(results.table("fractions_ct.csv"), "quantity,truth,from,to,binary,fractions");
+  for (const CtBin& bin : bins) csv.write(ct_bin_line(bin));
+  results.draw("fractions_ct", "fractions_ct");
+}
+
+FractionOptions options_of(const FractionsCommand& command, const ProgressLine& progress,
+                           Results& results) {
+  FractionOptions options;
+  options.quick = command.quick;
+  if (!command.ct.path.empty()) options.ct = command.ct;
+  options.progress = [&](const std::string& what) { progress.say(what); };
+  options.take_bins = [&](std::span<const CtBin> bins) { draw_ct_bins(bins, results); };
+  return options;
+}
+
 void measure_fractions(const FractionsCommand& command) {
+  // Before anything is made or measured: what is wrong with the file is said at once.
+  if (!command.ct.path.empty()) load_ct(command.ct, SurfaceKind::kBinary);
   Results results(command.folder);
   CsvFile csv(results.table("fractions.csv"),
               "quantity,shape,setting,binary,fractions,wanted,pass");
   CsvFile times(results.table("fractions_times.csv"),
                 "quantity,shape,setting,binary_ns,binary,fractions_ns,fractions");
   const ProgressLine progress;
-  FractionOptions options;
-  options.quick = command.quick;
-  options.progress = [&](const std::string& what) { progress.say(what); };
+  const FractionOptions options = options_of(command, progress, results);
   std::printf("%-23s %-17s %-44s %9s %9s %9s  %s\n", "quantity", "", "", "binary", "fractions",
               "wanted", "pass");
   bool timed = false;
@@ -56,6 +81,11 @@ void measure_fractions(const FractionsCommand& command) {
     const bool asked = command.names.empty() ||
                        std::ranges::find(command.names, measurement.name) != command.names.end();
     if (!asked || (command.quick && !measurement.has_quick_half)) continue;
+    if (measurement.needs_ct && !options.ct) {
+      std::printf("%.*s: not measured without --ct FILE\n",
+                  static_cast<int>(measurement.name.size()), measurement.name.data());
+      continue;
+    }
     const std::vector<FractionRow> rows = measurement.measure(options);
     progress.clear();
     for (const FractionRow& row : rows) {
@@ -86,6 +116,13 @@ void add_fractions_command(CLI::App& program) {
       ->delimiter(',')
       ->check(CLI::IsMember(names));
   command->add_flag("--quick", fractions->quick, "What takes seconds: less than a minute");
+  CLI::Option* ct = command->add_option(
+      "--ct", fractions->ct.path,
+      "Volume of grey values in cubic voxels, on which ct is measured (none: it is not)");
+  CLI::Option* above = command->add_option("--solid-above", fractions->ct.solid_above,
+                                           "Grey value from which a voxel of it is solid");
+  ct->needs(above);
+  above->needs(ct);
   command->add_option("-o", fractions->folder, "Folder for the results (out/lab/fractions)");
   command->footer(
       "Writes into the folder:\n"
@@ -94,6 +131,10 @@ void add_fractions_command(CLI::App& program) {
       "or\n"
       "                       a tick\n"
       "  fractions.png        errors and grain against time, binary and fractions\n"
+      "  fractions_ct.csv     quantity,truth,from,to,binary,fractions: share of the surface "
+      "voxels, "
+      "%\n"
+      "  fractions_ct.png     how large errors on the CT are\n"
       "What is wanted is the largest size of the value with fractions that passes.");
   command->callback([fractions] { measure_fractions(*fractions); });
 }
