@@ -192,6 +192,35 @@ TEST_F(OfARealTooth, FractionsAreBetter) {
   }
 }
 
+/// Against counting points on which side of the smoothed surface they lie.
+TEST_F(OfARealTooth, FillsAreWhatTheSmoothedSurfaceCutsOff) {
+  const GreySpline spline(read_medical_volume(kTooth), GreyTruth::kSmoothed);
+  const GreySurface surface(spline, kToothAbove);
+  const CtModel ct = load_ct({kTooth, kToothAbove}, SurfaceKind::kFractions);
+  const Workpiece workpiece{VoxelModel(ct.model)};
+  double squares = 0.0, sum = 0.0, part_filled = 0.0;
+  int count = 0, number = 0;
+  for_each_cell(Cell::Zero(), workpiece.grid().cells, [&](const Cell& c) {
+    if (!workpiece.is_surface(c) || number++ % 29 != 0) return;
+    constexpr int kParts = 8;
+    int in = 0;
+    for_each_cell(Cell::Zero(), Cell::Constant(kParts), [&](const Cell& part) {
+      const Vector3d to = (part.cast<double>().array() + 0.5) / kParts - 0.5;
+      in += surface.solid(ct.lattice_from_index * (c.cast<double>() + to)) ? 1 : 0;
+    });
+    const double off =
+        workpiece.level(c) / static_cast<double>(kFullLevel) - in / std::pow(kParts, 3);
+    squares += off * off;
+    sum += off;
+    part_filled += in % (kParts * kParts * kParts) != 0 ? 1 : 0;
+    ++count;
+  });
+  EXPECT_GT(count, 1000);
+  EXPECT_GT(part_filled, 0.8 * count);
+  EXPECT_LT(std::sqrt(squares / count), 0.015);
+  EXPECT_LT(std::abs(sum / count), 0.003);
+}
+
 /// Catmull and Rom's interpolation, of floats and of its four nearest along each axis.
 double catmull_rom(const MedicalVolume& volume, const Vector3d& p) {
   const Vector3d floor = p.array().floor();

@@ -17,11 +17,15 @@ namespace {
 
 constexpr double kStep = 0.25;  // as a lattice four times as fine has its points
 
-double largest_curvature(const GreySpline::Sample& at) {
+/// How the surface curves: its eigenvalues are the principal curvatures, and 0 along the normal.
+Eigen::Matrix3d curvatures(const GreySpline::Sample& at) {
   const Vector3d n = at.gradient.normalized();
   const Eigen::Matrix3d along = Eigen::Matrix3d::Identity() - n * n.transpose();
-  const Eigen::Matrix3d bend = along * at.hessian * along / at.gradient.norm();
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(bend, Eigen::EigenvaluesOnly)
+  return along * at.hessian * along / at.gradient.norm();
+}
+
+double largest_curvature(const GreySpline::Sample& at) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(curvatures(at), Eigen::EigenvaluesOnly)
       .eigenvalues()
       .cwiseAbs()
       .maxCoeff();
@@ -48,8 +52,6 @@ std::optional<double> GreySurface::crossing(const Vector3d& p, bool in, const Ve
 std::optional<GreySurfacePoint> GreySurface::refined(const Vector3d& p, Vector3d x) const {
   constexpr int kRounds = 300;
   constexpr double kClose = 1e-9, kLongest = 0.25;
-  // Where the surface bends away from p, a whole step along it leads too far.
-  constexpr double kAlong = 0.7;
   for (int round = 0; round < kRounds; ++round) {
     const GreySpline::Sample at = spline_.sample(x);
     const double slope = at.gradient.norm();
@@ -60,7 +62,8 @@ std::optional<GreySurfacePoint> GreySurface::refined(const Vector3d& p, Vector3d
     if (onto.norm() < kClose && along.norm() < kClose) {
       return GreySurfacePoint{x, outward, (x - p).dot(outward), slope, largest_curvature(at)};
     }
-    Vector3d step = onto + kAlong * along;
+    // Where the surface bends away from p, the whole of `along` leads too far.
+    Vector3d step = onto + along / (1.0 + curvatures(at).norm() * (x - p).norm());
     if (step.norm() > kLongest) step *= kLongest / step.norm();
     x += step;
   }
