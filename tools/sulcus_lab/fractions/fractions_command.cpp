@@ -135,7 +135,9 @@ void add_fractions_command(CLI::App& program) {
       "voxels, "
       "%\n"
       "  fractions_ct.png     how large errors on the CT are\n"
-      "What is wanted is the largest size of the value with fractions that passes.");
+      "What is wanted is the largest size of the value with fractions that passes.\n"
+      "On a CT: the true surface goes through the grey values, or through the smoothed ones, as\n"
+      "the import smooths them; wanted is less than with binary voxels.");
   command->callback([fractions] { measure_fractions(*fractions); });
 }
 
