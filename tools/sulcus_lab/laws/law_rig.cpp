@@ -21,10 +21,11 @@ std::vector<Workpiece> as_workpieces(std::vector<VoxelModel> solids) {
   return workpieces;
 }
 
-/// `field = "auto"` goes by the voxels.
-Scene with_voxels(Scene scene, const VoxelGrid& grid) {
-  scene.workpiece.voxel_m = grid.voxel_m;
-  scene.workpiece.cells = grid.cells;
+/// `field = "auto"` goes by the voxels, and some settings by the surface.
+Scene with_voxels(Scene scene, const VoxelModel& solid) {
+  scene.workpiece.voxel_m = solid.grid.voxel_m;
+  scene.workpiece.cells = solid.grid.cells;
+  scene.workpiece.surface = solid.fills ? SurfaceKind::kFractions : SurfaceKind::kBinary;
   return scene;
 }
 
@@ -103,7 +104,7 @@ Scene law_scene(const LawSceneSettings& settings) {
 }
 
 LawRig::LawRig(const Scene& scene, std::vector<VoxelModel> solids)
-    : scene_(with_voxels(scene, solids.front().grid)),
+    : scene_(with_voxels(scene, solids.front())),
       burr_(burr_of(scene_)),
       state_(initial_state(scene_, as_workpieces(std::move(solids)))),
       scratch_(scene_),

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/scene/scene.hpp"
 #include "tools/sulcus_lab/laws/law_row.hpp"
 
 namespace sulcus::lab {
@@ -19,7 +20,8 @@ inline constexpr std::string_view kLawScalings[] = {"none", "count", "smooth", "
 struct LawOptions {
   std::vector<std::string> scalings{std::begin(kLawScalings), std::end(kLawScalings)};
   std::vector<std::string> shapes;  // none: all
-  bool quick = false;               // fewer shapes and settings, for tests
+  SurfaceKind surface = SurfaceKind::kBinary;
+  bool quick = false;  // fewer shapes and settings, for tests
 };
 
 /// Where a row was measured.
@@ -33,6 +35,10 @@ class LawTrial {
   LawTrial(std::string_view law, const LawOptions& options, std::vector<LawRow>& rows)
       : law_(law), options_(options), rows_(rows) {}
 
+  SurfaceKind surface() const { return options_.surface; }
+  std::string surface_name() const {
+    return std::string(kSurfaceNames[static_cast<std::size_t>(surface())]);
+  }
   bool quick() const { return options_.quick; }
   template <class T>
   std::vector<T> settings(std::vector<T> if_quick, std::vector<T> all) const {

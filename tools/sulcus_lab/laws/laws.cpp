@@ -19,7 +19,7 @@ constexpr Law kLaws[] = {
      "within 0.00001 N, the same contacts", symmetries},
     {"turned_cut", "A cut turned by the 24 rotations of the grid",
      "A turning burr is drawn along an edge; solid and way are turned.",
-     "the same voxels go, but for 3 in 10,000", turned_cut},
+     "the same voxels go, with fractions the same share of each, but for 3 in 10,000", turned_cut},
     {"closed_way", "A closed way gives out no energy",
      "The tool goes round a circle across an edge, without friction or cutting. What it is given "
      "by the force on a whole turn, against the most that it had put in.",
@@ -43,7 +43,8 @@ constexpr Law kLaws[] = {
      "all of the work accounted for; nothing spent on enamel that was worked elsewhere",
      cutting_balance},
     {"removed_and_voxels", "What is removed does not depend on the voxel size",
-     "A push of 1 N for 10 s, scenes/side_cut.toml.", "only reported", removed_and_voxels},
+     "A push of 1 N for 10 s, scenes/side_cut.toml.",
+     "with fractions within 1 % of the finest; of whole voxels only reported", removed_and_voxels},
     {"stiffness_and_voxels", "Stiffness does not depend on the voxel size",
      "The force of a ball in a plane, against the integral of the law over the ball.",
      "within 5 % with voxels of up to 0.1 mm", stiffness_and_voxels},

@@ -18,6 +18,7 @@ namespace {
 struct LawsCommand {
   std::string folder = "out/lab/laws";
   std::vector<std::string> names;  // none: all
+  std::string surface = std::string(kSurfaceNames[0]);
   LawOptions options;
 };
 
@@ -64,9 +65,10 @@ void measure_laws(const LawsCommand& command) {
   const bool has_ways =
       std::ranges::any_of(all, [](const LawRow& row) { return row.law == "closed_way"; });
   const bool drawn = has_ways && results.draw("laws", "laws");
-  write_whole_file(results.table("laws.html"), laws_page(all, drawn ? "laws.png" : "",
-                                                         "Measured by sulcus-lab laws, build " +
-                                                             std::string(build_info()) + "."));
+  write_whole_file(results.table("laws.html"),
+                   laws_page(all, drawn ? "laws.png" : "",
+                             "Measured by sulcus-lab laws, " + command.surface +
+                                 " surfaces, build " + std::string(build_info()) + "."));
   results.print();
   const auto missed = std::ranges::count_if(all, [](const LawRow& row) { return !row.pass(); });
   if (missed > 0) std::printf("%d limits are missed.\n", static_cast<int>(missed));
@@ -90,6 +92,9 @@ void add_laws_command(CLI::App& program) {
       ->delimiter(',')
       ->check(CLI::IsMember(
           std::vector<std::string>(std::begin(kLawScalings), std::end(kLawScalings))));
+  command->add_option("--surface", laws_command->surface, "binary, or fractions")
+      ->capture_default_str()
+      ->check(CLI::IsMember(std::vector<std::string>(kSurfaceNames.begin(), kSurfaceNames.end())));
   command->add_flag("--quick,--brief", laws_command->options.quick,
                     "Fewer shapes and settings: less than a minute");
   command->add_option("-o", laws_command->folder, "Folder for the results (out/lab/laws)");
@@ -100,7 +105,11 @@ void add_laws_command(CLI::App& program) {
       "  laws.png    energy given out by closed ways\n"
       "A row without a limit is only reported. The scaling `potential` is held to more than the\n"
       "others, which have none.");
-  command->callback([laws_command] { measure_laws(*laws_command); });
+  command->callback([laws_command] {
+    const auto at = std::ranges::find(kSurfaceNames, laws_command->surface);
+    laws_command->options.surface = static_cast<SurfaceKind>(at - kSurfaceNames.begin());
+    measure_laws(*laws_command);
+  });
 }
 
 }  // namespace sulcus::lab

@@ -67,7 +67,7 @@ Trajectory round_and_round(const std::vector<Vector3d>& way, int turns) {
 void closed_way(LawTrial& trial) {
   const double step_m = trial.quick() ? 5e-6 : 2e-6;
   for (const std::string& name : trial.shapes(kFewWays, kAllWays)) {
-    const LawShape shape = law_shape(name);
+    const LawShape shape = law_shape(name, trial.surface());
     for (const std::string& scaling : trial.scalings()) {
       for (const double depth_m : trial.settings<double>({0.1e-3}, {0.05e-3, 0.1e-3, 0.2e-3})) {
         EnergyOfWay energies[2];
@@ -98,7 +98,7 @@ void closed_way(LawTrial& trial) {
 /// The same of a device that the tool hangs on, at 4 mm/s: what its springs give out a turn.
 void coupled_way(LawTrial& trial) {
   for (const std::string& name : trial.shapes(kFewWays, kAllWays)) {
-    const LawShape shape = law_shape(name);
+    const LawShape shape = law_shape(name, trial.surface());
     for (const std::string& scaling : trial.scalings()) {
       for (const double depth_m : trial.settings<double>({0.3e-3}, {0.1e-3, 0.3e-3})) {
         for (const bool back : {false, true}) {
@@ -153,7 +153,7 @@ EnergyOfWay energy_at_port(const Scene& scene, const LawShape& shape,
 void device_way(LawTrial& trial) {
   const int turns = trial.quick() ? 2 : 6;
   for (const std::string& name : trial.shapes({"box", "wall"}, kAllWays)) {
-    const LawShape shape = law_shape(name);
+    const LawShape shape = law_shape(name, trial.surface());
     for (const std::string& scaling : trial.scalings()) {
       for (const bool controlled : {false, true}) {
         const Scene scene =

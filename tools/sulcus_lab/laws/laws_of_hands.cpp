@@ -20,9 +20,9 @@ constexpr double kSlide_m = 10e-3;
 constexpr double kPressed_m = 1e-3;  // of the device below the surface: 0.7 N
 
 /// A long strip with a plane through the origin.
-VoxelModel strip(double voxel_m, const Vector3d& up) {
-  return law_solid({kSlide_m + 1.4e-3, std::max(0.8e-3, 24 * voxel_m), 2.2e-3}, voxel_m,
-                   [&](const Vector3d& p) { return up.dot(p) < 0.0; });
+VoxelModel strip(double voxel_m, SurfaceKind surface, const Vector3d& up) {
+  return law_voxels({kSlide_m + 1.4e-3, std::max(0.8e-3, 24 * voxel_m), 2.2e-3}, voxel_m, surface,
+                    {[=](const Vector3d& p) { return up.dot(p); }});
 }
 
 struct Slide {
@@ -54,7 +54,7 @@ double drag_N(std::string_view scaling, const VoxelModel& solid, const Vector3d&
 void slide_on_planes(LawTrial& trial, const std::string& name, const Vector3d& up) {
   if (!trial.asks_for(name)) return;
   for (const double voxel_um : trial.settings<double>({34.8}, {12.5, 34.8, 100.0})) {
-    const VoxelModel solid = strip(1e-6 * voxel_um, up);
+    const VoxelModel solid = strip(1e-6 * voxel_um, trial.surface(), up);
     for (const std::string& scaling : trial.scalings()) {
       for (const double speed : trial.settings<double>({50, 400}, {50, 100, 200, 400, 500})) {
         const std::string setting =
@@ -93,7 +93,7 @@ std::vector<Vector3d> forces_over(std::string_view scaling, const LawShape& shap
 /// where a surface curves, a tool that comes later is elsewhere.
 void slide_on_molar(LawTrial& trial) {
   if (!trial.asks_for("molar")) return;
-  const LawShape shape = law_shape("molar");
+  const LawShape shape = law_shape("molar", trial.surface());
   for (const std::string& scaling : trial.scalings()) {
     const std::vector<Vector3d> slow = forces_over(scaling, shape, 5e-6);
     for (const int speed : trial.settings<int>({100}, {50, 100, 200, 500})) {
@@ -124,7 +124,8 @@ void quiet_controller(LawTrial& trial) {
   if (!trial.asks_for("hand_cut")) return;
   constexpr std::string_view kOfScene[] = {"smooth", "potential"};
   for (const std::string& scaling : trial.scalings(kOfScene)) {
-    const std::vector<std::string> overrides{"haptics.scaling='" + scaling + "'"};
+    const std::vector<std::string> overrides{"haptics.scaling='" + scaling + "'",
+                                             "workpiece.surface='" + trial.surface_name() + "'"};
     const Scene scene = load_scene(SULCUS_SCENES "/hand_cut.toml", overrides);
     LawRig rig(scene, build_workpiece(scene));
     const Trajectory hand = make_trajectory(scene.trajectory);

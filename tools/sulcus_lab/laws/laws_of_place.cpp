@@ -49,7 +49,7 @@ TickResult come(LawRig& rig, const Vector3d& from, const Vector3d& place, double
 /// hundred ticks. The force of all of them but the first is that of the second.
 void at_rest(LawTrial& trial) {
   for (const std::string& name : trial.shapes(kSomeShapes, kEveryShape)) {
-    const LawShape shape = law_shape(name);
+    const LawShape shape = law_shape(name, trial.surface());
     const std::vector<Vector3d> places = places_in(shape, trial.quick());
     for (const std::string& scaling : trial.scalings()) {
       for (const bool kept : {true, false}) {
@@ -74,7 +74,7 @@ void at_rest(LawTrial& trial) {
 /// out of a deeper one: the force in the tick of the arrival and in the one after it.
 void another_way(LawTrial& trial) {
   for (const std::string& name : trial.shapes(kSomeShapes, kEveryShape)) {
-    const LawShape shape = law_shape(name);
+    const LawShape shape = law_shape(name, trial.surface());
     const std::vector<Vector3d> places = places_in(shape, trial.quick());
     struct Way {
       Vector3d from;  // the place

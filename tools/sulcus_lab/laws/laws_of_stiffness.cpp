@@ -38,10 +38,10 @@ double force_over_stiffness_m(std::string_view scaling, double radius, double de
 }
 
 /// A half space whose plane goes through the origin.
-VoxelModel half_space(double voxel_m, const Vector3d& up) {
+VoxelModel half_space(double voxel_m, SurfaceKind surface, const Vector3d& up) {
   const double size_m = std::max(2.4e-3, 24.0 * voxel_m);
-  return law_solid(Vector3d::Constant(size_m), voxel_m,
-                   [&](const Vector3d& p) { return up.dot(p) <= 0.0; });
+  return law_voxels(Vector3d::Constant(size_m), voxel_m, surface,
+                    {[=](const Vector3d& p) { return up.dot(p); }});
 }
 
 }  // namespace
@@ -58,7 +58,7 @@ void stiffness_and_voxels(LawTrial& trial) {
   for (const Plane& plane : planes) {
     if (!trial.asks_for(plane.name)) continue;
     for (const double voxel_mm : trial.settings<double>({0.1, 0.05}, {0.2, 0.1, 0.05, 0.035})) {
-      const VoxelModel solid = half_space(kMillimetre * voxel_mm, plane.up);
+      const VoxelModel solid = half_space(kMillimetre * voxel_mm, trial.surface(), plane.up);
       for (const std::string& scaling : trial.scalings(kOfWholeContact)) {
         const Scene scene = law_scene({.scaling = scaling, .haptics = "keep_normals = false"});
         LawRig rig(scene, solid);
@@ -106,7 +106,7 @@ void groove_direction(LawTrial& trial) {
           const Eigen::Quaterniond askew = rotation_xyz({0.0, lean * kDegree, turn * kDegree});
           const Vector3d up = askew * Vector3d::UnitZ(), across = askew * Vector3d::UnitX(),
                          along = askew * Vector3d::UnitY();
-          LawRig rig(scene, law_groove(angle_deg * kDegree, 0.1e-3, up, across));
+          LawRig rig(scene, law_groove(angle_deg * kDegree, 0.1e-3, up, across, trial.surface()));
           Vector3d sum_N = Vector3d::Zero();
           for (int place = -8; place < 8; ++place) {
             const Pose pose = pose_at_centre(0.031e-3 * (place + 0.3) * along, up);

@@ -56,10 +56,8 @@ Cell cell_under(const Matrix3i& symmetry, const VoxelGrid& grid, const Cell& cel
 VoxelModel solid_under(const Matrix3i& symmetry, const VoxelModel& model) {
   VoxelModel turned;
   turned.grid = model.grid;
-  turned.leaves.resize(model.leaves.size());
-  for_each_cell(Cell::Zero(), model.grid.cells, [&](const Cell& c) {
-    if (model.solid(c)) turned.set(cell_under(symmetry, model.grid, c), true);
-  });
+  put_voxels(
+      model, [&](const Cell& c) { return cell_under(symmetry, model.grid, c); }, turned);
   return turned;
 }
 
@@ -137,7 +135,7 @@ void symmetries(LawTrial& trial) {
   const std::vector<Matrix3i> under = every(trial.quick() ? 7 : 1, cube_symmetries());
   for (const std::string& name :
        trial.shapes({"box", "blob"}, {"box", "tilted_box", "blob", "groove", "wall", "molar"})) {
-    const LawShape shape = law_shape(name);
+    const LawShape shape = law_shape(name, trial.surface());
     const std::vector<Pose> poses = poses_on(shape, trial.quick() ? 4 : 12);
     for (const std::string& scaling : trial.scalings()) {
       for (const std::string& normals :
@@ -158,7 +156,7 @@ void turned_cut(LawTrial& trial) {
   const std::vector<Matrix3i> under = every(trial.quick() ? 7 : 1, cube_rotations());
   for (const std::string& name :
        trial.shapes({"box"}, {"box", "blob", "groove", "wall", "molar"})) {
-    const LawShape shape = law_shape(name);
+    const LawShape shape = law_shape(name, trial.surface());
     const Vector3d deep = touching_centre(shape) - 0.15e-3 * shape.normal;
     const std::vector<Vector3d> corners{deep + 0.3e-3 * shape.normal - 0.2e-3 * shape.along(),
                                         deep - 0.2e-3 * shape.along(),
@@ -170,19 +168,16 @@ void turned_cut(LawTrial& trial) {
                                      .tables = "[cutting]\n",
                                      .tissues = "'dentine'"});
       const Cut straight = cut_along(scene, shape.model, way);
-      const double removed =
-          static_cast<double>(shape.model.solid_count() - straight.left.solid_count());
+      const double removed = filled_voxels(shape.model) - filled_voxels(straight.left);
       double voxels = 0.0, force_N = 0.0;
       for (const Matrix3i& turn : under) {
         const Cut cut = cut_along(scene, solid_under(turn, shape.model), poses_under(turn, way));
         const VoxelModel back = solid_under(turn.transpose(), cut.left);
         double others = 0.0;
-        for (std::size_t leaf = 0; leaf < back.leaves.size(); ++leaf) {
-          for (int place = 0; place < 512; ++place) {
-            others += back.leaves[leaf].has(place) != straight.left.leaves[leaf].has(place);
-          }
-        }
-        voxels = std::max(voxels, others);
+        for_each_cell(Cell::Zero(), back.grid.cells, [&](const Cell& c) {
+          others += std::abs(back.level(c) - straight.left.level(c));
+        });
+        voxels = std::max(voxels, others / kFullLevel);
         for (std::size_t t = 0; t < way.size(); ++t) {
           const Vector3d turned_N = turn.transpose().cast<double>() * cut.forces_N[t];
           force_N = std::max(force_N, (turned_N - straight.forces_N[t]).norm());
