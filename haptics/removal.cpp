@@ -46,8 +46,8 @@ std::array<double, 256> RemovalState::stored_by_tissue_J(const Workpiece& workpi
 namespace {
 
 /// Cuts voxels that carry fractions: first each contact's own voxel, then, where that is gone, the
-/// columns beneath. So the order of the contacts, which is the grid's, decides nothing but which of
-/// several columns through a voxel comes first.
+/// first voxel beneath it, and so on, so that the order of the contacts, which is the grid's, does
+/// not matter. But where columns along different axes meet in a voxel that has not enough for both.
 class FillCut {
  public:
   FillCut(Workpiece& workpiece, std::span<const TissueSettings> tissues, std::uint64_t tick,
@@ -61,56 +61,65 @@ class FillCut {
 
   /// Spends energy on the contact's own voxel. What of it is left waits there: less than a level,
   /// or where the voxel is gone, what more of the contact's column lies in the burr. All else is
-  /// heat.
-  void cut_own(const Contact& contact, double spent_J) noexcept {
+  /// heat. Returns whether it is gone.
+  bool cut_own(const Contact& contact, double spent_J) noexcept {
     const std::uint32_t key = contact.key();
     double left_J = state_.part_cut.energy(key) + spent_J;
     state_.part_cut.set_energy(key, 0.0);
     const double level_J = energy_of_level_J(contact);
     const int room = levels_in_burr(contact), levels = levels_of(left_J, level_J, room);
-    int gone = 0;
-    // Another contact's column may have reached it.
-    if (stands(contact.cell, contact.tissue)) gone = lower(contact.cell, levels, contact.tissue);
+    const int gone = lower(contact.cell, levels, contact.tissue);
     spend(contact, gone * level_J);
     left_J += std::exchange(waited_J_, 0.0) - gone * level_J;
     const bool is_gone = !workpiece_.solid(contact.cell);
     const double most_J = is_gone ? (room - gone + 1) * level_J : level_J;
-    if (left_J < most_J) return wait(contact, contact.cell, left_J);
-    // Beyond the burr nothing is cut.
-    const double kept_J = is_gone ? (room - gone) * level_J : 0.0;
-    wait(contact, contact.cell, kept_J);
-    heat(contact, left_J - kept_J);
+    if (left_J < most_J) {
+      wait(contact, contact.cell, left_J);
+    } else {
+      // Beyond the burr nothing is cut.
+      const double kept_J = is_gone ? (room - gone) * level_J : 0.0;
+      wait(contact, contact.cell, kept_J);
+      heat(contact, left_J - kept_J);
+    }
+    return is_gone;
   }
-  /// Spends what waits in the contact's voxel that is gone on its column inward, along the axis
-  /// that the normal is nearest to, while it is of the same tissue. Where the normal is as near to
-  /// another axis, as on an edge, half is spent along each. What is gone already is passed over.
-  void cut_beneath(const Contact& contact) noexcept {
-    if (workpiece_.solid(contact.cell)) return;
-    const std::uint32_t key = contact.key();
-    double left_J = state_.part_cut.energy(key);
-    if (!(left_J > 0.0)) return;
-    state_.part_cut.set_energy(key, 0.0);
+  /// Spends what waits in the contact's voxel that is gone on the `n`th voxel inward of it, along
+  /// the axis that the normal is nearest to, if it is of the same tissue. Where the normal is as
+  /// near to another axis, as on an edge, half is spent along each. What is gone already is passed
+  /// over. Returns whether there is more to cut beneath.
+  bool cut_beneath(const Contact& contact, int n) noexcept {
+    if (workpiece_.solid(contact.cell)) return false;
+    double left_J = state_.part_cut.energy(contact.key());
+    if (!(left_J > 0.0)) return false;
+    state_.part_cut.set_energy(contact.key(), 0.0);
     const double level_J = energy_of_level_J(contact);
-    const Eigen::Vector3f sizes = contact.normal.cwiseAbs();
-    const float least = kEqualAxes * sizes.maxCoeff();
-    const auto columns = static_cast<int>((sizes.array() >= least).count());
     const int room = levels_in_burr(contact);
-    const int levels = levels_of(left_J, level_J, room) / columns;
-    std::array<Cell, 3> ends;
-    int gone = 0, column = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (sizes[axis] < least) continue;
-      const Cell inward = contact.normal[axis] > 0.0f ? Cell(-Cell::Unit(axis)) : Cell::Unit(axis);
-      Cell& end = ends[static_cast<std::size_t>(column++)] = contact.cell;
-      gone += cut_column(end, inward, levels, 1 + room / kFullLevel, contact.tissue);
+    const Columns columns = columns_of(contact);
+    int open = 0;  // to the nth
+    for (int k = 0; k < columns.count; ++k) open += first_solid(columns, k, n - 1) == 0 ? 1 : 0;
+    int gone = 0;
+    bool more = false;
+    const int levels = levels_of(left_J, level_J, room) / std::max(open, 1);
+    for (int k = 0; k < columns.count; ++k) {
+      if (first_solid(columns, k, n - 1) != 0) continue;
+      const Cell cell = columns.cell(k, n);
+      if (stands(cell, contact.tissue)) gone += lower(cell, levels, contact.tissue);
+      more |= !workpiece_.solid(cell);
     }
     spend(contact, gone * level_J);
     left_J += std::exchange(waited_J_, 0.0) - gone * level_J;
-    for (const Cell& end : std::span(ends).first(static_cast<std::size_t>(columns))) {
-      const double share_J = left_J / columns;
+    if (more && n <= room / kFullLevel) {
+      wait(contact, contact.cell, left_J);
+      return true;
+    }
+    // Less than a level waits where each column ends.
+    const double share_J = left_J / columns.count;
+    for (int k = 0; k < columns.count; ++k) {
+      const Cell end = columns.cell(k, first_solid(columns, k, n));
       const bool may_wait = share_J < level_J && stands(end, contact.tissue);
       may_wait ? wait(contact, end, share_J) : heat(contact, share_J);
     }
+    return false;
   }
   /// Of the contact, J.
   void heat(const Contact& contact, double heat_J) noexcept {
@@ -152,20 +161,34 @@ class FillCut {
     faults_ |= kFaultCutStateFull;
     heat(contact, energy_J);
   }
-  /// Takes levels off what stands along a column of so many voxels behind `cell`, which goes on to
-  /// where it ends. Returns how many.
-  int cut_column(Cell& cell, const Cell& inward, int levels, int voxels,
-                 std::uint8_t tissue) noexcept {
-    int gone = 0;
-    for (int n = 0; n < voxels && !workpiece_.solid(cell); ++n) {
-      cell += inward;
-      if (!stands(cell, tissue)) continue;
-      gone += lower(cell, levels - gone, tissue);
+  /// Those beneath a contact, as its normal says.
+  struct Columns {
+    Cell from;
+    std::array<Cell, 3> inward;
+    int count = 0;
+    Cell cell(int k, int n) const { return from + n * inward[static_cast<std::size_t>(k)]; }
+  };
+  static Columns columns_of(const Contact& contact) noexcept {
+    Columns columns;
+    columns.from = contact.cell;
+    const Eigen::Vector3f sizes = contact.normal.cwiseAbs();
+    for (int axis = 0; axis < 3; ++axis) {
+      if (sizes[axis] < kEqualAxes * sizes.maxCoeff()) continue;
+      const Cell along = Cell::Unit(axis);
+      columns.inward[static_cast<std::size_t>(columns.count++)] =
+          contact.normal[axis] > 0.0f ? Cell(-along) : along;
     }
-    return gone;
+    return columns;
   }
-  /// Takes up to so many levels off a solid voxel. Returns how many; none where there is no room
-  /// for what that changes.
+  /// Which of a column's first `n` voxels beneath the contact is solid; 0: none.
+  int first_solid(const Columns& columns, int k, int n) const noexcept {
+    for (int m = 1; m <= n; ++m) {
+      if (workpiece_.solid(columns.cell(k, m))) return m;
+    }
+    return 0;
+  }
+  /// Takes up to so many levels off a voxel. Returns how many; none where there is no room for what
+  /// that changes.
   int lower(const Cell& cell, int levels, std::uint8_t tissue) noexcept {
     const int level = workpiece_.level(cell), taken = std::min(levels, level);
     if (taken == 0) return 0;
@@ -202,7 +225,7 @@ std::uint32_t remove_fills(Workpiece& workpiece, std::span<const TissueSettings>
                            std::vector<Edit>& edits) noexcept {
   FillCut cut(workpiece, tissues, tick, state, edits);
   const Contacts& contacts = scratch.contacts;
-  const std::size_t first_edit = edits.size();
+  bool more = false;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const Contact contact = contacts[i];
     if (!(contact.power_W > 0.0f)) continue;
@@ -211,12 +234,14 @@ std::uint32_t remove_fills(Workpiece& workpiece, std::span<const TissueSettings>
     state.by_tissue[contact.tissue].work_J += work_J;
     const double spent_J = removing.empty() ? work_J : work_J * removing[contact.tissue];
     cut.heat(contact, work_J - spent_J);
-    cut.cut_own(contact, spent_J);
+    more |= cut.cut_own(contact, spent_J);
   }
-  if (edits.size() == first_edit) return cut.faults();
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const Contact contact = contacts[i];
-    if (contact.power_W > 0.0f) cut.cut_beneath(contact);
+  for (int n = 1; more; ++n) {
+    more = false;
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+      const Contact contact = contacts[i];
+      if (contact.power_W > 0.0f) more |= cut.cut_beneath(contact, n);
+    }
   }
   return cut.faults();
 }

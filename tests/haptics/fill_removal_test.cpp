@@ -159,10 +159,10 @@ TEST_F(FillRemoval, TheOrderOfTheContactsDoesNotMatter) {
     Eigen::Vector3f normal;
   };
   const Eigen::Vector3f up = Eigen::Vector3f::UnitZ(), aside = Eigen::Vector3f::UnitX();
-  const std::vector<Touch> touches{{{15, 5, 15}, 170.5, aside}, {{14, 5, 15}, 130.5, up},
-                                   {{13, 5, 15}, 60.5, up},     {{15, 6, 15}, 90.5, aside},
-                                   {{14, 6, 15}, 128.5, up},    {{15, 5, 14}, 300.5, aside},
-                                   {{14, 5, 14}, 20.5, up}};
+  const std::vector<Touch> touches{
+      {{15, 5, 15}, 170.5, aside}, {{14, 5, 15}, 130.5, up}, {{13, 5, 15}, 60.5, up},
+      {{15, 6, 15}, 90.5, aside},  {{14, 6, 15}, 128.5, up}, {{15, 5, 14}, 300.5, aside},
+      {{14, 5, 14}, 20.5, up},     {{7, 7, 15}, 400.5, up},  {{7, 7, 14}, 700.5, up}};
   std::vector<std::size_t> order(touches.size());
   std::iota(order.begin(), order.end(), 0u);
   std::mt19937 random(5);
