@@ -22,12 +22,12 @@ void LevelReader::enter(int x, int y, int z) noexcept {
   bits_ = inside ? &model_.leaves[static_cast<std::size_t>(leaf)] : &kNothing;
 }
 
-std::optional<int> column_lack(LevelReader& levels, ColumnVoxel at, int most) noexcept {
+std::optional<ColumnLack> column_lack(LevelReader& levels, ColumnVoxel at, int most) noexcept {
   int lack = 0, fullest = 0, lack_above_fullest = 0;
   for (int n = 0; n < most; ++n, at = at.inward(1)) {
     const int parts = at.level(levels);
-    if (parts == kHeightParts) return lack;
-    if (parts == 0) return lack_above_fullest + (kHeightParts - fullest) / 2;
+    if (parts == kHeightParts) return ColumnLack{lack, false};
+    if (parts == 0) return ColumnLack{lack_above_fullest + (kHeightParts - fullest) / 2, true};
     if (parts > fullest) {
       fullest = parts;
       lack_above_fullest = lack;
@@ -57,19 +57,20 @@ struct SolidBeside {
 };
 
 /// Of a column with so many solid voxels outward of its own.
-std::optional<float> own_height(LevelReader& levels, const Cell& voxel, const MapAxes& axes,
-                                int above) noexcept {
+std::optional<OwnHeight> own_height(LevelReader& levels, const Cell& voxel, const MapAxes& axes,
+                                    int above) noexcept {
   if (above > kMostAbove) return {};
-  const std::optional<int> lack =
+  const std::optional<ColumnLack> lack =
       column_lack(levels, ColumnVoxel(voxel, axes).inward(-above), kMostPartFilled + above);
   if (!lack) return {};
-  return static_cast<float>(above) + 0.5f - static_cast<float>(*lack) * (1.0f / kHeightParts);
+  const float lacks = static_cast<float>(lack->parts) * (1.0f / kHeightParts);
+  return OwnHeight{static_cast<float>(above) + 0.5f - lacks, lack->is_wall};
 }
 
 }  // namespace
 
-std::optional<float> own_height(const Workpiece& workpiece, LevelReader& levels, const Cell& voxel,
-                                const MapAxes& axes) noexcept {
+std::optional<OwnHeight> own_height(const Workpiece& workpiece, LevelReader& levels,
+                                    const Cell& voxel, const MapAxes& axes) noexcept {
   const SolidBeside beside(workpiece.columns(), voxel, axes);
   return own_height(levels, voxel, axes, beside.outward(axes.sign));
 }
@@ -83,7 +84,7 @@ std::optional<float> farthest_surface(const Workpiece& workpiece, LevelReader& l
     for (const int sign : {-1, 1}) {
       const auto height = own_height(levels, voxel, {axis, sign}, beside.outward(sign));
       if (!height) continue;
-      const float distance = std::abs(*height) + kSameOffset;
+      const float distance = std::abs(height->voxels) + kSameOffset;
       if (distance >= enough) return distance;
       farthest = std::max(farthest.value_or(0.0f), distance);
     }

@@ -64,14 +64,22 @@ struct ColumnVoxel {
 };
 
 /// What a column lacks below the top of its outermost solid voxel `at`, in parts: the empty share
-/// of the voxels from there inward to the first full one, `most` at most. Of a wall that no voxel
-/// of is full its fullest counts for both sides. None where all are part-filled.
-std::optional<int> column_lack(LevelReader& levels, ColumnVoxel at, int most) noexcept;
+/// of the voxels from there inward to the first full one, `most` at most. Of a wall, no voxel of
+/// which is full, its fullest counts for both sides. None where all are part-filled.
+struct ColumnLack {
+  int parts = 0;
+  bool is_wall = false;
+};
+std::optional<ColumnLack> column_lack(LevelReader& levels, ColumnVoxel at, int most) noexcept;
 
 /// The height of a voxel's own column along one axis, voxels above its centre, outward; none where
 /// the column has no surface within three voxels of it.
-std::optional<float> own_height(const Workpiece& workpiece, LevelReader& levels, const Cell& voxel,
-                                const MapAxes& axes) noexcept;
+struct OwnHeight {
+  float voxels = 0.0f;
+  bool is_wall = false;  // as of ColumnLack
+};
+std::optional<OwnHeight> own_height(const Workpiece& workpiece, LevelReader& levels,
+                                    const Cell& voxel, const MapAxes& axes) noexcept;
 
 /// How far the surface of a part-filled voxel is from its centre at most, voxels, by its own
 /// columns each way along the axes; none where they say nothing, and of a full voxel. What

@@ -82,10 +82,11 @@ void FilledTile::read_row(int row) noexcept {
     }
     ColumnVoxel outermost = first.inward(sign * (kBelow - bit));
     outermost.x += u * across_x, outermost.y += u * across_y, outermost.z += u * across_z;
-    const std::optional<int> lack = column_lack(levels, outermost, kMostPartFilled);
+    const std::optional<ColumnLack> lack = column_lack(levels, outermost, kMostPartFilled);
     if (!lack) continue;
-    if (*lack != 0) parts |= lane;
-    to[kMargin + u] = static_cast<std::int16_t>(kHeightParts * (sign * (bit - innermost)) - *lack);
+    if (lack->parts != 0) parts |= lane;
+    to[kMargin + u] =
+        static_cast<std::int16_t>(kHeightParts * (sign * (bit - innermost)) - lack->parts);
   }
   several_[static_cast<std::size_t>(row)] = several;
   parts_[static_cast<std::size_t>(row)] = parts;

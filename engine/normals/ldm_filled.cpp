@@ -282,9 +282,12 @@ class FilledEstimator {
   /// Moves a surface along its normal to the heights of the voxel's own columns: what is cut of a
   /// voxel must be felt there, or it is cut through while the surface about it says that it still
   /// stands. By the mean over the axes, so that where the normal lies between two of them neither
-  /// decides. What rounding and curvature leave moves nothing.
+  /// decides. A column with nothing full in it counts where all are such, as of a thin wall: else
+  /// it is a rest beside what has been cut away behind it, and felt where it is, it would be a jump
+  /// of the force. What rounding and curvature leave moves nothing.
   void move_to_own_columns(const Cell& voxel, SurfaceEstimate& estimate) noexcept {
     float sum = 0.0f, weights = 0.0f;
+    bool has_full = false;
     for (int axis = 0; axis < 3; ++axis) {
       const float along = std::abs(estimate.normal[axis]);
       const float weight = along * along - kLeastOwnAxis * kLeastOwnAxis;
@@ -292,8 +295,12 @@ class FilledEstimator {
       estimate.windows |= static_cast<std::uint8_t>(1 << axis);
       const auto height = own_height(batch_.workpiece(), levels_, voxel,
                                      {axis, estimate.normal[axis] > 0.0f ? 1 : -1});
-      if (!height) continue;
-      sum += weight * (*height * along);
+      if (!height || (has_full && height->is_wall)) continue;
+      if (!has_full && !height->is_wall) {
+        has_full = true;
+        sum = weights = 0.0f;
+      }
+      sum += weight * (height->voxels * along);
       weights += weight;
     }
     if (weights == 0.0f) {

@@ -46,6 +46,7 @@ constexpr NotYet kNotYet[] = {
     {"turned_cut", "count", "box", "", "other_voxels", kFractions},
     {"turned_cut", "smooth", "box", "", "other_voxels", kFractions},
     {"turned_cut", "potential", "box", "", "other_voxels", kFractions},
+    {"two_bodies", "count", "flat", "", "removed_off", kFractions},
     {"two_bodies", "smooth", "flat", "", "removed_off", kFractions},
     {"two_bodies", "potential", "flat", "", "removed_off", kFractions},
     {"stiffness_and_voxels", "smooth", "", "voxels of 0.1 mm 0.03 mm", "", kFractions},
