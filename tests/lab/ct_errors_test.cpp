@@ -26,9 +26,6 @@ namespace {
 using Eigen::Vector3d;
 using namespace test;
 
-const std::string kTooth = SULCUS_SOURCE_DIR "/../shared/data/ge_tooth/tooth_103x94x161_u16.nrrd";
-constexpr double kToothAbove = 600.0;
-
 void say_nothing(const std::string&) {}
 
 // Off the lattice, in a file with an odd and an even number of voxels along its axes.
@@ -165,6 +162,9 @@ TEST_F(OfABall, TheCommandMeasuresIt) {
 }
 
 #ifndef SULCUS_SANITIZED
+const std::string kTooth = SULCUS_SOURCE_DIR "/../shared/data/ge_tooth/tooth_103x94x161_u16.nrrd";
+constexpr double kToothAbove = 600.0;
+
 class OfARealTooth : public ::testing::Test {
  protected:
   void SetUp() override {
