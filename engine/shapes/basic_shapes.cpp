@@ -2,17 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace sulcus {
 
 using Eigen::AlignedBox3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-double OnePartShape::part_margin(const Vector3d&) const {
-  return std::numeric_limits<double>::infinity();
-}
 
 Vector3d SphereShape::gradient(const Vector3d& p) const {
   const double length = p.norm();

@@ -13,11 +13,12 @@ namespace sulcus {
 // is that of one of the nearest points. Infinite bodies (plate, groove) give bounds of no extent
 // along the directions in which they never end, so that no grid counts as having clipped them.
 
-/// What every shape of one part has in common: a true distance, and no change of part.
+/// What every shape of one part has in common: a true distance, and one part.
 struct OnePartShape {
   double lipschitz() const { return 1.0; }
-  Part part(const Eigen::Vector3d&) const { return Part::kEnamel; }
-  double part_margin(const Eigen::Vector3d&) const;
+  PartSet parts_within(const Eigen::Vector3d&, double, PartSet) const {
+    return PartSet::only(Part::kEnamel);
+  }
 };
 
 /// A ball about the origin.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "engine/core/error.hpp"
@@ -34,11 +33,6 @@ constexpr double kLesionLipschitz = 1.0;
 molar::Point<double> point(const Vector3d& p) { return {p.x(), p.y(), p.z()}; }
 
 }  // namespace
-
-// Values of the surfaces between the tissues, each already divided by its Lipschitz bound.
-struct Molar::Layers {
-  double core, pulp, lesion;
-};
 
 Molar::Molar(double caries_radius_m) : caries_radius_(caries_radius_m / kMillimetre) {
   if (!(caries_radius_ >= 0.0 && caries_radius_ <= kMaxCariesRadius)) {
@@ -74,32 +68,29 @@ Vector3d Molar::gradient(const Vector3d& p) const {
 
 double Molar::lipschitz() const { return kToothLipschitz; }
 
-Molar::Layers Molar::layers(const Vector3d& p) const {
-  const Vector3d p_mm = (p / kMillimetre).cwiseMax(kBoxMin).cwiseMin(kBoxMax);
-  const molar::Point<double> q = point(p_mm);
-  Layers layers;
-  layers.core = molar::core(q, molar::eased(molar::tooth(q))) / kCoreLipschitz;
-  layers.pulp = molar::pulp(q) / kPulpLipschitz;
-  layers.lesion = caries_radius_ > 0.0 ? molar::lesion(q, caries_radius_, pit_z_) / kLesionLipschitz
-                                       : std::numeric_limits<double>::infinity();
-  return layers;
-}
-
-Part Molar::part(const Vector3d& p) const {
-  const Layers at = layers(p);
-  if (at.pulp <= 0.0) return Part::kPulp;
-  if (at.lesion <= 0.0) return Part::kCaries;
-  return at.core > 0.0 ? Part::kEnamel : Part::kDentine;
-}
-
-double Molar::part_margin(const Vector3d& p) const {
-  const Layers at = layers(p);
-  double margin = std::abs(at.pulp);
-  if (at.pulp > 0.0) {
-    margin = std::min(margin, std::abs(at.lesion));
-    if (at.lesion > 0.0) margin = std::min(margin, std::abs(at.core));
+PartSet Molar::parts_within(const Vector3d& p, double radius, PartSet among) const {
+  const molar::Point<double> q = point((p / kMillimetre).cwiseMax(kBoxMin).cwiseMin(kBoxMax));
+  const double reach = radius / kMillimetre;
+  // A surface between tissues is asked about only where both of its sides are left.
+  PartSet left = among;
+  if (left.has(Part::kPulp) && left != PartSet::only(Part::kPulp)) {
+    const double pulp = molar::pulp(q) / kPulpLipschitz;
+    if (pulp <= -reach) return PartSet::only(Part::kPulp);
+    if (pulp > reach) left = left.without(Part::kPulp);
   }
-  return kMillimetre * margin;
+  if (caries_radius_ == 0.0) left = left.without(Part::kCaries);
+  const bool hard = left.has(Part::kEnamel) || left.has(Part::kDentine);
+  if (left.has(Part::kCaries) && hard) {
+    const double lesion = molar::lesion(q, caries_radius_, pit_z_) / kLesionLipschitz;
+    if (lesion <= -reach) return left.without(Part::kEnamel).without(Part::kDentine);
+    if (lesion > reach) left = left.without(Part::kCaries);
+  }
+  if (left.has(Part::kEnamel) && left.has(Part::kDentine)) {
+    const double core = molar::core(q, molar::eased(molar::tooth(q))) / kCoreLipschitz;
+    if (core > reach) return left.without(Part::kDentine);
+    if (core <= -reach) return left.without(Part::kEnamel);
+  }
+  return left;
 }
 
 AlignedBox3d Molar::bounds() const { return {kMillimetre * kToothMin, kMillimetre * kToothMax}; }

@@ -23,17 +23,13 @@ class Molar {
   Eigen::Vector3d gradient(const Eigen::Vector3d& p) const;
   double lipschitz() const;
   /// Pulp before caries before enamel and dentine; also an answer outside the tooth.
-  Part part(const Eigen::Vector3d& p) const;
-  double part_margin(const Eigen::Vector3d& p) const;
+  PartSet parts_within(const Eigen::Vector3d& p, double radius, PartSet among) const;
   Eigen::AlignedBox3d bounds() const;
 
   /// Bottom of the central pit, on the surface.
   Eigen::Vector3d central_pit() const;
 
  private:
-  struct Layers;
-  Layers layers(const Eigen::Vector3d& p) const;
-
   double caries_radius_;  // mm
   double pit_z_;          // mm
 };

@@ -76,7 +76,8 @@ class Descent {
   /// What an enclosing block has settled.
   struct Known {
     bool solid = false;
-    bool label = false;
+    PartSet parts = PartSet::all();
+    bool label = false;  // all of them have one
     std::uint8_t value = 0;
   };
   struct Leaf {
@@ -88,8 +89,21 @@ class Descent {
   Eigen::Vector3d to_shape(const Eigen::Vector3d& p_index) const {
     return shape_from_world_ * (model_.grid.world_from_index(p_index) - position_);
   }
-  std::uint8_t label_at(const Eigen::Vector3d& p) const {
-    return (*label_of_part_)[static_cast<std::size_t>(shape_.part(p))];
+  std::uint8_t label_of(Part part) const {
+    return (*label_of_part_)[static_cast<std::size_t>(part)];
+  }
+  std::uint8_t label_at(const Eigen::Vector3d& p, const Known& known) const {
+    return known.label ? known.value : label_of(shape_.parts_within(p, 0.0, known.parts).first());
+  }
+  /// Leaves the parts that are within `reach` of p.
+  void narrow(const Eigen::Vector3d& p, double reach, Known& known) const {
+    known.parts = shape_.parts_within(p, reach, known.parts);
+    known.value = label_of(known.parts.first());
+    known.label = true;
+    for (int n = 0; n < kPartCount; ++n) {
+      const auto part = static_cast<Part>(n);
+      if (known.parts.has(part) && label_of(part) != known.value) known.label = false;
+    }
   }
 
   /// Settles what one evaluation at the block's centre can. False: every voxel is empty.
@@ -105,10 +119,7 @@ class Descent {
       known.solid = value < -lipschitz_ * reach;
       centre_inside = value <= 0.0;
     }
-    if (!known.label && centre_inside && shape_.part_margin(p) > reach * (1.0 + 1e-9)) {
-      known.label = true;
-      known.value = label_at(p);
-    }
+    if (!known.label && centre_inside) narrow(p, reach * (1.0 + 1e-9), known);
     return true;
   }
 
@@ -161,7 +172,7 @@ class Descent {
     if (!known.label && !known.solid && shape_.value(p) > 0.0) {
       p -= shape_.gradient(p) * (shape_.value(p) / shape_.gradient(p).squaredNorm());
     }
-    leaf.labels[leaf_place(c)] = known.label ? known.value : label_at(p);
+    leaf.labels[leaf_place(c)] = label_at(p, known);
   }
   /// Of the voxel about a point.
   FillLevel level_at(const Eigen::Vector3d& p) const {
@@ -212,11 +223,9 @@ inline bool reaches_beyond(const VoxelModel& model, const Eigen::AlignedBox3d& b
 /// the value at its centre is zero or less; with fractions it is filled as solid_share says, and of
 /// the tissue at its centre, or where that is outside, at the surface beneath. `label_of_part` maps
 /// the shape's parts to tissue labels; null: no tissue map. `clipped` is set where the bounds of
-/// the shape pass a face of the grid with solid voxels on it. Relies on `lipschitz()` and on
-/// `part_margin(p)` as the radius of a ball around p whose solid points all are of the part of p.
-/// An empty intersection gives an empty model. Throws InputError on a grid that is not multiples of
-/// 8 up to 1024. Runs on oneTBB; the result does not depend on the number of threads. Callable from
-/// any thread.
+/// the shape pass a face of the grid with solid voxels on it. An empty intersection gives an empty
+/// model. Throws InputError on a grid that is not multiples of 8 up to 1024. Runs on oneTBB; the
+/// result does not depend on the number of threads. Callable from any thread.
 template <ImplicitShape S>
 VoxelModel voxelise_implicit(const S& shape, const VoxelGrid& grid,
                              const std::array<std::uint8_t, 4>* label_of_part,

@@ -116,8 +116,8 @@ TEST(Shapes, DegeneratePointsHaveAUnitGradient) {
 
 TEST(Shapes, AreOfOnePartAndBounded) {
   for_each_shape([](const auto& shape) {
-    EXPECT_EQ(shape.part(Vector3d::Zero()), Part::kEnamel);
-    EXPECT_EQ(shape.part_margin(Vector3d::Zero()), std::numeric_limits<double>::infinity());
+    EXPECT_EQ(shape.parts_within(Vector3d::Zero(), 1.0, PartSet::all()),
+              PartSet::only(Part::kEnamel));
   });
   EXPECT_TRUE(kSphere.bounds().isApprox({Vector3d::Constant(-3e-3), Vector3d::Constant(3e-3)}));
   EXPECT_TRUE(kBox.bounds().isApprox({Vector3d(-1e-3, -2e-3, -3e-3), Vector3d(1e-3, 2e-3, 3e-3)}));

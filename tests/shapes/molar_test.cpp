@@ -20,6 +20,10 @@ using Eigen::Vector3d;
 constexpr std::array<std::uint8_t, 4> kLabels{0, 1, 2, 3};
 constexpr double kCoarse = 0.15 * kMillimetre;
 
+Part part_at(const Molar& molar, const Vector3d& p) {
+  return molar.parts_within(p, 0.0, PartSet::all()).first();
+}
+
 /// The whole tooth, its labels being its parts.
 VoxelModel coarse_molar(double caries_radius_m = 0.0) {
   return voxelise_implicit(Molar(caries_radius_m), VoxelGrid{{96, 80, 168}, kCoarse}, &kLabels);
@@ -119,22 +123,30 @@ TEST(Molar, LipschitzBoundHoldsBetweenPointsAndAtThem) {
   }
 }
 
-TEST(Molar, PartIsTheSameWithinItsMargin) {
+TEST(Molar, NoOtherPartsAreWithinARadiusThanItSays) {
   const Molar molar(0.8 * kMillimetre);
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
-  int used = 0;
+  std::uniform_real_distribution<double> any(0.0, 1.0);
+  int used = 0, settled = 0;
   for (const Vector3d& p : scattered_points(20000)) {
     if (molar.value(p) > 0.0) continue;
-    const double margin = molar.part_margin(p);
     ++used;
+    const double radius = kMillimetre * any(random);
+    const PartSet within = molar.parts_within(p, radius, PartSet::all());
+    settled += within == PartSet::only(within.first()) ? 1 : 0;
     for (int n = 0; n < 4; ++n) {
       const Vector3d way(normal(random), normal(random), normal(random));
-      const Vector3d q = p + 0.999 * margin * way.normalized();
-      EXPECT_TRUE(molar.value(q) > 0.0 || molar.part(q) == molar.part(p)) << p.transpose();
+      const Vector3d q = p + 0.999 * radius * std::cbrt(any(random)) * way.normalized();
+      if (molar.value(q) > 0.0) continue;
+      EXPECT_TRUE(within.has(part_at(molar, q))) << p.transpose();
+      // Of what it leaves the answer is the same.
+      EXPECT_EQ(molar.parts_within(q, 0.0, within), PartSet::only(part_at(molar, q)));
     }
   }
   EXPECT_GT(used, 4000);
+  EXPECT_GT(settled, used / 5);
+  EXPECT_LT(settled, used * 9 / 10);
 }
 
 TEST(Molar, HasTheSizeOfALowerFirstMolar) {
@@ -222,7 +234,8 @@ TEST(Molar, EnamelIsThickOverTheCuspsAndEndsAtTheNeck) {
   for (const auto& [x, y] : {std::pair{2.6, -2.7}, {-1.0, -2.85}, {2.45, 2.85}, {-2.0, 2.85}}) {
     const double surface = top(molar, x * kMillimetre, y * kMillimetre);
     double z = surface - 1e-6;
-    while (molar.part(kMillimetre * Vector3d(x, y, z / kMillimetre)) == Part::kEnamel) z -= 1e-5;
+    while (part_at(molar, kMillimetre * Vector3d(x, y, z / kMillimetre)) == Part::kEnamel)
+      z -= 1e-5;
     EXPECT_GT(surface - z, 2.0 * kMillimetre);
     EXPECT_LT(surface - z, 2.5 * kMillimetre);
   }
@@ -231,7 +244,7 @@ TEST(Molar, EnamelIsThickOverTheCuspsAndEndsAtTheNeck) {
     Vector3d p = -7.0 * kMillimetre * inward + Vector3d(0.0, 0.0, z);
     while (molar.value(p) > 0.0) p += 1e-5 * inward;
     const Vector3d surface = p;
-    while (molar.part(p) == Part::kEnamel) p += 1e-5 * inward;
+    while (part_at(molar, p) == Part::kEnamel) p += 1e-5 * inward;
     return (p - surface).norm();
   };
   double above = 10.0;
@@ -285,11 +298,11 @@ TEST(Molar, CariesOnlyWhereAskedFor) {
 
   const Molar molar(0.8 * kMillimetre);
   const Vector3d pit = molar.central_pit();
-  EXPECT_EQ(molar.part(pit - Vector3d(0.0, 0.0, 1e-5)), Part::kCaries);  // the way in
+  EXPECT_EQ(part_at(molar, pit - Vector3d(0.0, 0.0, 1e-5)), Part::kCaries);  // the way in
   // Undermining: wide in the dentine, narrow in the enamel above.
   const Vector3d aside(0.5 * kMillimetre, 0.0, 0.0);
-  EXPECT_EQ(molar.part(pit + aside - Vector3d(0.0, 0.0, 0.7 * kMillimetre)), Part::kEnamel);
-  EXPECT_EQ(molar.part(pit + aside - Vector3d(0.0, 0.0, 1.85 * kMillimetre)), Part::kCaries);
+  EXPECT_EQ(part_at(molar, pit + aside - Vector3d(0.0, 0.0, 0.7 * kMillimetre)), Part::kEnamel);
+  EXPECT_EQ(part_at(molar, pit + aside - Vector3d(0.0, 0.0, 1.85 * kMillimetre)), Part::kCaries);
 }
 
 TEST(Molar, RefusesALesionLargerThanItsPlace) {

@@ -37,7 +37,8 @@ void expect_equals_brute_force(const S& shape, const VoxelGrid& grid, const Pose
         wrong += model.solid(c) != inside ? 1 : 0;
         if (!inside) continue;
         ++solid;
-        const std::uint8_t label = kLabels[static_cast<std::size_t>(shape.part(p))];
+        const std::uint8_t label =
+            kLabels[static_cast<std::size_t>(shape.parts_within(p, 0.0, PartSet::all()).first())];
         wrong_labels += model.tissue(c) != label ? 1 : 0;
       }
     }
