@@ -61,7 +61,7 @@ void PiecesThread::drain() {
 
 void PiecesThread::end() {
   memory_bytes_ = finder_.memory_bytes() + world_.memory_bytes() + levels_.memory_bytes();
-  for (const VoxelModel& body : bodies_) memory_bytes_ += body.leaves.capacity() * sizeof(LeafBits);
+  for (const VoxelModel& body : bodies_) memory_bytes_ += body.leaves.bytes();
   for (PieceFeed* follower : followers_) follower->ticks_done = PieceFeed::kAllTicks;
 }
 

@@ -53,7 +53,7 @@ std::uint64_t check_of(const EarlierRun& earlier) {
 /// The leaves of the workpiece that edits are of, and nothing else of it.
 VoxelModel touched_leaves(const VoxelModel& start, std::span<const Edit> edits) {
   VoxelModel touched = start;
-  touched.leaves.assign(start.leaves.size(), LeafBits{});
+  touched.leaves = ZeroedArray<LeafBits>(start.leaves.size());
   for (const Edit& edit : edits) {
     if (edit.body != 0) continue;
     const std::uint32_t leaf = start.grid.leaf_of(start.grid.cell_of_linear(edit.voxel));

@@ -406,10 +406,10 @@ DrawnVertex DrawnSurface::drawn_vertex(const Eigen::Vector3f& p_index, const Den
 }
 
 std::size_t DrawnSurface::memory_bytes() const {
-  return model_.leaves.capacity() * sizeof(LeafBits) +
-         (model_.fills ? model_.fills->memory_bytes() : 0) + density_.memory_bytes() +
-         (wide_ ? wide_->memory_bytes() : 0) + lattices_[0].changed.capacity() +
-         lattices_[1].changed.capacity() + removed_.size() * (sizeof(LeafBits) + 3 * sizeof(void*));
+  return model_.leaves.bytes() + (model_.fills ? model_.fills->memory_bytes() : 0) +
+         density_.memory_bytes() + (wide_ ? wide_->memory_bytes() : 0) +
+         lattices_[0].changed.capacity() + lattices_[1].changed.capacity() +
+         removed_.size() * (sizeof(LeafBits) + 3 * sizeof(void*));
 }
 
 std::vector<Eigen::AlignedBox3d> solid_slabs(const VoxelModel& model) {

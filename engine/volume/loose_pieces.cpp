@@ -24,8 +24,7 @@ LoosePieces::LoosePieces(VoxelModel model)
 }
 
 std::size_t LoosePieces::memory_bytes() const {
-  std::size_t bytes = model_.leaves.capacity() * sizeof(LeafBits) +
-                      leaves_.capacity() * sizeof(Leaf) +
+  std::size_t bytes = model_.leaves.bytes() + leaves_.capacity() * sizeof(Leaf) +
                       splits_.capacity() * sizeof(std::vector<Part>) +
                       component_voxels_.capacity() * sizeof(std::uint64_t);
   for (const std::vector<Part>& parts : splits_) bytes += parts.capacity() * sizeof(Part);

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <vector>
 
+#include "engine/core/zeroed_array.hpp"
 #include "engine/volume/fill_map.hpp"
 #include "engine/volume/grid.hpp"
 #include "engine/volume/leaf_bits.hpp"
@@ -16,7 +16,7 @@ namespace sulcus {
 /// each is filled, and its tissue. The tissues never change, so copies share them.
 struct VoxelModel {
   VoxelGrid grid;
-  std::vector<LeafBits> leaves;              // grid.leaf_count(), x fastest
+  ZeroedArray<LeafBits> leaves;              // grid.leaf_count(), x fastest
   std::shared_ptr<const TissueMap> tissues;  // null: one tissue, no labels
   std::optional<FillMap> fills = {};         // none: binary, every solid voxel is full
   bool clipped = false;                      // the solid reached beyond the grid

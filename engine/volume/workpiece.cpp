@@ -179,9 +179,8 @@ void Workpiece::put_back(const Cell& c, FillLevel level) noexcept {
 }
 
 std::size_t Workpiece::memory_bytes() const {
-  return (model_.leaves.capacity() + surface_.capacity()) * sizeof(LeafBits) +
-         octree_.memory_bytes() + columns_.memory_bytes() +
-         (model_.fills ? model_.fills->memory_bytes() : 0) +
+  return model_.leaves.bytes() + surface_.capacity() * sizeof(LeafBits) + octree_.memory_bytes() +
+         columns_.memory_bytes() + (model_.fills ? model_.fills->memory_bytes() : 0) +
          (model_.tissues ? model_.tissues->memory_bytes() : 0);
 }
 

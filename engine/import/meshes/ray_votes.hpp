@@ -14,7 +14,7 @@ namespace sulcus {
 /// What the lines through the voxel centres along one axis say about inside and outside.
 struct RayVotes {
   int axis = 0;
-  std::vector<LeafBits> solid;        // grid.leaf_count(): where the winding number is not 0
+  ZeroedArray<LeafBits> solid;        // grid.leaf_count(): where the winding number is not 0
   std::vector<std::uint8_t> unsound;  // of each line: entries and exits do not cancel (a hole)
   bool all_sound = true;
 

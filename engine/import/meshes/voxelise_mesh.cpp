@@ -157,7 +157,7 @@ class OpenVoxels {
 /// whose centre is inside, where fractions are wanted and others are solid as well.
 void fill(const TriangleMesh& mesh, const Eigen::Affine3d& world_from_file, const std::string& file,
           const WorkpieceSettings& settings, VoxelModel& model,
-          std::vector<LeafBits>* centres = nullptr) {
+          ZeroedArray<LeafBits>* centres = nullptr) {
   const VoxelGrid& grid = model.grid;
   const std::vector<Eigen::Vector3d> positions_index =
       positions_in_index(mesh, grid, world_from_file);
@@ -171,8 +171,9 @@ void fill(const TriangleMesh& mesh, const Eigen::Affine3d& world_from_file, cons
   model.clipped = reaches_beyond(grid, mesh, positions_index);
   tbb::parallel_for(std::uint32_t{0}, grid.leaf_count(), [&](std::uint32_t leaf) {
     LeafBits open;
-    model.leaves[leaf] = count_votes(grid, votes, leaf, open);
-    if (open != LeafBits{}) open_voxels.decide(leaf, open, model.leaves[leaf]);
+    LeafBits solid = count_votes(grid, votes, leaf, open);
+    if (open != LeafBits{}) open_voxels.decide(leaf, open, solid);
+    if (any(solid)) model.leaves[leaf] = solid;
   });
   if (settings.surface == SurfaceKind::kFractions) {
     if (centres) *centres = model.leaves;
@@ -225,8 +226,8 @@ FillLevel level_of_both(const VoxelModel& a, const VoxelModel& b, const Cell& c)
 }
 
 /// The same of fractions. `part_centres`, `centres`: the voxels whose centre is inside.
-void add_filled_tissue(const VoxelModel& part, const std::vector<LeafBits>& part_centres,
-                       std::uint8_t label, VoxelModel& model, std::vector<LeafBits>& centres,
+void add_filled_tissue(const VoxelModel& part, const ZeroedArray<LeafBits>& part_centres,
+                       std::uint8_t label, VoxelModel& model, ZeroedArray<LeafBits>& centres,
                        TissueMap& tissues) {
   const VoxelGrid& grid = model.grid;
   // Apart from the model, whose neighbouring leaves are still asked for.
@@ -287,7 +288,7 @@ VoxelModel voxelise_surfaces(std::span<const TissueSurface> surfaces, const Voxe
   VoxelModel model;
   model.grid = grid;
   model.leaves.resize(grid.leaf_count());
-  std::vector<LeafBits> centres;
+  ZeroedArray<LeafBits> centres;
   if (settings.surface == SurfaceKind::kFractions) {
     model.fills.emplace(grid.leaf_count(), std::vector<LeafLevels>{});
     centres.resize(grid.leaf_count());
@@ -296,7 +297,7 @@ VoxelModel voxelise_surfaces(std::span<const TissueSurface> surfaces, const Voxe
   for (const TissueSurface& surface : surfaces) {
     VoxelModel part;
     part.grid = grid;
-    std::vector<LeafBits> part_centres;
+    ZeroedArray<LeafBits> part_centres;
     fill(surface.mesh, world_from_file, surface.file, settings, part, &part_centres);
     if (model.fills) {
       add_filled_tissue(part, part_centres, surface.label, model, centres, *tissues);
