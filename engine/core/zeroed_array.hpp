@@ -11,9 +11,9 @@
 
 namespace sulcus {
 
-/// An array whose elements are zero until they are written; T{} must be all zero bytes. Most of
-/// what it is used for is: where the system gives pages as they are first written, those that never
-/// are take no memory, in a copy neither. Throws std::bad_alloc.
+/// An array whose elements are zero until they are written; T{} must be all zero bytes. Where the
+/// system gives pages as they are first written, those that never are take no memory, in a copy
+/// neither: for arrays of which most stays zero. Throws std::bad_alloc.
 template <class T>
 class ZeroedArray {
   static_assert(std::is_trivially_copyable_v<T>);

@@ -13,7 +13,7 @@ namespace sulcus {
 // is that of one of the nearest points. Infinite bodies (plate, groove) give bounds of no extent
 // along the directions in which they never end, so that no grid counts as having clipped them.
 
-/// What every shape of one part has in common: a true distance, and one part.
+/// What every shape of one part has in common: its value is a true distance.
 struct OnePartShape {
   double lipschitz() const { return 1.0; }
   PartSet parts_within(const Eigen::Vector3d&, double, PartSet) const {
