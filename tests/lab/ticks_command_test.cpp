@@ -1,4 +1,6 @@
 #include <filesystem>
+#include <set>
+#include <string>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -15,7 +17,7 @@ TEST(TicksCommand, BadOptionsAreOneLineAndStatus2) {
   };
   for (const Bad& bad : {Bad{"--contacts 0", "--contacts"}, Bad{"--contacts many", "many"},
                          Bad{"--method ldm,laplace", "'laplace'"}, Bad{"--method pca", "'pca'"},
-                         Bad{"--quick --cells 7", "--cells"}}) {
+                         Bad{"--measure shapes", "shapes"}, Bad{"--quick --cells 7", "--cells"}}) {
     SCOPED_TRACE(bad.arguments);
     const ScratchFolder scratch;
     const auto result = test::program_command(
@@ -26,6 +28,21 @@ TEST(TicksCommand, BadOptionsAreOneLineAndStatus2) {
     EXPECT_NE(result.err.find(bad.named), std::string::npos) << result.err;
     EXPECT_FALSE(std::filesystem::exists(scratch.path("out")));
   }
+}
+
+TEST(TicksCommand, MeasuresWhatIsAskedForAlone) {
+  const ScratchFolder scratch;
+  const std::string out = scratch.path("out");
+  const auto result = test::program_command(
+      SULCUS_LAB_PROGRAM, "ticks --quick --method ldm_fast --measure bodies -o " + out,
+      scratch.path("err"));
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.out.find(out + "/ticks_bodies.csv"), std::string::npos) << result.out;
+  std::set<std::string> files;
+  for (const auto& file : std::filesystem::directory_iterator(out)) {
+    files.insert(file.path().filename());
+  }
+  EXPECT_EQ(files, std::set<std::string>{"ticks_bodies.csv"});
 }
 
 /// Signals are its main's, whatever it measures.

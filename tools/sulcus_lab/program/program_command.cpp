@@ -97,14 +97,14 @@ void add_program_command(CLI::App& program_app) {
   std::string footer = "Runs the programs beside it as processes of their own. Trials:\n";
   for (const ProgramTrial& trial : program_trials()) {
     names.emplace_back(trial.name);
+    if (!trial.takes_minutes) options->trials.emplace_back(trial.name);
     std::string name = trial.name;
     name.resize(8, ' ');
-    footer += "  " + name + trial.measures + "\n";
+    footer += "  " + name + trial.measures + (trial.takes_minutes ? "; minutes\n" : "\n");
   }
-  options->trials.assign(names.begin(), names.end() - 1);
   CLI::App* command = program_app.add_subcommand(
       "program", "What the whole program takes: start, memory, pictures, large scenes, its build");
-  command->add_option("--trial", options->trials, "Some of those below (all but build)")
+  command->add_option("--trial", options->trials, "Some of those below (all that take no minutes)")
       ->delimiter(',')
       ->check(CLI::IsMember(names));
   command

@@ -112,6 +112,22 @@ ProgramFigures memory(const ProgramBuild& build) {
   return figures;
 }
 
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells;
+  std::istringstream row(line);
+  for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+  return cells;
+}
+
+/// Those after the header.
+std::vector<std::vector<std::string>> rows_of(const std::string& csv) {
+  std::vector<std::vector<std::string>> rows;
+  std::ifstream table(csv);
+  std::string line;
+  for (std::getline(table, line); std::getline(table, line);) rows.push_back(cells_of(line));
+  return rows;
+}
+
 /// Camera at rest and turning while the haptic thread probes, then while it cuts.
 ProgramFigures frames(const ProgramBuild& build) {
   ProgramFigures figures;
@@ -120,16 +136,25 @@ ProgramFigures frames(const ProgramBuild& build) {
     run({build.folder + "/sulcus-lab", "frames", "--scene",
          SULCUS_SCENES "/" + std::string(scene) + "_sulcus.toml", "--size", "640x480", "--seconds",
          "4", "-o", out});
-    std::ifstream table(out + "/frames.csv");
-    std::string line, cell;
-    for (std::getline(table, line); std::getline(table, line);) {
-      std::vector<std::string> cells;
-      for (std::istringstream row(line); std::getline(row, cell, ',');) cells.push_back(cell);
+    for (const std::vector<std::string>& cells : rows_of(out + "/frames.csv")) {
       if (cells.at(0) == "none") continue;
       const std::string name = std::string(scene) + '_' + cells[0];
       figures.emplace_back(name + "_per_s", std::stod(cells.at(1)));
       figures.emplace_back(name + "_tick_p99_to_undrawn", std::stod(cells.at(8)));
     }
+  }
+  return figures;
+}
+
+/// The mean tick of both methods at three numbers of contacts.
+ProgramFigures ticks(const ProgramBuild& build) {
+  const std::string out = build.scratch + "/ticks";
+  run({build.folder + "/sulcus-lab", "ticks", "--measure", "contacts", "--contacts",
+       "350,1200,10000", "-o", out});
+  ProgramFigures figures;
+  for (const std::vector<std::string>& cells : rows_of(out + "/ticks.csv")) {
+    const std::string name = cells.at(0) + '_' + cells.at(1) + '_' + cells.at(2);
+    figures.emplace_back(name + "_us", std::stod(cells.at(3)));
   }
   return figures;
 }
@@ -236,7 +261,8 @@ const std::vector<ProgramTrial>& program_trials() {
       {"jaw", "the mean tick of cut_sulcus among 15 other teeth", jaw},
       {"verify", "replay --verify against the ticks it computes again", verify},
       {"export", "export --mesh at 512^3", export_mesh},
-      {"build", "what tools/run builds, from nothing", build_from_nothing},
+      {"ticks", "the mean tick at 350, 1,200 and 10,000 contacts", ticks, true},
+      {"build", "what tools/run builds, from nothing", build_from_nothing, true},
   };
   return trials;
 }

@@ -19,6 +19,7 @@ struct ProgramTrial {
   const char* name;
   const char* measures;
   ProgramFigures (*run)(const ProgramBuild& build);
+  bool takes_minutes = false;
 };
 
 /// The trials by name. Each runs the programs of a build as processes of their own and throws

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -20,11 +21,19 @@ namespace sulcus::lab {
 
 namespace {
 
+/// By contacts, by the cells of a grid, by bodies.
+const std::vector<std::string> kTickMeasurements{"contacts", "cells", "bodies"};
+
 struct TicksOptions {
   std::string folder = "out/lab/ticks";
   std::vector<int> contacts;
   std::vector<std::string> methods{"ldm_fast", "ldm"};
+  std::vector<std::string> measured = kTickMeasurements;
   bool quick = false;
+
+  bool measures(const std::string& name) const {
+    return std::ranges::find(measured, name) != measured.end();
+  }
 };
 
 /// What is measured, in full or quickly: coarse voxels, small grids and few ticks.
@@ -35,6 +44,9 @@ struct Measured {
   std::vector<int> grids, grid_contacts;
   std::vector<int> bodies{1, 2, 4, 8, 16};
   int body_contacts;
+  /// More contacts than the largest ball finds at 512^3, whose walls then turn away from it, are
+  /// measured on the same tooth in twice as fine voxels.
+  int most_at_coarse = 40000;
 };
 
 Measured measured_by(const TicksOptions& options) {
@@ -48,6 +60,7 @@ Measured measured_by(const TicksOptions& options) {
                                      {350, 1200},
                                      {1, 2, 4, 8, 16},
                                      350};
+  if (options.quick) measured.most_at_coarse = std::numeric_limits<int>::max();
   if (!options.contacts.empty()) {
     measured.plan.contacts = options.contacts;
     std::sort(measured.plan.contacts.begin(), measured.plan.contacts.end());
@@ -74,10 +87,6 @@ Measured measured_by(const TicksOptions& options) {
 
 /// Along the central sulcus where the scenes probe and cut: fissures and cusps, not a smooth wall.
 const TickGround kSulcus{{0.8e-3, -0.28e-3}, {1.2e-3, -0.31e-3}, 8.5e-3};
-
-/// More contacts than the largest ball finds at 512^3, whose walls then turn away from it, are
-/// measured on the same tooth in twice as fine voxels.
-constexpr int kMostAtCoarse = 40000;
 
 Workpiece molar(int cells, double voxel_m) {
   Scene scene;
@@ -108,7 +117,6 @@ struct Tables {
 
   CsvFile ticks, found, stages, floor;
   std::vector<TickRow> rows;
-  std::vector<TickPlace> places;
 
   void add(const TicksGroup& group) {
     const Workpiece& workpiece = group.runs.front().task.start;
@@ -119,21 +127,61 @@ struct Tables {
       for (const std::string& line : stage_lines(row)) stages.write(line);
     }
     const TickPath& path = group.path;
-    places.push_back({group.wanted, workpiece.grid().cells.x(), path.diameter_m, path.depth_m,
-                      group.cutting.front().specific_energy_J_per_m3, path.contacts, path.least,
-                      path.most, group.pca_ns.value_or(std::numeric_limits<double>::quiet_NaN()),
-                      tick_floor(workpiece, path, group.wanted, true),
-                      tick_floor(workpiece, path, group.wanted, false)});
-    for (const std::string& line : floor_lines(places.back())) floor.write(line);
+    const TickPlace place{group.wanted,
+                          workpiece.grid().cells.x(),
+                          path.diameter_m,
+                          path.depth_m,
+                          group.cutting.front().specific_energy_J_per_m3,
+                          path.contacts,
+                          path.least,
+                          path.most,
+                          group.pca_ns.value_or(std::numeric_limits<double>::quiet_NaN()),
+                          tick_floor(workpiece, path, group.wanted, true),
+                          tick_floor(workpiece, path, group.wanted, false)};
+    for (const std::string& line : floor_lines(place)) floor.write(line);
     rows.insert(rows.end(), added.begin(), added.end());
-    print_place(places.back());
+    print_place(place);
     print_rows(added);
   }
 };
 
-void write_sweep(const std::string& file, const std::string& size, std::span<const SweepRow> rows) {
-  CsvFile csv(file, size + kSweepColumns);
+/// Of the tooth: all contacts, methods and caches.
+std::vector<TickRow> measure_contacts(const Measured& measured, Results& results,
+                                      const std::function<void(const std::string&)>& progress) {
+  Tables tables(results);
+  // All teeth at once, so that few and many contacts have their turns one after the other.
+  std::vector<std::unique_ptr<Tooth>> teeth;
+  std::vector<std::unique_ptr<TicksGroup>> groups;
+  const auto plan_on = [&](const char* what, int cells_of, double voxel_m,
+                           std::span<const int> contacts) {
+    progress(what);
+    Tooth& tooth = *teeth.emplace_back(std::make_unique<Tooth>(cells_of, voxel_m));
+    for (const int wanted : contacts) {
+      groups.push_back(plan_group(tooth.workpiece, tooth.pca ? &*tooth.pca : nullptr, kSulcus,
+                                  wanted, measured.plan, progress));
+    }
+  };
+  const std::vector<int>& all = measured.plan.contacts;
+  const auto many = std::upper_bound(all.begin(), all.end(), measured.most_at_coarse);
+  if (many != all.begin()) {
+    plan_on("the tooth", measured.cells, measured.voxel_m, {all.begin(), many});
+  }
+  if (many != all.end()) {
+    plan_on("the tooth in finer voxels", 2 * measured.cells, 0.5 * measured.voxel_m,
+            {many, all.end()});
+  }
+  measure_groups(groups, progress);
+  progress("");
+  for (const auto& group : groups) tables.add(*group);
+  return tables.rows;
+}
+
+void write_sweep(Results& results, const std::string& size, std::span<const SweepRow> rows,
+                 const ProgressLine& line) {
+  line.clear();
+  CsvFile csv(results.table("ticks_" + size + ".csv"), size + kSweepColumns);
   for (const SweepRow& row : rows) csv.write(sweep_line(row));
+  print_sweep(size.c_str(), rows);
 }
 
 void ticks(const TicksOptions& options) {
@@ -149,45 +197,27 @@ void ticks(const TicksOptions& options) {
   }
   if (!is_available(Method::kPca)) std::printf("Built without PCL: times only, no ratios to PCA\n");
 
-  Tables tables(results);
-  std::vector<SweepRow> cells, bodies;
-  {
-    // All teeth at once, so that few and many contacts have their turns one after the other.
-    std::vector<std::unique_ptr<Tooth>> teeth;
-    std::vector<std::unique_ptr<TicksGroup>> groups;
-    const auto plan_on = [&](const char* what, int cells_of, double voxel_m,
-                             std::span<const int> contacts) {
-      progress(what);
-      Tooth& tooth = *teeth.emplace_back(std::make_unique<Tooth>(cells_of, voxel_m));
-      for (const int wanted : contacts) {
-        groups.push_back(plan_group(tooth.workpiece, tooth.pca ? &*tooth.pca : nullptr, kSulcus,
-                                    wanted, measured.plan, progress));
-      }
-    };
-    const std::vector<int>& all = measured.plan.contacts;
-    const auto many =
-        options.quick ? all.end() : std::upper_bound(all.begin(), all.end(), kMostAtCoarse);
-    plan_on("the tooth", measured.cells, measured.voxel_m, {all.begin(), many});
-    if (many != all.end()) {
-      plan_on("the tooth in finer voxels", 2 * measured.cells, 0.5 * measured.voxel_m,
-              {many, all.end()});
-    }
-    measure_groups(groups, progress);
-    line.clear();
-    for (const auto& group : groups) tables.add(*group);
-    bodies = measure_bodies(teeth.front()->workpiece, kSulcus, measured.bodies,
-                            measured.body_contacts, measured.plan, progress);
+  std::vector<TickRow> rows;
+  std::vector<SweepRow> bodies, cells;
+  if (options.measures("contacts")) rows = measure_contacts(measured, results, progress);
+  if (options.measures("bodies")) {
+    progress("the tooth");
+    Workpiece tooth = molar(measured.cells, measured.voxel_m);
+    bodies = measure_bodies(tooth, kSulcus, measured.bodies, measured.body_contacts, measured.plan,
+                            progress);
+    write_sweep(results, "bodies", bodies, line);
   }
-  cells = measure_cells(measured.grids, measured.grid_contacts, measured.plan, progress);
-  line.clear();
-  write_sweep(results.table("ticks_cells.csv"), "cells", cells);
-  write_sweep(results.table("ticks_bodies.csv"), "bodies", bodies);
-  print_sweep("cells", cells);
-  print_sweep("bodies", bodies);
-  print_ratios(tick_ratios(tables.rows, cells, bodies));
+  if (options.measures("cells")) {
+    cells = measure_cells(measured.grids, measured.grid_contacts, measured.plan, progress);
+    write_sweep(results, "cells", cells, line);
+  }
+  print_ratios(tick_ratios(rows, cells, bodies));
   std::printf("Peak memory %.0f MiB\n", static_cast<double>(peak_resident_bytes()) / (1 << 20));
 
-  for (const char* chart : {"ticks", "ticks_stages", "ticks_sweeps"}) results.draw(chart, chart);
+  if (!rows.empty()) {
+    for (const char* chart : {"ticks", "ticks_stages"}) results.draw(chart, chart);
+  }
+  if (!cells.empty() && !bodies.empty()) results.draw("ticks_sweeps", "ticks_sweeps");
   results.print();
 }
 
@@ -204,6 +234,11 @@ void add_ticks_command(CLI::App& program) {
       ->check(CLI::Range(20, 200000));
   command->add_option("--method", options->methods, "Methods of a tick, by name (ldm_fast,ldm)")
       ->delimiter(',');
+  command
+      ->add_option("--measure", options->measured,
+                   "By contacts, by cells of a grid, by bodies (contacts,cells,bodies)")
+      ->delimiter(',')
+      ->check(CLI::IsMember(kTickMeasurements));
   command->add_flag("--quick", options->quick, "Coarse voxels, small grids, few ticks: a trial");
   command->add_option("-o", options->folder, "Folder for the results (out/lab/ticks)");
   command->footer(
