@@ -38,7 +38,8 @@ Burr load_burr(const Scene& scene, LoadCache* cache) {
   if (cache && cache->keeps()) {
     source = [&](const FieldGrid& grid, const TriangleMesh* mesh_tool, const auto& make) {
       const Hash128 key = key_of(settings, grid, mesh_tool);
-      if (auto field = read_cached_field(*cache, key, grid)) return std::move(*field);
+      const FieldMirrors mirrors = mesh_tool ? FieldMirrors::kNone : FieldMirrors::kXAndZ;
+      if (auto field = read_cached_field(*cache, key, grid, mirrors)) return std::move(*field);
       DistanceField field = make();
       write_cached_field(*cache, key, field);
       return field;

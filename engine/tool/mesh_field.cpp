@@ -345,7 +345,7 @@ DistanceField field_from_mesh(const TriangleMesh& mesh_tool, const FieldGrid& gr
           inside = t.normal.dot(Vector3d(i, j, k) - here.point.cast<double>()) < 0.0;
         }
         const double distance = nearest.distance(s) * grid.spacing_m;
-        field.at(i, j, k) = static_cast<float>(inside ? -distance : distance);
+        field.kept_at(i, j, k) = static_cast<float>(inside ? -distance : distance);
       }
     }
   });

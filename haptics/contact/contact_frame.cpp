@@ -24,6 +24,7 @@ ContactFrame::ContactFrame(const VoxelGrid& grid, const DistanceField& field, co
   const Eigen::Vector3d arm = centre_world - (pose.position + reference_m * rotation.col(1));
   for (int a = 0; a < 3; ++a) {
     most[a] = field.samples()[a] - 2;
+    most_kept[a] = field.kept()[a] - 2;
     last[a] = static_cast<float>(field.samples()[a] - 1);
     cell[a] = from[a];
     base[a] = static_cast<float>(at[a]);

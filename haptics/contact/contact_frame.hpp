@@ -14,9 +14,11 @@ struct ContactFrame {
   ContactFrame(const VoxelGrid& grid, const DistanceField& field, const Pose& world_from_tool,
                double reference_m);
 
-  const float* values = nullptr;               // of the field
-  std::int32_t row = 0, slice = 0, most[3]{};  // pitches; last cell along each axis
-  float last[3]{}, spacing_m = 0.0f;           // last sample along each axis
+  const float* values = nullptr;    // of the field
+  std::int32_t row = 0, slice = 0;  // pitches
+  std::int32_t most[3]{},
+      most_kept[3]{};                 // last cell along each axis; last that is no mirror image
+  float last[3]{}, spacing_m = 0.0f;  // last sample along each axis
 
   std::int32_t cell[3]{};         // the voxel that is counted from
   float base[3]{}, step[3][3]{};  // field space of its centre, and a voxel along each axis

@@ -26,12 +26,14 @@ inline Lanes lerp(const Lanes& a, const Lanes& b, const Lanes& t) { return a + t
 
 /// A nearest cell of the field, and where the point lies from it: DistanceField's locate.
 struct CellLanes {
-  IntLanes offset;
+  IntLanes offset;      // of the lower of its samples that are kept along x, the low one along z
+  IntLanes mirrored_x;  // where the lower of the two is the high one
+  IntLanes to_z;        // from a low sample to a high one
   Lanes3 t, beyond;
 };
 inline CellLanes locate(const ContactFrame& f, const Lanes3& p) {
   CellLanes cell{};
-  const auto along = [&](int a, const Lanes& v, Lanes& t, Lanes& beyond, std::int32_t pitch) {
+  const auto along = [&](int a, const Lanes& v, Lanes& t, Lanes& beyond) {
     // A NaN becomes 0: the memory read stays in the box, `beyond` carries the NaN.
     const Lanes inside = smaller(Lanes{} + f.last[a], larger(Lanes{}, v));
     beyond = v - inside;
@@ -39,11 +41,16 @@ inline CellLanes locate(const ContactFrame& f, const Lanes3& p) {
     const IntLanes most = IntLanes{} + f.most[a];
     i = i < most ? i : most;
     t = inside - to_float(i);
-    cell.offset += i * pitch;
+    return i;
   };
-  along(0, p.x, cell.t.x, cell.beyond.x, 1);
-  along(1, p.y, cell.t.y, cell.beyond.y, f.row);
-  along(2, p.z, cell.t.z, cell.beyond.z, f.slice);
+  const IntLanes x = along(0, p.x, cell.t.x, cell.beyond.x);
+  const IntLanes y = along(1, p.y, cell.t.y, cell.beyond.y);
+  const IntLanes z = along(2, p.z, cell.t.z, cell.beyond.z);
+  cell.mirrored_x = x > f.most_kept[0];
+  const IntLanes mirrored_z = z > f.most_kept[2];
+  cell.to_z = mirrored_z ? IntLanes{} - f.slice : IntLanes{} + f.slice;
+  cell.offset = (cell.mirrored_x ? f.most[0] - x : x) + y * f.row +
+                (mirrored_z ? f.most[2] + 1 - z : z) * f.slice;
   return cell;
 }
 
@@ -51,51 +58,53 @@ inline CellLanes locate(const ContactFrame& f, const Lanes3& p) {
 struct Corners {
   Lanes of[8];
 };
-inline Corners corners(const ContactFrame& f, const IntLanes& offset) {
+inline Corners corners(const ContactFrame& f, const CellLanes& cell) {
+  // What is stored lane by lane cannot be loaded as a whole at once.
+  alignas(64) std::int32_t at[2][kLaneCount];
+  store(cell.offset, at[0]);
+  store(cell.offset + cell.to_z, at[1]);
+  Corners c;
 #ifdef __AVX2__
-  // Two neighbours in x at once; what is stored lane by lane cannot be loaded as a whole at once.
-  alignas(64) std::int32_t at[kLaneCount];
-  store(offset, at);
+  // Two neighbours in x at once.
   const auto two = [](const float* p, const float* q) {
     return _mm_loadh_pi(_mm_loadl_pi(_mm_setzero_ps(), reinterpret_cast<const __m64*>(p)),
                         reinterpret_cast<const __m64*>(q));
   };
   // Of lanes `lane` and the next in each four.
-  const auto load_pairs = [&](const float* v, int lane) {
+  const auto load_pairs = [&](const float* v, const std::int32_t* lane) {
     const auto eight = [&](const std::int32_t* from) {
       return _mm256_set_m128(two(v + from[4], v + from[5]), two(v + from[0], v + from[1]));
     };
 #if SULCUS_LANES == 16
-    return _mm512_insertf32x8(_mm512_castps256_ps512(eight(at + lane)), eight(at + lane + 8), 1);
+    return _mm512_insertf32x8(_mm512_castps256_ps512(eight(lane)), eight(lane + 8), 1);
 #else
-    return eight(at + lane);
+    return eight(lane);
 #endif
   };
-  const auto edge = [&](const float* v, Lanes& low, Lanes& high) {
-    const Lanes a = load_pairs(v, 0), b = load_pairs(v, 2);
-    low = SULCUS_WIDE(shuffle_ps)(a, b, 0x88);
-    high = SULCUS_WIDE(shuffle_ps)(a, b, 0xdd);
+  const auto edge = [&](const float* v, const std::int32_t* lanes, Lanes* lower) {
+    const Lanes a = load_pairs(v, lanes), b = load_pairs(v, lanes + 2);
+    lower[0] = SULCUS_WIDE(shuffle_ps)(a, b, 0x88);
+    lower[1] = SULCUS_WIDE(shuffle_ps)(a, b, 0xdd);
   };
-  Corners c;
-  edge(f.values, c.of[0], c.of[1]);
-  edge(f.values + f.row, c.of[2], c.of[3]);
-  edge(f.values + f.slice, c.of[4], c.of[5]);
-  edge(f.values + f.slice + f.row, c.of[6], c.of[7]);
-  return c;
 #else
-  alignas(32) float v[8][kLaneCount];
-  for (int lane = 0; lane < kLaneCount; ++lane) {
-    const float* c = f.values + offset[lane];
-    v[0][lane] = c[0], v[1][lane] = c[1];
-    v[2][lane] = c[f.row], v[3][lane] = c[f.row + 1];
-    c += f.slice;
-    v[4][lane] = c[0], v[5][lane] = c[1];
-    v[6][lane] = c[f.row], v[7][lane] = c[f.row + 1];
+  const auto edge = [](const float* v, const std::int32_t* lanes, Lanes* lower) {
+    alignas(32) float pair[2][kLaneCount];
+    for (int lane = 0; lane < kLaneCount; ++lane) {
+      pair[0][lane] = v[lanes[lane]], pair[1][lane] = v[lanes[lane] + 1];
+    }
+    lower[0] = load(pair[0]), lower[1] = load(pair[1]);
+  };
+#endif
+  for (int z = 0; z < 2; ++z) {
+    edge(f.values, at[z], c.of + 4 * z);
+    edge(f.values + f.row, at[z], c.of + 4 * z + 2);
   }
-  Corners all;
-  for (int k = 0; k < 8; ++k) all.of[k] = load(v[k]);
-  return all;
-#endif
+  for (int k = 0; k < 8; k += 2) {
+    const Lanes lower = c.of[k], upper = c.of[k + 1];
+    c.of[k] = cell.mirrored_x ? upper : lower;
+    c.of[k + 1] = cell.mirrored_x ? lower : upper;
+  }
+  return c;
 }
 
 /// Distance and gradient (tool axes) at points of field space: the bits of
@@ -103,7 +112,7 @@ inline Corners corners(const ContactFrame& f, const IntLanes& offset) {
 [[gnu::always_inline]] inline Lanes sample(const ContactFrame& f, const Lanes3& p,
                                            Lanes3& gradient) {
   const CellLanes cell = locate(f, p);
-  const Corners v = corners(f, cell.offset);
+  const Corners v = corners(f, cell);
   const Lanes3& t = cell.t;
   const Lanes x00 = lerp(v.of[0], v.of[1], t.x), x10 = lerp(v.of[2], v.of[3], t.x);
   const Lanes x01 = lerp(v.of[4], v.of[5], t.x), x11 = lerp(v.of[6], v.of[7], t.x);
@@ -132,7 +141,7 @@ inline Corners corners(const ContactFrame& f, const IntLanes& offset) {
 /// are the legs of the distance, not its parts.
 inline Lanes least_distance(const ContactFrame& f, const Lanes3& p) {
   const CellLanes cell = locate(f, p);
-  const Corners v = corners(f, cell.offset);
+  const Corners v = corners(f, cell);
   const Lanes3& t = cell.t;
   const Lanes y0 = lerp(lerp(v.of[0], v.of[1], t.x), lerp(v.of[2], v.of[3], t.x), t.y);
   const Lanes y1 = lerp(lerp(v.of[4], v.of[5], t.x), lerp(v.of[6], v.of[7], t.x), t.y);

@@ -1,10 +1,13 @@
 #include "engine/tool/distance_field.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -47,13 +50,15 @@ double exact(const BurrProfile& profile, const Vector3d& p_tool) {
 TEST(DistanceField, SamplesAreExact) {
   for (const BurrShape shape : kShapes) {
     const BurrProfile profile = profile_of(shape);
-    const DistanceField field = field_of(profile, {37, 96, 40});  // odd, even
-    for (int k = 0; k < 40; ++k) {
-      for (int j = 0; j < 96; ++j) {
-        for (int i = 0; i < 37; ++i) {
-          const double d = exact(profile, field.grid().tool_from_field(Vector3d(i, j, k)));
-          ASSERT_NEAR(field.at(i, j, k), d, 1e-9);
-          ASSERT_EQ(field.sample(Vector3f(Vector3i(i, j, k).cast<float>())), field.at(i, j, k));
+    for (const Vector3i& n : {Vector3i(37, 96, 40), Vector3i(40, 50, 40), Vector3i(39, 50, 39)}) {
+      const DistanceField field = field_of(profile, n);
+      for (int k = 0; k < n.z(); ++k) {
+        for (int j = 0; j < n.y(); ++j) {
+          for (int i = 0; i < n.x(); ++i) {
+            const double d = exact(profile, field.grid().tool_from_field(Vector3d(i, j, k)));
+            ASSERT_NEAR(field.at(i, j, k), d, 1e-9);
+            ASSERT_EQ(field.sample(Vector3f(Vector3i(i, j, k).cast<float>())), field.at(i, j, k));
+          }
         }
       }
     }
@@ -141,7 +146,7 @@ DistanceField random_field() {
   std::uniform_real_distribution<float> uniform(1e-5f, 3e-5f);
   for (int k = 0; k < 10; ++k) {
     for (int j = 0; j < 12; ++j) {
-      for (int i = 0; i < 9; ++i) field.at(i, j, k) = uniform(random);
+      for (int i = 0; i < 9; ++i) field.kept_at(i, j, k) = uniform(random);
     }
   }
   return field;
@@ -154,7 +159,7 @@ TEST(DistanceField, ReproducesATrilinearFunction) {
   };
   for (int k = 0; k < 10; ++k) {
     for (int j = 0; j < 12; ++j) {
-      for (int i = 0; i < 9; ++i) field.at(i, j, k) = static_cast<float>(f(Vector3d(i, j, k)));
+      for (int i = 0; i < 9; ++i) field.kept_at(i, j, k) = static_cast<float>(f(Vector3d(i, j, k)));
     }
   }
   for (const Vector3d& p : {Vector3d(0.25, 3.5, 8.75), Vector3d(7.99, 0.01, 0.5),
@@ -193,6 +198,58 @@ TEST(DistanceField, IsContinuousWithTheGradientOfItself) {
       }
     }
   }
+}
+
+/// A field with mirrors of values at random, and all of its samples in one without.
+std::pair<DistanceField, DistanceField> mirrored_and_whole(const Vector3i& samples) {
+  const FieldGrid grid{samples, Vector3d(-4e-5, -5e-5, -4.5e-5), 1e-5};
+  DistanceField mirrored(grid, FieldMirrors::kXAndZ), whole(grid);
+  std::mt19937 random(6);
+  std::uniform_real_distribution<float> uniform(-1e-5f, 3e-5f);
+  for (int k = 0; k < samples.z(); ++k) {
+    for (int j = 0; j < samples.y(); ++j) {
+      for (int i = 0; i < samples.x(); ++i) {
+        // Those that come later are images of what is there.
+        const int i2 = samples.x() - 1 - i, k2 = samples.z() - 1 - k;
+        const bool is_image = i2 < i || k2 < k;
+        const float d = is_image ? whole.at(std::min(i, i2), j, std::min(k, k2)) : uniform(random);
+        whole.kept_at(i, j, k) = d;
+        const Vector3i& kept = mirrored.kept();
+        if (i < kept.x() && k < kept.z()) mirrored.kept_at(i, j, k) = d;
+      }
+    }
+  }
+  return {std::move(mirrored), std::move(whole)};
+}
+
+TEST(DistanceField, WithMirrorsItHasTheBitsOfTheWhole) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> uniform(-3.0f, 14.0f);
+  // Even and odd, and the fewest that plan_field gives.
+  for (const Vector3i& n : {Vector3i(9, 12, 10), Vector3i(10, 8, 9), Vector3i(8, 8, 8)}) {
+    const auto [mirrored, whole] = mirrored_and_whole(n);
+    EXPECT_EQ(mirrored.kept(), Vector3i(n.x() / 2 + 1, n.y(), n.z() / 2 + 1));
+    EXPECT_EQ(whole.kept(), n);
+    for (int t = 0; t < 50000; ++t) {
+      Vector3f p(uniform(random), uniform(random), uniform(random));
+      if (t % 4 == 0) p[t % 3] = std::round(p[t % 3]);  // on faces of cells and of the box
+      if (t % 16 == 0) p = p.array().round();
+      std::array<Vector3f, 2> gradients;
+      const std::array values{mirrored.sample_with_gradient(p, gradients[0]),
+                              whole.sample_with_gradient(p, gradients[1]), mirrored.sample(p)};
+      ASSERT_EQ(std::bit_cast<std::uint32_t>(values[0]), std::bit_cast<std::uint32_t>(values[1]));
+      ASSERT_EQ(std::bit_cast<std::uint32_t>(values[0]), std::bit_cast<std::uint32_t>(values[2]));
+      ASSERT_EQ(std::memcmp(gradients[0].data(), gradients[1].data(), sizeof gradients[0]), 0);
+    }
+    for (int k = 0; k < n.z(); ++k) {
+      for (int i = 0; i < n.x(); ++i) ASSERT_EQ(mirrored.at(i, 3, k), whole.at(i, 3, k));
+    }
+  }
+}
+
+TEST(DistanceField, OfAGeneratedBurrItKeepsAQuarter) {
+  const DistanceField field = field_of(profile_of(BurrShape::kRound), {128, 512, 128});
+  EXPECT_LT(field.memory_bytes(), 0.33 * sizeof(float) * 128 * 512 * 128);
 }
 
 TEST(DistanceField, OutsideAddsTheWayToTheBox) {
