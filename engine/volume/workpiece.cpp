@@ -11,6 +11,7 @@ namespace sulcus {
 namespace {
 
 constexpr LeafBits kEmptyLeaf{};
+constexpr std::uint32_t kLeavesOfPage = 4096 / sizeof(LeafBits);
 
 /// What a voxel that is not full adds to the hash of the shape.
 std::uint64_t level_hash(std::uint64_t voxel, FillLevel level) noexcept {
@@ -50,16 +51,22 @@ LeafBits surface_of_leaf(const VoxelModel& model, std::uint32_t leaf) {
 Workpiece::Workpiece(VoxelModel model)
     : model_(std::move(model)), surface_(model_.leaves.size()), octree_(model_), columns_(model_) {
   struct Sums {
-    std::uint64_t solid = 0, surface = 0, hash = 0;
+    std::uint64_t solid = 0, surface = 0, hash = 0, pages = 0;
   };
-  constexpr std::uint32_t kBlock = 4096;  // leaves
+  constexpr std::uint32_t kBlock = 64 * kLeavesOfPage;
   std::vector<Sums> blocks((grid().leaf_count() + kBlock - 1) / kBlock);
   parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t block) {
     Sums& sum = blocks[block];
     const auto first = static_cast<std::uint32_t>(block) * kBlock;
     const std::uint32_t end = std::min(first + kBlock, grid().leaf_count());
+    std::uint32_t of_next_page = first;
     for (std::uint32_t leaf = first; leaf != end; ++leaf) {
       if (model_.leaves[leaf] == kEmptyLeaf) continue;
+      if (leaf >= of_next_page) {
+        of_next_page = (leaf / kLeavesOfPage + 1) * kLeavesOfPage;
+        ++sum.pages;
+      }
+      // Also where there is none: the page is there before a cut comes to it.
       surface_[leaf] = surface_of_leaf(model_, leaf);
       sum.solid += static_cast<std::uint64_t>(count_voxels(model_.leaves[leaf]));
       sum.surface += static_cast<std::uint64_t>(count_voxels(surface_[leaf]));
@@ -71,6 +78,7 @@ Workpiece::Workpiece(VoxelModel model)
     solid_voxels_ += sum.solid;
     surface_voxels_ += sum.surface;
     hash_ ^= sum.hash;
+    leaf_pages_ += sum.pages;
   }
 }
 
@@ -179,8 +187,9 @@ void Workpiece::put_back(const Cell& c, FillLevel level) noexcept {
 }
 
 std::size_t Workpiece::memory_bytes() const {
-  return model_.leaves.bytes() + surface_.capacity() * sizeof(LeafBits) + octree_.memory_bytes() +
-         columns_.memory_bytes() + (model_.fills ? model_.fills->memory_bytes() : 0) +
+  const std::size_t leaves_bytes = leaf_pages_ * kLeavesOfPage * sizeof(LeafBits);
+  return 2 * leaves_bytes + octree_.memory_bytes() + columns_.memory_bytes() +
+         (model_.fills ? model_.fills->memory_bytes() : 0) +
          (model_.tissues ? model_.tissues->memory_bytes() : 0);
 }
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine/core/huge_pages.hpp"
+#include "engine/core/zeroed_array.hpp"
 #include "engine/volume/column_bits.hpp"
 #include "engine/volume/octree.hpp"
 #include "engine/volume/voxel_model.hpp"
@@ -56,6 +56,7 @@ class Workpiece {
   /// See Octree::switch_off.
   void switch_off(std::span<const std::uint32_t> nodes) noexcept { octree_.switch_off(nodes); }
 
+  /// Of leaves and their surface what the pages with a solid voxel take; no others are written.
   std::size_t memory_bytes() const;
 
  private:
@@ -65,12 +66,13 @@ class Workpiece {
   void update_surface(const Cell& c) noexcept;
 
   VoxelModel model_;
-  HugePageVector<LeafBits> surface_;
+  ZeroedArray<LeafBits> surface_;
   Octree octree_;
   ColumnBits columns_;
   std::uint64_t solid_voxels_ = 0;
   std::uint64_t surface_voxels_ = 0;
   std::uint64_t hash_ = 0;
+  std::size_t leaf_pages_ = 0;  // of the leaves, where one had a voxel at the start
 };
 
 /// Surface voxels of one leaf of a model, from its bits and those of its six neighbours.
