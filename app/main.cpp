@@ -13,6 +13,7 @@
 #include "app/commands/manual.hpp"
 #include "app/terminal/terminal.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/realtime.hpp"
 #include "engine/core/stop.hpp"
 
 namespace {
@@ -85,6 +86,7 @@ int main(int argc, char** argv) {
   // A chart or video program that goes away, and a file that may not grow, are errors, not ends.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
+  sulcus::give_back_large_blocks();
   const int status = run(argc, argv);
   if (has_said_all() || status != 0) return status;
   sulcus::say_error("sulcus: standard output: cannot be written\n");

@@ -71,7 +71,7 @@ struct PieceFeed {
 
 /// From the haptic thread to one consumer.
 struct Feed {
-  explicit Feed(double rate_hz, double seconds = 10.0)
+  explicit Feed(double rate_hz, double seconds = 4.0)
       : reports(std::max<std::size_t>(1, static_cast<std::size_t>(seconds * rate_hz))),
         edits(std::size_t{1} << 16) {}
 

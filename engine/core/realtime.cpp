@@ -8,6 +8,9 @@
 #include <sstream>
 #include <string>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
@@ -74,6 +77,12 @@ std::vector<std::string> request_realtime() {
   }
   prctl(PR_SET_TIMERSLACK, 1);  // ns; plain threads are woken up to 50 us late otherwise
   return refused;
+}
+
+void give_back_large_blocks() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 1 << 20);
+#endif
 }
 
 std::string lock_memory() {

@@ -11,6 +11,10 @@ namespace sulcus {
 /// was refused, one line each; empty: all granted. Never fails.
 std::vector<std::string> request_realtime();
 
+/// From here on what is freed of a MiB and more goes back to the system at once, where the C
+/// library would keep it for later: loading frees tens of MiB that a run never needs again.
+void give_back_large_blocks();
+
 /// Locks what memory the process has, so that no tick waits for a page; takes some 10 ms. Returns
 /// the line of what was refused, empty: granted. Never fails.
 std::string lock_memory();
