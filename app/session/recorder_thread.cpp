@@ -21,6 +21,8 @@ constexpr std::chrono::milliseconds kFlushEvery{30};
 // busy costs no more memory than they have.
 constexpr std::size_t kMostRows = 4096, kMostEdits = 1 << 16;
 
+}  // namespace
+
 RecordingWriter begin_recording(const Simulation& simulation, const SessionOptions& options,
                                 const std::string& file, bool pedal) {
   const Scene& scene = simulation.scene();
@@ -53,12 +55,6 @@ RecordingWriter begin_recording(const Simulation& simulation, const SessionOptio
   }
   return writer;
 }
-
-}  // namespace
-
-RecorderThread::RecorderThread(RecordFeed& feed, const Simulation& simulation,
-                               const SessionOptions& options, const std::string& file, bool pedal)
-    : feed_(feed), writer_(begin_recording(simulation, options, file, pedal)), thread_(feed) {}
 
 void RecorderThread::start() {
   thread_.start([this] { run(); }, [this] { writer_.reset(); });

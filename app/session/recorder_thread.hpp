@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "app/session/feed_thread.hpp"
 #include "app/session/session.hpp"
@@ -12,14 +13,17 @@
 
 namespace sulcus {
 
+/// A recording in `file` with what is known before the first tick; `pedal`: there may be one.
+/// Errors as RecordingWriter.
+RecordingWriter begin_recording(const Simulation& simulation, const SessionOptions& options,
+                                const std::string& file, bool pedal);
+
 /// Records the run, flushed every 30 ms. A disk that fails stops the recording, not the run;
 /// `finish` then throws what it said. One that stalls holds up this thread alone.
 class RecorderThread {
  public:
-  /// Writes into `file` what is known before the first tick; `pedal`: there may be one. Errors as
-  /// RecordingWriter.
-  RecorderThread(RecordFeed& feed, const Simulation& simulation, const SessionOptions& options,
-                 const std::string& file, bool pedal);
+  RecorderThread(RecordFeed& feed, RecordingWriter writer)
+      : feed_(feed), writer_(std::move(writer)), thread_(feed) {}
 
   /// Starts the thread; its first flush gives the recording its name.
   void start();

@@ -2,6 +2,7 @@
 
 #include <exception>
 #include <filesystem>
+#include <future>
 #include <limits>
 #include <optional>
 #include <thread>
@@ -54,6 +55,7 @@ class Consumers {
   }
 
  private:
+  std::future<RecordingWriter> begin_recording(bool pedal);
   std::vector<RunMarks> make_marks();
   std::optional<HeatLog> make_heat();
   void add_outcome(SessionResult& result);
@@ -66,6 +68,7 @@ class Consumers {
   PartUse heat_part_{"heat"};
   std::optional<ToothHeat> heat_;  // with [heat]; before the reports, which make it
   Feeds feeds_;
+  std::future<RecordingWriter> begun_;  // beside what the others prepare
   ReportThread reports_;
   std::optional<RecorderThread> recorder_;
   std::optional<RenderThread> renderer_;
@@ -79,6 +82,7 @@ Consumers::Consumers(const Simulation& simulation, const SessionOptions& options
       options_(options),
       recording_(options.folder + "/recording.h5"),
       feeds_(simulation.scene().haptics.rate_hz),
+      begun_(begin_recording(pedal)),
       reports_(feeds_.reports, make_marks(), make_heat()) {
   const Scene& scene = simulation.scene();
   const double rate_hz = scene.haptics.rate_hz;
@@ -87,12 +91,7 @@ Consumers::Consumers(const Simulation& simulation, const SessionOptions& options
     if (scene.loose_pieces) feed->pieces.emplace();
     return *feed;
   };
-  if (scene.record) {
-    const PartTimer timer(record_part_);
-    const double queue_s = scene.record->queue_s;
-    recorder_.emplace(open(feeds_.record, queue_s), simulation, options, recording_, pedal);
-    record_part_.bytes = static_cast<std::size_t>(queue_s * rate_hz) * sizeof(TickReport);
-  }
+  if (scene.record) open(feeds_.record, scene.record->queue_s);
   if (scene.render && options.render) renderer_.emplace(open(feeds_.frames), simulation, options);
   if (options.watch) open(feeds_.watch);
   if (scene.stream && options.stream) {
@@ -103,6 +102,20 @@ Consumers::Consumers(const Simulation& simulation, const SessionOptions& options
     std::vector<PieceFeed*> followers = feeds_.of_pieces();
     pieces_.emplace(feeds_.pieces.emplace(rate_hz), std::move(followers), simulation);
   }
+  if (scene.record) {
+    recorder_.emplace(*feeds_.record, begun_.get());
+    record_part_.bytes =
+        static_cast<std::size_t>(scene.record->queue_s * rate_hz) * sizeof(TickReport);
+  }
+}
+
+/// None without [record].
+std::future<RecordingWriter> Consumers::begin_recording(bool pedal) {
+  if (!simulation_.scene().record) return {};
+  return std::async(std::launch::async, [this, pedal] {
+    const PartTimer timer(record_part_);
+    return sulcus::begin_recording(simulation_, options_, recording_, pedal);
+  });
 }
 
 /// None without [cutting].
