@@ -10,17 +10,30 @@ namespace sulcus {
 
 namespace {
 
-Eigen::AlignedBox3d bounds_of(const VoxelGrid& grid, double margin_m, const Pose& world_from_grid) {
-  const Eigen::Vector3d half = (0.5 * grid.voxel_m * grid.cells.cast<double>()).array() + margin_m;
+Eigen::AlignedBox3d placed(const Eigen::AlignedBox3d& box, const Pose& world_from_grid) {
   const Eigen::Isometry3d place =
       Eigen::Translation3d(world_from_grid.position) * world_from_grid.orientation;
-  return Eigen::AlignedBox3d(-half, half).transformed(place);
+  return box.transformed(place);
+}
+
+Eigen::AlignedBox3d bounds_of(const VoxelGrid& grid, double margin_m, const Pose& world_from_grid) {
+  const Eigen::Vector3d half = (0.5 * grid.voxel_m * grid.cells.cast<double>()).array() + margin_m;
+  return placed({-half, half}, world_from_grid);
+}
+
+Eigen::AlignedBox3d solid_bounds_of(const Workpiece& solid, const Pose& world_from_grid) {
+  const VoxelGrid& grid = solid.grid();
+  // From a voxel before the first one's centre to one behind the last one's.
+  const Eigen::Vector3d before = grid.centre_world(solid.columns().lower()).array() - grid.voxel_m;
+  return placed({before, grid.centre_world(solid.columns().upper())}, world_from_grid);
 }
 
 }  // namespace
 
 Body::Body(const Scene& scene, Workpiece start)
-    : solid(std::move(start)), bounds_world(bounds_of(solid.grid(), 0.0, {})) {
+    : solid(std::move(start)),
+      bounds_world(bounds_of(solid.grid(), 0.0, {})),
+      solid_bounds_world(solid_bounds_of(solid, {})) {
   if (uses_normal_cache(scene.haptics)) normal_cache.emplace(solid.grid(), scene.haptics);
   if (scene.cutting) make_cuttable(*scene.cutting);
 }
@@ -29,7 +42,8 @@ Body::Body(const Scene& scene, const BodySettings& settings, Workpiece start)
     : world_from_grid(settings.world_from_grid),
       first_tissue(settings.tissue.value_or(0)),
       solid(std::move(start)),
-      bounds_world(bounds_of(solid.grid(), solid.grid().voxel_m, world_from_grid)) {
+      bounds_world(bounds_of(solid.grid(), solid.grid().voxel_m, world_from_grid)),
+      solid_bounds_world(solid_bounds_of(solid, world_from_grid)) {
   if (uses_normal_cache(scene.haptics)) normal_cache.emplace(solid.grid(), scene.haptics);
   if (scene.cutting && settings.cuttable) make_cuttable(*scene.cutting);
 }

@@ -28,6 +28,8 @@ struct Body {
   std::optional<RemovalState> removal;      // of one that can be cut, with [cutting] only
   /// Its grid, and of a body beside the workpiece a voxel more, which may be larger than that's.
   Eigen::AlignedBox3d bounds_world;
+  /// The leaves that had a voxel at the start, and half a voxel about them: outside there is none.
+  Eigen::AlignedBox3d solid_bounds_world;
   // Damage, which no later tick depends on. The workpiece's is neither hashed nor saved.
   std::uint64_t touched_ticks = 0;
   double peak_force_N = 0.0;

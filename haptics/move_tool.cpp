@@ -19,31 +19,34 @@ namespace {
 /// How fast a load pushes the tool on, at most: a hand does not let go of it.
 constexpr double kFastestAdvance_m_per_s = 20e-3;
 
-/// Calls `visit(i)` for every body whose box comes within a margin of the burr, in their order.
-template <class Visit>
-void for_each_near(const TickContext& context, const SimulationState& state, const Pose& tool,
-                   double margin_m, const Visit& visit) {
-  const Eigen::AlignedBox3d box = capsule_bounds(context.burr.capsule, tool, margin_m);
-  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
-    if (state.bodies[i].bounds_world.intersects(box)) visit(i);
-  }
-}
-
 Motion motion_of(const DeviceReading& device) {
   return device.slides ? Motion::kSlides : Motion::kNone;
 }
 
 double voxel_m_of(const SimulationState& state) { return state.workpiece().solid.grid().voxel_m; }
 
+/// How far beyond the burr a body may lie and still count for a contact: that lies within two of
+/// its voxels of the burr, and what covers it may lie one further.
+double contact_margin_m(const SimulationState& state) {
+  double coarsest_m = 0.0;
+  for (const Body& body : state.bodies) {
+    coarsest_m = std::max(coarsest_m, body.solid.grid().voxel_m);
+  }
+  return 3.0 * coarsest_m;
+}
+
 /// free_distance to all bodies.
 double free_distance_to_bodies(const TickContext& context, const SimulationState& state,
                                const Pose& tool, double wanted_m, TickScratch& scratch) noexcept {
+  const Eigen::AlignedBox3d box =
+      capsule_bounds(context.burr.capsule, tool, wanted_m + voxel_m_of(state));
   double way_m = wanted_m;
-  for_each_near(context, state, tool, wanted_m + voxel_m_of(state), [&](std::size_t i) {
+  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
     const Body& body = state.bodies[i];
+    if (!body.bounds_world.intersects(box)) continue;
     way_m = std::min(way_m, free_distance(body.solid, context.burr, body.grid_from(tool), way_m,
                                           scratch.bodies[i].contact));
-  });
+  }
   return way_m;
 }
 
@@ -147,17 +150,21 @@ std::uint32_t faults_of_way(const TickContext& context, const SimulationState& s
   const Eigen::Vector3d to = middle_of_head(context.burr, state.tool);
   // A jump is a fault of its own.
   const bool steps = step_of(context.burr, before, state.tool) <= kLongestStep_m;
+  const Eigen::AlignedBox3d way = Eigen::AlignedBox3d(from).extend(to);
   std::uint32_t faults = 0;
   for (std::size_t i = 0; i < state.bodies.size(); ++i) {
     const Body& body = state.bodies[i];
+    const bool is_on_way = body.solid_bounds_world.intersects(way);
     const VoxelModel& solid = body.solid.model();
-    if (steps && goes_through(solid, body.world_from_grid, from, to)) faults |= kFaultStepTooLong;
+    if (is_on_way && steps && goes_through(solid, body.world_from_grid, from, to)) {
+      faults |= kFaultStepTooLong;
+    }
     if (steps && !context.scene.coupling &&
         outruns_removal(context.burr, state.tool, to - from, body,
                         scratch.bodies[i].contact.contacts)) {
       faults |= kFaultStepTooLong;
     }
-    if (is_inside(solid, body.world_from_grid, to)) faults |= kFaultToolInside;
+    if (is_on_way && is_inside(solid, body.world_from_grid, to)) faults |= kFaultToolInside;
   }
   const Eigen::Vector3d normal_force_N = contact.wrench.force_N - contact.tangential.force_N;
   const double deeper = -normal_force_N.dot(to - from);  // as a way, times the force
@@ -189,10 +196,13 @@ ContactResult contact_with_bodies(const TickContext& context, const SimulationSt
       context.burr, tool, context.scene.tissues, context.scene.haptics, drags ? &twist : nullptr,
       outputs};
   scratch.clear_results();
-  for_each_near(context, state, tool, voxel_m_of(state), [&](std::size_t i) {
+  const Eigen::AlignedBox3d box =
+      capsule_bounds(context.burr.capsule, tool, contact_margin_m(state));
+  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+    if (!state.bodies[i].solid_bounds_world.intersects(box)) continue;
     auto& [contact, result] = scratch.bodies[i];
     scratch.near.push_back({&state.bodies[i], &contact, &result});
-  });
+  }
   return evaluate_contact(scratch.near, query);
 }
 

@@ -13,7 +13,7 @@ using Eigen::Vector3f;
 /// Whether a point of the world lies in the solid of a body near, other than its own.
 bool is_covered(const Body& body, std::span<const NearBody> near, const Eigen::Vector3d& p_world) {
   return std::ranges::any_of(near, [&](const NearBody& other) {
-    if (other.body == &body || !other.body->bounds_world.contains(p_world)) return false;
+    if (other.body == &body || !other.body->solid_bounds_world.contains(p_world)) return false;
     const Workpiece& solid = other.body->solid;
     const Eigen::Vector3d p_index =
         solid.grid().index_from_world(other.body->world_from_grid.inverse_point(p_world));
@@ -67,7 +67,7 @@ void drop_covered(const Body& body, std::span<const NearBody> near, std::size_t 
   const double voxel_m = grid.voxel_m;
   Eigen::AlignedBox3d others;
   for (const NearBody& other : near) {
-    if (other.body != &body) others.extend(other.body->bounds_world);
+    if (other.body != &body) others.extend(other.body->solid_bounds_world);
   }
   others.min().array() -= voxel_m;
   others.max().array() += voxel_m;

@@ -219,8 +219,20 @@ TEST(BodyTick, TheBoxesOfBothHoldTheirVoxels) {
     for (const Cell& c : test::solid_cells(body.solid.model())) {
       const Vector3d centre = body.world_from_grid.point(body.solid.grid().centre_world(c));
       ASSERT_TRUE(body.bounds_world.contains(centre));
+      ASSERT_TRUE(body.solid_bounds_world.contains(centre));
     }
   }
+}
+
+TEST(BodyTick, TheBoxOfItsVoxelsEndsWithTheirLeaves) {
+  const Body body(scene_with_body({}, false),
+                  Workpiece(test::ball({96, 48, 64}, kVoxel, {70.5, 23.5, 20.5}, 12.0)));
+  const VoxelGrid& grid = body.solid.grid();
+  Eigen::AlignedBox3d centres;
+  for (const Cell& c : test::solid_cells(body.solid.model())) centres.extend(grid.centre_world(c));
+  const Vector3d beyond = Vector3d::Constant((kLeafEdge + 1) * grid.voxel_m);
+  EXPECT_TRUE(Eigen::AlignedBox3d(centres.min() - beyond, centres.max() + beyond)
+                  .contains(body.solid_bounds_world));
 }
 
 TEST(BodyTick, OneThatIsNotInContactChangesNoForce) {

@@ -124,8 +124,8 @@ void walk(const F& f, SimulationState& state) {
   walk_all(f, tick, has_pose, tool, port, *spindle, *load);
   for (Body& body : bodies) {
     // Where it is and which tissues it has are the scene's, and do not change.
-    auto& [world_from_grid, first_tissue, solid, kept, removal, bounds, touched_ticks, peak_force] =
-        body;
+    auto& [world_from_grid, first_tissue, solid, kept, removal, bounds, solid_bounds, touched_ticks,
+           peak_force] = body;
     walk(f, *removal);
     if (&body != &bodies.front()) walk_all(f, touched_ticks, peak_force);
   }
