@@ -9,9 +9,6 @@
 #include <string_view>
 #include <utility>
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include "app/terminal/child_process.hpp"
 #include "engine/core/whole_file.hpp"
 
@@ -64,7 +61,7 @@ bool run_gnuplot(const std::string& file_png, std::vector<std::string> arguments
 
 bool draw_with_gnuplot(const std::string& file_png, int width, int height,
                        const std::function<void(std::FILE* gnuplot)>& write) {
-  // By a file: gnuplot reads a pipe byte by byte.
+  // By a file that it opens by name: gnuplot reads what it is given as "-" byte by byte.
   const Stream script(std::tmpfile(), std::fclose);
   if (!script) refuse_script(file_png);
   // The picture comes out of its standard output, so that no path stands in the script.
@@ -74,12 +71,8 @@ bool draw_with_gnuplot(const std::string& file_png, int width, int height,
                width, height);
   write(script.get());
   std::fputs("\nunset output\n", script.get());
-  // Not the stream's place, but the descriptor's, which the child shares.
-  if (std::fflush(script.get()) != 0 || std::ferror(script.get()) ||
-      ::lseek(fileno(script.get()), 0, SEEK_SET) != 0) {
-    refuse_script(file_png);
-  }
-  return run_gnuplot(file_png, {"-"}, fileno(script.get()));
+  if (std::fflush(script.get()) != 0 || std::ferror(script.get())) refuse_script(file_png);
+  return run_gnuplot(file_png, {"/dev/stdin"}, fileno(script.get()));
 }
 
 bool draw_with_gnuplot(const std::string& file_png, const std::string& script,
