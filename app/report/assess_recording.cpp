@@ -198,23 +198,21 @@ void add_errors(std::vector<double> off_mm, MeasureList& all) {
   all.add("goal_error_95_mm", off_mm[static_cast<std::size_t>(last)]);
 }
 
-/// How well the goal was met, by the voxels of the whole run.
+/// How well the goal was met, by what the whole run removed.
 void add_goal(const AssessedRun& run, MeasureList& all) {
   const std::optional<VoxelModel> file = run.reader.goal();
   const auto target = target_of_goal(run.scene, run.start, file ? &*file : nullptr);
   if (!target) return;
-  VoxelSet removed(run.start.grid);
-  for (const Edit& edit : run.edits) {
-    if (edit.body == 0 && edit.is_gone()) removed.insert(removed.grid().cell_of_linear(edit.voxel));
-  }
-  const GoalFigures figures = goal_figures(run.end, removed, *target);
+  PreparationOutcome outcome(run.start, run.scene.tissues, target);
+  for (const Edit& edit : run.edits) outcome.add(edit);
+  const GoalFigures figures = *outcome.goal_figures(run.end);
   const auto add_reach = [&](std::string_view name, const Reach& reach) {
     all.add(name, reach.max_m / kMillimetre).position_m = reach.furthest_m;
   };
   add_reach("over_mm", figures.excess);
   if (figures.missing) add_reach("under_mm", *figures.missing);
   std::vector<double> off_mm;
-  const VoxelValues distances = goal_distances(run.end, removed, *target);
+  const VoxelValues distances = goal_distances(run.end, outcome.removed(), *target);
   for (const auto& [leaf, block] : distances.blocks()) {
     for (const float value : block) {
       if (!std::isnan(value)) off_mm.push_back(std::abs(static_cast<double>(value)) / kMillimetre);

@@ -209,11 +209,10 @@ nlohmann::ordered_json outcome_json(const Scene& scene, const OutcomeResult& out
 
 nlohmann::ordered_json goal_json(const Scene& scene, const GoalFigures& goal) {
   const double voxel_mm3 = voxel_mm3_of(scene);
-  const auto mm3 = [&](std::uint64_t voxels) { return static_cast<double>(voxels) * voxel_mm3; };
-  return {{"target_mm3", mm3(goal.target_voxels)},
+  return {{"target_mm3", goal.target_volume * voxel_mm3},
           {"dice", goal.dice},
-          {"excess_mm3", mm3(goal.excess_voxels)},
-          {"missing_mm3", mm3(goal.missing_voxels)},
+          {"excess_mm3", goal.excess_volume * voxel_mm3},
+          {"missing_mm3", goal.missing_volume * voxel_mm3},
           {"excess_beyond_mm", reach_json(goal.excess)},
           {"missing_within_mm", goal.missing ? reach_json(*goal.missing) : Json(nullptr)}};
 }

@@ -47,29 +47,14 @@ Reach reach_of(const VoxelSet& set, std::vector<std::uint32_t> squared) {
 
 }  // namespace
 
-GoalFigures goal_figures(const VoxelModel& end, const VoxelSet& removed, const VoxelSet& target) {
-  const VoxelSet excess = without(removed, target), missing = without(target, removed);
-  GoalFigures figures;
-  figures.target_voxels = target.count();
-  figures.excess_voxels = excess.count();
-  figures.missing_voxels = missing.count();
-  const auto both = static_cast<double>(removed.count() - excess.count());
-  const auto sum = static_cast<double>(removed.count() + target.count());
-  figures.dice = sum > 0.0 ? 2.0 * both / sum : 1.0;
-  figures.excess = reach_of(excess, squared_distances(excess, target));
-  if (missing.count() == 0) {
-    figures.missing = Reach{};
-  } else if (const VoxelSet walls = outside_target(end, removed, target); walls.count() > 0) {
-    figures.missing = reach_of(missing, squared_distances(missing, walls));
-  }
-  return figures;
-}
-
 PreparationOutcome::PreparationOutcome(const VoxelModel& start,
                                        std::span<const TissueSettings> tissues,
                                        std::optional<VoxelSet> target,
                                        std::optional<double> least_wall_m)
-    : progress_(start, tissues, least_wall_m), removed_(start.grid), target_(std::move(target)) {}
+    : progress_(start, tissues, least_wall_m),
+      removed_(start.grid),
+      target_(std::move(target)),
+      target_volume_(target_ ? filled_volume(*target_, start) : 0.0) {}
 
 void PreparationOutcome::add(const Edit& edit) {
   if (edit.body != 0) return;
@@ -79,7 +64,21 @@ void PreparationOutcome::add(const Edit& edit) {
 
 std::optional<GoalFigures> PreparationOutcome::goal_figures(const VoxelModel& end) const {
   if (!target_) return {};
-  return sulcus::goal_figures(end, removed_, *target_);
+  const VoxelSet excess = without(removed_, *target_), missing = without(*target_, removed_);
+  GoalFigures figures;
+  figures.target_volume = target_volume_;
+  figures.missing_volume = filled_volume(missing, end);
+  const double both = target_volume_ - figures.missing_volume;
+  figures.excess_volume = std::max(0.0, progress_.removed_volume() - both);  // sums are rounded
+  const double sum = progress_.removed_volume() + target_volume_;
+  figures.dice = sum > 0.0 ? 2.0 * both / sum : 1.0;
+  figures.excess = reach_of(excess, squared_distances(excess, *target_));
+  if (missing.count() == 0) {
+    figures.missing = Reach{};
+  } else if (const VoxelSet walls = outside_target(end, removed_, *target_); walls.count() > 0) {
+    figures.missing = reach_of(missing, squared_distances(missing, walls));
+  }
+  return figures;
 }
 
 std::size_t PreparationOutcome::memory_bytes() const {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -22,12 +21,13 @@ struct Reach {
   std::optional<Eigen::Vector3d> furthest_m;  // where the greatest is, the grid's world space
 };
 
-/// What was removed, R, against the target T of a goal.
+/// What was removed, R, against the target T of a goal. Volumes are in voxels, with fractions by
+/// what of each was filled (as PreparationProgress::removed_volume); distances are of whole voxels.
 struct GoalFigures {
-  std::uint64_t target_voxels = 0;
-  std::uint64_t excess_voxels = 0;   // R without T
-  std::uint64_t missing_voxels = 0;  // T without R
-  double dice = 0.0;                 // 2 |R and T| / (|R| + |T|): 1 where they are the same
+  double target_volume = 0.0;
+  double excess_volume = 0.0;   // R without T
+  double missing_volume = 0.0;  // T without R
+  double dice = 0.0;            // 2 |R and T| / (|R| + |T|): 1 where they are the same
   /// How far the excess reaches beyond the target: of each of its voxels, from its centre to that
   /// of the nearest voxel of the target. A layer of n voxels reaches n voxels beyond.
   Reach excess;
@@ -36,9 +36,6 @@ struct GoalFigures {
   /// walls then.
   std::optional<Reach> missing;
 };
-
-/// `end`: the tooth after `removed` has gone. Runs on oneTBB.
-GoalFigures goal_figures(const VoxelModel& end, const VoxelSet& removed, const VoxelSet& target);
 
 /// What a preparation did to the tooth, from the tooth at the start and the edits of a run. It
 /// keeps the voxels that went, by leaf. Used by one thread.
@@ -53,7 +50,9 @@ class PreparationOutcome {
   void add(const Edit& edit);
 
   const PreparationProgress& progress() const { return progress_; }
-  /// As sulcus::goal_figures, after all edits; none where the scene has no goal.
+  /// The voxels that are gone.
+  const VoxelSet& removed() const { return removed_; }
+  /// After all edits, which left `end`; none where the scene has no goal. Runs on oneTBB.
   std::optional<GoalFigures> goal_figures(const VoxelModel& end) const;
 
   std::size_t memory_bytes() const;
@@ -62,6 +61,7 @@ class PreparationOutcome {
   PreparationProgress progress_;
   VoxelSet removed_;
   std::optional<VoxelSet> target_;
+  double target_volume_ = 0.0;  // at the start
 };
 
 }  // namespace sulcus

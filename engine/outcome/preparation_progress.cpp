@@ -16,17 +16,6 @@ std::optional<std::size_t> label_of(std::string_view name,
   return static_cast<std::size_t>(found - tissues.begin());
 }
 
-/// What is filled of solid voxels, in voxels.
-double filled_of(const VoxelSet& voxels, const VoxelModel& model) {
-  if (!model.fills) return static_cast<double>(voxels.count());
-  std::uint64_t levels = 0;
-  for (const std::uint32_t leaf : voxels.leaves()) {
-    for_each_voxel(voxels.voxels(leaf),
-                   [&](int place) { levels += model.fills->level(leaf, place); });
-  }
-  return static_cast<double>(levels) / kFullLevel;
-}
-
 }  // namespace
 
 PreparationProgress::PreparationProgress(const VoxelModel& start,
@@ -42,7 +31,7 @@ PreparationProgress::PreparationProgress(const VoxelModel& start,
   removed_levels_ = removed_;
   if (caries_label_) {
     const VoxelSet caries = voxels_of_tissue(start, static_cast<std::uint8_t>(*caries_label_));
-    caries_at_start_ = filled_of(caries, start);
+    caries_at_start_ = filled_volume(caries, start);
   }
   if (pulp_label_) {
     VoxelSet pulp = voxels_of_tissue(start, static_cast<std::uint8_t>(*pulp_label_));

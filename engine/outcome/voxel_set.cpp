@@ -67,4 +67,14 @@ VoxelSet voxels_of_tissue(const VoxelModel& model, std::uint8_t label) {
   return voxels;
 }
 
+double filled_volume(const VoxelSet& voxels, const VoxelModel& model) {
+  if (!model.fills) return static_cast<double>(voxels.count());
+  std::uint64_t levels = 0;
+  for (const std::uint32_t leaf : voxels.leaves()) {
+    for_each_voxel(voxels.voxels(leaf),
+                   [&](int place) { levels += model.fills->level(leaf, place); });
+  }
+  return static_cast<double>(levels) / kFullLevel;
+}
+
 }  // namespace sulcus

@@ -54,4 +54,8 @@ VoxelSet without(const VoxelSet& a, const VoxelSet& b);
 /// Solid voxels of a tissue.
 VoxelSet voxels_of_tissue(const VoxelModel& model, std::uint8_t label);
 
+/// What of the voxels of a set is filled, in voxels; of a binary model, and of solid voxels alone,
+/// how many they are.
+double filled_volume(const VoxelSet& voxels, const VoxelModel& model);
+
 }  // namespace sulcus

@@ -112,9 +112,9 @@ TEST(PreparationOutcome, AGoalThatIsMetHasADiceOfOne) {
   const Prepared prepared(model, cells_of(lower, upper), kTissues,
                           goal_of(model.grid, lower, upper));
   const GoalFigures figures = *prepared.outcome.goal_figures(prepared.end);
-  EXPECT_EQ(figures.target_voxels, 12u * 16 * 12);
+  EXPECT_EQ(figures.target_volume, 12.0 * 16 * 12);
   EXPECT_EQ(figures.dice, 1.0);
-  EXPECT_EQ(figures.excess_voxels + figures.missing_voxels, 0u);
+  EXPECT_EQ(figures.excess_volume + figures.missing_volume, 0.0);
   EXPECT_EQ(figures.excess.max_m, 0.0);
   EXPECT_EQ(figures.missing->max_m, 0.0);
 }
@@ -125,8 +125,8 @@ TEST(PreparationOutcome, AFloorTooDeepOrTooHighReachesThatFar) {
   const GoalSettings goal = goal_of(model.grid, lower, upper);
   const Prepared deep(model, cells_of({8, 8, 17}, upper), kTissues, goal);
   const GoalFigures too_deep = *deep.outcome.goal_figures(deep.end);
-  EXPECT_EQ(too_deep.excess_voxels, 12u * 16 * 3);
-  EXPECT_EQ(too_deep.missing_voxels, 0u);
+  EXPECT_EQ(too_deep.excess_volume, 12.0 * 16 * 3);
+  EXPECT_EQ(too_deep.missing_volume, 0.0);
   EXPECT_NEAR(too_deep.excess.max_m, 3 * kVoxel, 1e-12);
   const auto cell_at = [&](const Reach& reach) -> Cell {
     return model.grid.index_from_world(reach.furthest_m.value()).array().round().cast<int>();
@@ -137,8 +137,8 @@ TEST(PreparationOutcome, AFloorTooDeepOrTooHighReachesThatFar) {
 
   const Prepared high(model, cells_of({8, 8, 25}, upper), kTissues, goal);
   const GoalFigures too_high = *high.outcome.goal_figures(high.end);
-  EXPECT_EQ(too_high.excess_voxels, 0u);
-  EXPECT_EQ(too_high.missing_voxels, 12u * 16 * 5);
+  EXPECT_EQ(too_high.excess_volume, 0.0);
+  EXPECT_EQ(too_high.missing_volume, 12.0 * 16 * 5);
   EXPECT_NEAR(too_high.missing->max_m, 5 * kVoxel, 1e-12);
   EXPECT_EQ(cell_at(*too_high.missing).z(), 24);
   EXPECT_NEAR(too_high.dice, 2.0 * 7 / (12 + 7), 1e-12);
@@ -149,7 +149,7 @@ TEST(PreparationOutcome, ATargetOfTheWholeToothHasNoWalls) {
   const Prepared prepared(model, cells_of({0, 0, 16}, {32, 32, 32}), kTissues,
                           goal_of(model.grid, {0, 0, 0}, {32, 32, 32}));
   const GoalFigures figures = *prepared.outcome.goal_figures(prepared.end);
-  EXPECT_EQ(figures.missing_voxels, 32u * 32 * 16);
+  EXPECT_EQ(figures.missing_volume, 32.0 * 32 * 16);
   EXPECT_FALSE(figures.missing);
 }
 
@@ -196,9 +196,9 @@ TEST(PreparationOutcome, ReachesAreThoseOfAllPairs) {
     ASSERT_GT(missing.size(), 20u);
     const Prepared prepared(model, removed, test::tissues_named({"enamel"}), settings);
     const GoalFigures figures = *prepared.outcome.goal_figures(prepared.end);
-    EXPECT_EQ(figures.target_voxels, target.size());
-    EXPECT_EQ(figures.excess_voxels, excess.size());
-    EXPECT_EQ(figures.missing_voxels, missing.size());
+    EXPECT_EQ(figures.target_volume, static_cast<double>(target.size()));
+    EXPECT_EQ(figures.excess_volume, static_cast<double>(excess.size()));
+    EXPECT_EQ(figures.missing_volume, static_cast<double>(missing.size()));
     const auto both = static_cast<double>(target.size() - missing.size());
     const auto sum = static_cast<double>(target.size() + removed.size());
     EXPECT_NEAR(figures.dice, 2.0 * both / sum, 1e-12);
@@ -206,6 +206,59 @@ TEST(PreparationOutcome, ReachesAreThoseOfAllPairs) {
     ASSERT_TRUE(figures.missing);
     expect_reach(*figures.missing, plain_distances_m(missing, outside));
   }
+}
+
+TEST(PreparationOutcome, FractionsCountByWhatIsFilled) {
+  // Every voxel is filled by its own level, and cut down to another one: some are gone.
+  VoxelModel start = test::random_blobs({32, 32, 32}, 4, kVoxel);
+  const auto level_at_start = [](const Cell& c) {
+    return static_cast<FillLevel>(40 + (c.x() * 7 + c.y() * 13 + c.z() * 29) % 216);
+  };
+  std::vector<LeafLevels> pages;
+  for (std::uint32_t leaf = 0; leaf < start.leaves.size(); ++leaf) {
+    LeafLevels page{leaf, {}};
+    for (int place = 0; place < 512; ++place) {
+      if (!start.leaves[leaf].has(place)) continue;
+      page.levels[static_cast<std::size_t>(place)] =
+          level_at_start(start.grid.leaf_origin(leaf) + cell_in_leaf(place));
+    }
+    if (any(start.leaves[leaf])) pages.push_back(page);
+  }
+  start.fills.emplace(start.grid.leaf_count(), pages);
+  const GoalSettings settings = goal_of(start.grid, {6, 4, 8}, {25, 22, 30});
+  const Goal goal(settings);
+  PreparationOutcome outcome(start, test::tissues_named({"enamel"}), target_voxels(goal, start));
+  VoxelModel end = start;
+  double target = 0.0, removed = 0.0, excess = 0.0, missing = 0.0;
+  for (const Cell& c : test::solid_cells(start)) {
+    const bool wanted = goal.contains(start.grid.centre_world(c));
+    const FillLevel before = level_at_start(c);
+    FillLevel after = before;
+    if (c.z() >= 12) {
+      Edit edit = test::edit_of(start, c);
+      edit.level = after = c.x() % 3 == 0 ? 0 : static_cast<FillLevel>(before / 2);
+      outcome.add(edit);
+      end.fills->reserve(1);
+      end.fills->set(end.grid.leaf_of(c), leaf_place(c), after,
+                     start.leaves[start.grid.leaf_of(c)]);
+      if (after == 0) end.set(c, false);
+    }
+    const double cut = (before - after) / 255.0;
+    removed += cut;
+    if (wanted) {
+      target += before / 255.0;
+      missing += after / 255.0;
+    } else {
+      excess += cut;
+    }
+  }
+  ASSERT_GT(excess, 100.0);
+  ASSERT_GT(missing, 100.0);
+  const GoalFigures figures = *outcome.goal_figures(end);
+  EXPECT_NEAR(figures.target_volume, target, 1e-6);
+  EXPECT_NEAR(figures.excess_volume, excess, 1e-6);
+  EXPECT_NEAR(figures.missing_volume, missing, 1e-6);
+  EXPECT_NEAR(figures.dice, 2.0 * (target - missing) / (target + removed), 1e-9);
 }
 
 }  // namespace
