@@ -266,8 +266,10 @@ Hud::Hud(int frame_height) : scale_(static_cast<float>(frame_height) / 720.0f) {
   // The font of the system where there is one, since ImGui's own has one size of 13 pixels.
   const char* const font = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
   if (std::filesystem::exists(font)) {
-    text_ = io.Fonts->AddFontFromFileTTF(font, std::round(15.0f * scale_));
-    title_ = io.Fonts->AddFontFromFileTTF(font, std::round(21.0f * scale_));
+    // A font has a pixel at least; in so small a picture nobody reads it.
+    const auto pixels = [&](float at_720) { return std::max(1.0f, std::round(at_720 * scale_)); };
+    text_ = io.Fonts->AddFontFromFileTTF(font, pixels(15.0f));
+    title_ = io.Fonts->AddFontFromFileTTF(font, pixels(21.0f));
   }
   if (text_ == nullptr || title_ == nullptr) text_ = title_ = io.Fonts->AddFontDefault();
   ImGui_ImplOpenGL3_Init("#version 330 core");
