@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -24,6 +25,18 @@ template <class Value>
 CLI::Option* add_option(CLI::App& command, const char* name, Value& value, const char* type,
                         const std::string& what) {
   return command.add_option(name, value, what)->type_name(type);
+}
+
+/// For numbers: CLI::Range lets pass what is none.
+inline CLI::Validator number_within(double least, double most) {
+  const CLI::Range range(least, most);
+  return CLI::Validator(
+      [=](std::string& given) {
+        double value = 0.0;
+        const bool is_nan = CLI::detail::lexical_cast(given, value) && std::isnan(value);
+        return is_nan ? "Value " + given + " is no number" : range(given);
+      },
+      range.get_description());
 }
 
 inline void add_recording_argument(CLI::App& command, std::string& file) {

@@ -220,7 +220,7 @@ void add_export_command(CLI::App& program) {
   add_option(*command, "--simplify", options->simplify_mm, "MM",
              "Fewer triangles: of the vertices that go, none lies further than this from what\n"
              "stays, mm")
-      ->check(CLI::Range(0.001, 1.0))
+      ->check(number_within(0.001, 1.0))
       ->needs(mesh)
       ->excludes(per_tissue);
   add_option(*command, "--volume", options->volume, "FILE",

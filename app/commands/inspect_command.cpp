@@ -90,7 +90,7 @@ void add_inspect_command(CLI::App& program) {
   add_option(*command, "--spacing-mm", options->spacing_mm, "X Y Z",
              "Size of a volume's voxels, where its file does not say it")
       ->expected(3)
-      ->check(CLI::Range(kLeast_mm, kMost_mm));
+      ->check(number_within(kLeast_mm, kMost_mm));
   add_option(*command, "--unit", options->unit, "UNIT", "Of the numbers in a mesh file (mm)")
       ->check(
           CLI::IsMember(std::vector<std::string>(kMeshUnitNames.begin(), kMeshUnitNames.end())));

@@ -104,7 +104,7 @@ void add_render_command(CLI::App& program) {
       ->take_all();
   add_option(*command, "--fps", options->fps, "N",
              "Draw the whole run, this many pictures a second")
-      ->check(CLI::Range(0.01, 1000.0));
+      ->check(number_within(0.01, 1000.0));
   add_option(*command, "--from", options->from_s, "S", "From there on, with --fps (the start)");
   add_option(*command, "--to", options->to_s, "S", "Up to there, with --fps (the end)");
   add_option(*command, "--size", options->size, "WxH", "Pixels (as the scene says)");
@@ -127,7 +127,7 @@ void add_render_command(CLI::App& program) {
           CLI::IsMember(std::vector<std::string>(kColourByNames.begin(), kColourByNames.end())));
   add_option(*command, "--scale", options->scale_mm, "MM",
              "Of --colour-by goal: the scale ends so far from the planned wall (0.5)")
-      ->check(CLI::Range(0.001, 100.0));
+      ->check(number_within(0.001, 100.0));
   command->add_flag("--ghost", options->ghost,
                     "Show the planned cavity of [goal], palely over everything");
   command->add_flag("--arrows", options->arrows, "Show force and torque at the burr");
@@ -146,7 +146,7 @@ void add_render_command(CLI::App& program) {
              "Write them into one file of HDF5, .h5, instead (all kinds, without --kind)");
   add_option(*command, "--stereo", options->stereo_mm, "MM",
              "A second picture from so far to the right, axes parallel")
-      ->check(CLI::Range(0.001, 1000.0));
+      ->check(number_within(0.001, 1000.0));
   add_option(*command, "--video", options->video, "FILE",
              "Write a video, .mp4, .mov, .mkv or .avi (30 pictures a second)");
   command->add_flag("--sound", options->sound,

@@ -148,7 +148,7 @@ void add_run_command(CLI::App& program) {
       *command, "--duration", options->duration_s, "S",
       "Seconds of the run's time to simulate (all of the trajectory; with a device that lives in "
       "real time until it is over)")
-      ->check(CLI::Range(1e-6, 1e6));
+      ->check(number_within(1e-6, 1e6));
   add_set_option(*command, options->overrides, "Change a key of the scene; repeatable");
   add_option(*command, "--plugins", options->plugins, "DIR",
              "Folder in which the scene's device plug-in is looked for first (the installed one)")
@@ -158,7 +158,7 @@ void add_run_command(CLI::App& program) {
   add_threads_option(*command, options->threads);
   add_option(*command, "--limit-gib", options->limit_gib, "GIB",
              "GiB that the contents of a volume, mesh or pose table may take once read (4)")
-      ->check(CLI::Range(1e-3, 1024.0));
+      ->check(number_within(1e-3, 1024.0));
   command->callback([options] { run(*options); });
 }
 

@@ -104,6 +104,34 @@ TEST(BadInput, UsageIsRefused) {
   expect_refused(scratch, "run " + scene + " --duration -1", {"--duration"});
 }
 
+TEST(BadInput, WhatIsNoNumberIsRefusedByEveryOptionForOne) {
+  const ScratchFolder scratch;
+  for (const std::string option :
+       {"run x.toml --duration", "run x.toml --limit-gib", "render x.h5 --fps",
+        "render x.h5 --stereo", "render x.h5 --colour-by goal --scale",
+        "inspect x.nrrd --spacing-mm 1 1", "export x.h5 --mesh m.stl --simplify"}) {
+    for (const char* number : {"nan", "-nan", "inf"}) {
+      SCOPED_TRACE(option + " " + number);
+      expect_refused(scratch, option + (option.ends_with("1") ? " " : "=") + number, {number});
+    }
+  }
+}
+
+TEST(BadInput, KeysOfVolumesAreRefusedBesideAShape) {
+  const ScratchFolder scratch;
+  const std::string run = "run " + scratch.write("s.toml", kProbeScene) + " -o " +
+                          scratch.path("out") + " --set workpiece.";
+  for (const std::string key :
+       {"solid_above=3", "spacing_mm=[1,1,1]", "label=3", "box_mm=[0,0,0,1,1,1]"}) {
+    expect_refused(scratch, run + key, {"[workpiece]", key.substr(0, key.find('=')), "a volume"});
+  }
+  // Not first when the solid is made: one that is cached is none the less refused.
+  const std::string cached = "SULCUS_CACHE=" + scratch.path("cache");
+  const std::string whole = "run " + scratch.path("s.toml") + " -o " + scratch.path("whole");
+  ASSERT_EQ(sulcus_command(whole, scratch.path("err"), cached).status, 0);
+  EXPECT_EQ(sulcus_command(run + "label=3", scratch.path("err"), cached).status, 2);
+}
+
 TEST(BadInput, NothingAlreadyRecordedIsLost) {
   const ScratchFolder scratch;
   const std::string scene = scratch.write("s.toml", test::kCutScene);
