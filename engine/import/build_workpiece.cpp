@@ -104,16 +104,25 @@ void warn_of_greys(const std::vector<TissueSettings>& tissues, ImportNotes& note
   }
 }
 
+/// Refuses what is asked of a volume where there is none: who asks waits for what it does.
+void check_volume_keys(const Scene& scene, std::string_view place) {
+  const WorkpieceSettings& w = scene.workpiece;
+  if (!w.shape && !is_mesh_file(w.file)) return;
+  const char* const key = w.box_file      ? "box_mm"
+                          : w.label       ? "label"
+                          : w.solid_above ? "solid_above"
+                          : w.spacing_m   ? "spacing_mm"
+                                          : nullptr;
+  if (!key) return;
+  throw InputError(scene.file, place,
+                   std::string(key) + (w.shape ? " for a built-in shape" : " for a mesh"),
+                   "it beside a volume");
+}
+
 VoxelModel make_model(const Scene& scene, std::string_view place, const VoxelGrid& grid,
                       ImportNotes& notes) {
   const WorkpieceSettings& w = scene.workpiece;
   const bool mesh = !w.shape && is_mesh_file(w.file);
-  if ((w.shape || mesh) && (w.box_file || w.label)) {
-    throw InputError(scene.file, place,
-                     std::string(w.box_file ? "box_mm" : "label") +
-                         (mesh ? " for a mesh" : " for a built-in shape"),
-                     "it beside a volume");
-  }
   if (w.shape || mesh) warn_of_greys(scene.tissues, notes);
   VoxelModel model = w.shape ? build_shape(scene)
                      : mesh  ? import_meshes(scene, place, grid, notes)
@@ -177,6 +186,7 @@ TissueSettings all_of(TissueSettings tissue) {
 /// `place`: the table of `scene.workpiece` in the file, for messages.
 VoxelModel build(const Scene& scene, std::string_view place, LoadCache* cache,
                  ImportNotes* wanted = nullptr) {
+  check_volume_keys(scene, place);
   const VoxelGrid grid{scene.workpiece.cells, scene.workpiece.voxel_m};
   const std::optional<Hash128> key =
       cache && cache->keeps() ? key_of(scene) : std::optional<Hash128>();

@@ -154,8 +154,9 @@ constexpr std::array kBurr{
            "of the spindle, free of load [Kim and Park 2019]"),
     number("tangential_ratio", {0, 2}, "(0.3; under law = \"saturating\" 0.5)",
            "beta: tangential to normal force [Kim and Park 2019, eq. 7; haptics/README.md]"),
-    numbers("field", 3, {2, 1024}, "[128, 512, 128]",
-            "points of the distance field across, along, across, or \"auto\" [Kim and Park 2019]"),
+    numbers("field", 3, {8, 1024}, "[128, 512, 128]",
+            "points of the distance field across, along, across, 2^27 in all, or \"auto\" [Kim and "
+            "Park 2019]"),
     number("field_spacing_mm", {1e-4, 10}, "(as fine as the points allow)", "between them"),
     number("reference_mm", {0, 500}, "40", "torques are about the point this far up the axis"),
     choice("material", kBurrMaterialNames, "(iso's, else \"diamond\")",
