@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
@@ -150,6 +151,12 @@ void export_recording(const ExportOptions& options) {
   check_output("--csv", options.csv, {".csv"});
   check_output("--path", options.path, {".vtk", ".ply"});
   check_output("--sound", options.sound, {".wav"});
+  check_outputs_differ(std::array<OutputOption, 6>{{{"--mesh", options.mesh},
+                                                    {"--volume", options.volume},
+                                                    {"--fills", options.fills},
+                                                    {"--csv", options.csv},
+                                                    {"--path", options.path},
+                                                    {"--sound", options.sound}}});
   Progress progress("exporting");
   const RecordingReader reader(options.recording);
   if (reader.tick_count() == 0) {

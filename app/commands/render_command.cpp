@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +13,7 @@
 #include "app/terminal/progress.hpp"
 #include "app/terminal/terminal.hpp"
 #include "engine/core/error.hpp"
+#include "engine/recording/image_set_file.hpp"
 
 namespace sulcus {
 
@@ -59,6 +61,10 @@ void check(const RenderOptions& options) {
     throw InputError("", options.from_s ? "--from" : "--to", "no --fps", "--fps beside it");
   }
   check_output("--data", options.data, {".h5", ".hdf5"});
+  if (std::filesystem::exists(options.data) && !is_image_set_file(options.data)) {
+    throw InputError(options.data, "--data", "a file that holds something else",
+                     "a new file, or one of such pictures");
+  }
   check_output("--video", options.video, {".mp4", ".mov", ".mkv", ".avi"});
   check_output("--sheet", options.sheet, {".png"});
   check_output("--review", options.review, {".html", ".htm"});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <stdexcept>
 #include <system_error>
 
@@ -43,6 +44,17 @@ void check_output(const std::string& option, const std::string& file,
     throw InputError(file, option, "another ending", list_of(endings));
   }
   check_can_be_written(file);
+}
+
+void check_outputs_differ(std::span<const OutputOption> outputs) {
+  std::map<fs::path, std::string> option_of;
+  for (const auto& [option, file] : outputs) {
+    if (file.empty()) continue;
+    std::error_code error;
+    const fs::path whole = fs::weakly_canonical(file, error);
+    const auto [there, is_new] = option_of.emplace(error ? fs::path(file) : whole, option);
+    if (!is_new) throw InputError(file, option, "the file of " + there->second, "another file");
+  }
 }
 
 void check_output_folder(const std::string& option, const std::string& folder) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <initializer_list>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -14,6 +15,13 @@ namespace sulcus {
 /// @throws InputError; std::runtime_error where the disk is full.
 void check_output(const std::string& option, const std::string& file,
                   std::initializer_list<std::string_view> endings);
+
+/// An option that names a file to be written, and that file.
+struct OutputOption {
+  std::string option, file;
+};
+/// No two of them name one file. @throws InputError.
+void check_outputs_differ(std::span<const OutputOption> outputs);
 
 /// A folder is there and can be written into, or can be made. @throws InputError.
 void check_output_folder(const std::string& option, const std::string& folder);

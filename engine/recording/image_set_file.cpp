@@ -11,6 +11,8 @@
 namespace sulcus {
 namespace {
 
+constexpr const char* kFormat = "sulcus-images";
+constexpr std::uint64_t kMostFormatBytes = 64;
 constexpr unsigned kImageDeflateLevel = 1;  // most of a picture is even
 constexpr std::size_t kLabelNameBytes = 64;
 
@@ -79,6 +81,7 @@ ImageSetFile::ImageSetFile(const WholeFile& whole, std::size_t frames, std::size
     file_->file =
         hdf5_checked(H5Fcreate(whole.beside().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT),
                      H5Fclose, "file");
+    write_text_attribute(file_->file, "format", kFormat);
   });
 }
 
@@ -176,6 +179,17 @@ void ImageSetFile::close() {
     file_->groups.clear();
     if (!file_->file.close()) throw Hdf5Error("file: " + hdf5_reason());
   });
+}
+
+bool is_image_set_file(const std::string& path) {
+  silence_hdf5();
+  try {
+    const Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+    return file.valid() && H5Aexists(file, "format") > 0 &&
+           read_text_attribute(file, "format", kMostFormatBytes) == kFormat;
+  } catch (const Hdf5Error&) {
+    return false;
+  }
 }
 
 }  // namespace sulcus

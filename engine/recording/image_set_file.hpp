@@ -30,7 +30,8 @@ struct ImageLabel {
 /// Used by one thread. What goes wrong is a std::runtime_error that names the file.
 class ImageSetFile {
  public:
-  /// Makes it beside the name of `whole`, which outlives this and is finished after close().
+  /// Makes it beside the name of `whole`, which outlives this and is finished after close(). Its
+  /// format is "sulcus-images".
   ImageSetFile(const WholeFile& whole, std::size_t frames, std::size_t width, std::size_t height);
   ~ImageSetFile();
   ImageSetFile(const ImageSetFile&) = delete;
@@ -59,5 +60,8 @@ class ImageSetFile {
 
   std::unique_ptr<File> file_;
 };
+
+/// Whether a file is one of those, so that no recording is replaced by pictures.
+bool is_image_set_file(const std::string& path);
 
 }  // namespace sulcus

@@ -75,6 +75,15 @@ TEST_F(CommandLine, NamesAreLookedAtBeforeTheRecordingIs) {
   }
 }
 
+TEST_F(CommandLine, NoTwoOutputsAreOneFile) {
+  std::filesystem::create_directory(scratch_.path("in"));
+  for (const char* arguments :
+       {"--volume x.nrrd --fills x.nrrd", "--mesh x.ply --path x.ply",
+        "--volume x.mha --fills ./x.mha", "--volume x.mha --fills in/../x.mha"}) {
+    expect_refused(std::string("export there_is_none.h5 ") + arguments, "the file of --");
+  }
+}
+
 TEST_F(CommandLine, TimesAndPlanesThatAreNotThereAreRefusedWithThoseThatAre) {
   record();
   const std::string render = "render run/recording.h5 --size 64x48 ";

@@ -248,6 +248,17 @@ TEST_F(ImageData, PicturesOfAGoalAreCutOpenAndHaveOneScale) {
   EXPECT_NE(bytes(picture("--no-tool")), bytes(usual));
 }
 
+TEST_F(ImageData, PicturesReplacePictures) {
+  const std::string options = "--at 0.3 --data " + scratch_.path("p.h5");
+  EXPECT_EQ(render(options).status, 0);
+  EXPECT_EQ(render(options).status, 0);
+}
+
+TEST_F(ImageData, TheSmallestPictureIsDrawnWithItsFigures) {
+  const auto result = command("render " + recording() + " --size 16x16 -o " + scratch_.path("p"));
+  EXPECT_EQ(result.status, 0) << result.err;
+}
+
 TEST_F(ImageData, WhatCannotBeIsRefused) {
   const auto refused = [&](const std::string& options, const std::string& says) {
     const auto result = render(options);
@@ -262,6 +273,9 @@ TEST_F(ImageData, WhatCannotBeIsRefused) {
   refused("--fps 5 --from 0.2 --to 0.1", "--to");
   refused("--fps 5 --to 100", "--to");
   refused("--data " + scratch_.path("x.txt"), "--data");
+  const std::string before = test::read_file(recording());
+  refused("--data " + recording(), "--data");
+  EXPECT_EQ(test::read_file(recording()), before) << "nothing recorded is lost";
   refused("--section y=99", "something to cut open");
   refused("--at 100", "--at");
   refused("--at=-1", "--at");
