@@ -41,7 +41,8 @@ MeshUnit unit_of(const InspectOptions& options) {
 
 void inspect(const InspectOptions& options) {
   const std::string file = recording_file_of(scene_file_of(options.file));
-  if (!std::filesystem::exists(file)) {
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) {
     throw InputError(file, "", "no such file", "a scene, recording, volume or mesh");
   }
   const bool scene = lower_extension(file) == ".toml", mesh = is_mesh_file(file);

@@ -182,8 +182,11 @@ py::dict PythonSimulation::run(const py::object& what) {
     const std::uint64_t all = run_->scene_ticks(), done = run_->state().tick;
     ticks = all > done ? all - done : 0;
   } else if (!py::isinstance<py::array>(what) && PyIndex_Check(what.ptr())) {
-    if (what.cast<std::int64_t>() < 0) throw std::invalid_argument("fewer than no ticks");
-    ticks = what.cast<std::uint64_t>();
+    int beyond = 0;  // 1: more than an integer of 64 bits holds, -1: less
+    const long long asked = PyLong_AsLongLongAndOverflow(py::int_(what).ptr(), &beyond);
+    if (beyond > 0) throw std::invalid_argument("more ticks than there can be");
+    if (asked < 0) throw std::invalid_argument("fewer than no ticks");
+    ticks = static_cast<std::uint64_t>(asked);
   } else {
     const Numbers rows = Numbers::ensure(what);
     if (!rows) throw std::invalid_argument("neither a number of ticks nor poses (n, 7)");

@@ -399,5 +399,14 @@ TEST(Inspect, RefusesPicturesOfWhatItDoesNotDraw) {
   EXPECT_EQ(nowhere.err_lines(), 1) << nowhere.err;
 }
 
+TEST(Inspect, RefusesALinkToItself) {
+  const ScratchFolder scratch;
+  const std::string loop = scratch.path("loop.toml");
+  std::filesystem::create_symlink(loop, loop);
+  const auto result = test::sulcus_command("inspect " + loop, scratch.path("err"));
+  EXPECT_EQ(result.status, 2) << result.err;
+  EXPECT_EQ(result.err_lines(), 1) << result.err;
+}
+
 }  // namespace
 }  // namespace sulcus

@@ -144,6 +144,9 @@ class WrongUse(unittest.TestCase):
         for bad in (-1, np.zeros((3, 6)), [[float("inf")] * 7], "x", [[0] * 7, [0] * 6]):
             with self.assertRaises((ValueError, TypeError)):
                 run.run(bad)
+        for bad in (2**63, 10**30, -(10**30)):
+            with self.assertRaisesRegex(ValueError, "ticks"):
+                run.run(bad)
         for bad in ("nowhere", (0.0, 91.0), (float("nan"), 0.0), 7):
             with self.assertRaises((ValueError, TypeError, RuntimeError)):
                 run.render(bad)
