@@ -50,8 +50,8 @@ void check_outputs_differ(std::span<const OutputOption> outputs) {
   std::map<fs::path, std::string> option_of;
   for (const auto& [option, file] : outputs) {
     if (file.empty()) continue;
-    std::error_code error;
-    const fs::path whole = fs::weakly_canonical(file, error);
+    std::error_code error;  // then it is none that could be written
+    const fs::path whole = fs::weakly_canonical(fs::absolute(file, error), error);
     const auto [there, is_new] = option_of.emplace(error ? fs::path(file) : whole, option);
     if (!is_new) throw InputError(file, option, "the file of " + there->second, "another file");
   }

@@ -110,7 +110,7 @@ TEST(BadInput, WhatIsNoNumberIsRefusedByEveryOptionForOne) {
        {"run x.toml --duration", "run x.toml --limit-gib", "render x.h5 --fps",
         "render x.h5 --stereo", "render x.h5 --colour-by goal --scale",
         "inspect x.nrrd --spacing-mm 1 1", "export x.h5 --mesh m.stl --simplify"}) {
-    for (const char* number : {"nan", "-nan", "inf"}) {
+    for (const char* number : {"nan", "inf"}) {
       SCOPED_TRACE(option + " " + number);
       expect_refused(scratch, option + (option.ends_with("1") ? " " : "=") + number, {number});
     }
