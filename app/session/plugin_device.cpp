@@ -122,7 +122,7 @@ std::string PluginDevice::own_name() const {
 }
 
 void PluginDevice::close() noexcept {
-  if (std::exchange(open_, false)) plugin_.close(device_);
+  if (std::exchange(open_, false)) watched("close", [&] { plugin_.close(device_); });
 }
 
 std::vector<std::string> PluginDevice::limits_as_overrides() const {
@@ -171,15 +171,24 @@ void PluginDevice::watch(const std::stop_token& stop) const {
   std::_Exit(1);
 }
 
+/// A call that ends the program where it does not return, once begin() has been called.
+template <class Call>
+void PluginDevice::watched(const char* name, const Call& call) noexcept {
+  calls_.fetch_add(1, std::memory_order_relaxed);
+  call_.store(name, std::memory_order_relaxed);
+  call();
+  call_.store(nullptr, std::memory_order_relaxed);
+}
+
 /// A call within a tick. Sets took_ns_.
 template <class Call>
 int PluginDevice::timed(const char* name, const Call& call) noexcept {
-  calls_.fetch_add(1, std::memory_order_relaxed);
-  call_.store(name, std::memory_order_relaxed);
-  const std::uint64_t begin_ns = steady_ns();
-  const int code = call();
-  took_ns_ = steady_ns() - begin_ns;
-  call_.store(nullptr, std::memory_order_relaxed);
+  int code = SULCUS_DEVICE_OK;
+  watched(name, [&] {
+    const std::uint64_t begin_ns = steady_ns();
+    code = call();
+    took_ns_ = steady_ns() - begin_ns;
+  });
   longest_ns_ = std::max(longest_ns_, took_ns_);
   return code;
 }
@@ -283,11 +292,11 @@ void PluginDevice::write(const Wrench& wrench, Write which) noexcept {
 }
 
 std::vector<std::string> PluginDevice::end() {
-  watcher_ = {};
   Message said{};
-  plugin_.message(device_, said.data(), said.size());
+  watched("message", [&] { plugin_.message(device_, said.data(), said.size()); });
   const std::string word = line_of(said.data(), said.size());
   close();
+  watcher_ = {};
   const auto in_ticks = [](std::uint64_t ticks) {
     return " in " + std::to_string(ticks) + " ticks";
   };

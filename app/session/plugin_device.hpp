@@ -93,6 +93,8 @@ class PluginDevice final : public Device {
 
   static void at_trajectory(const SulcusDeviceHost* host, double time_s, SulcusPose* pose) noexcept;
   template <class Call>
+  void watched(const char* name, const Call& call) noexcept;
+  template <class Call>
   int timed(const char* name, const Call& call) noexcept;
   void fail(End end, int code) noexcept;
   bool read_controls(std::uint64_t tick) noexcept;

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <system_error>
 
 #include <dlfcn.h>
+#include <link.h>
 
 #include "engine/core/error.hpp"
 
@@ -61,6 +64,37 @@ std::string joined(const std::vector<std::string>& parts, const std::string& bet
                    there + "; --plugins DIR names another folder");
 }
 
+/// Whether the segments that the loader maps are all in the file: it does not look, and what it
+/// reads beyond the end of one that was cut short ends the program. What is no library of this
+/// system's is left to the loader.
+bool has_its_segments(const std::string& file) {
+  std::error_code none;
+  const std::uint64_t bytes = fs::file_size(file, none);
+  std::ifstream in(file, std::ios::binary);
+  ElfW(Ehdr) header{};
+  if (!in.read(reinterpret_cast<char*>(&header), sizeof header) ||
+      std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0 ||
+      header.e_phentsize != sizeof(ElfW(Phdr))) {
+    return true;
+  }
+  in.seekg(static_cast<std::streamoff>(header.e_phoff));
+  for (unsigned n = 0; n < header.e_phnum; ++n) {
+    ElfW(Phdr) segment{};
+    if (!in.read(reinterpret_cast<char*>(&segment), sizeof segment)) return false;
+    const bool fits = segment.p_offset <= bytes && segment.p_filesz <= bytes - segment.p_offset;
+    if (segment.p_type == PT_LOAD && !fits) return false;
+  }
+  return true;
+}
+
+/// Whether a symbol of a library is a function.
+bool is_function(void* symbol) {
+  Dl_info info;
+  void* found = nullptr;
+  if (dladdr1(symbol, &info, &found, RTLD_DL_SYMENT) == 0 || !found) return false;
+  return (static_cast<const ElfW(Sym)*>(found)->st_info & 0xf) == STT_FUNC;
+}
+
 /// What stands at the entry, checked to be usable.
 const SulcusDevicePlugin& checked(const SulcusDevicePlugin* plugin, const std::string& file) {
   const std::string wanted = "version 1 to " + std::to_string(SULCUS_DEVICE_VERSION) +
@@ -92,11 +126,14 @@ const SulcusDevicePlugin& load_plugin(const std::string& name,
                                       const std::string& scene_file) {
   const auto folder = std::find_if(folders.begin(), folders.end(), [&](const std::string& f) {
     std::error_code none;
-    return fs::exists(file_of(f, name), none);
+    return fs::is_regular_file(file_of(f, name), none);
   });
   if (folder == folders.end()) refuse_missing(name, folders, scene_file);
   // With a slash in it, or the loader would look in its own folders.
   const std::string file = fs::absolute(file_of(*folder, name)).string();
+  if (!has_its_segments(file)) {
+    throw InputError(file, "", "a library that was cut short", "a whole one");
+  }
   // Never closed: see the header.
   void* const library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!library) {
@@ -105,11 +142,14 @@ const SulcusDevicePlugin& load_plugin(const std::string& name,
                      "a plug-in that this system can load");
   }
   using Entry = const SulcusDevicePlugin* (*)();
-  const auto entry = reinterpret_cast<Entry>(dlsym(library, SULCUS_DEVICE_ENTRY));
-  if (!entry) {
-    throw InputError(file, "", "no symbol " SULCUS_DEVICE_ENTRY, "a plug-in after sulcus_device.h");
+  void* const entry = dlsym(library, SULCUS_DEVICE_ENTRY);
+  if (!entry || !is_function(entry)) {
+    throw InputError(
+        file, "",
+        entry ? SULCUS_DEVICE_ENTRY ", which is no function" : "no symbol " SULCUS_DEVICE_ENTRY,
+        "a plug-in after sulcus_device.h");
   }
-  return checked(entry(), file);
+  return checked(reinterpret_cast<Entry>(entry)(), file);
 }
 
 }  // namespace sulcus

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
 
 #include "engine/recording/recording_reader.hpp"
 #include "tests/pipeline/small_scenes.hpp"
@@ -269,6 +270,36 @@ TEST_F(Plugin, ADeviceThatDoesNotReturnEndsTheProgramAndTheRecordingIsThere) {
   expect_named(result, {"'faulty' has not returned from read for 2 s"});
   EXPECT_GT(recording("hang").ticks().size(), 250u);
   expect_verified("hang");
+}
+
+TEST_F(Plugin, ADeviceThatDoesNotReturnAfterTheLastTickEndsTheProgramToo) {
+  for (const std::string call : {"message", "close"}) {
+    const auto result = run_faulty("hang_at_" + call, 300);
+    EXPECT_EQ(result.status, 1) << result.err;
+    EXPECT_EQ(result.err_lines(), 1) << result.err;
+    expect_named(result, {"'faulty' has not returned from " + call + " for 2 s"});
+    expect_verified("hang_at_" + call);
+  }
+}
+
+TEST_F(Plugin, AFileThatIsNoWholeLibraryIsRefused) {
+  const std::string whole = test::read_file(std::string(kBad) + "/sulcus_device_faulty.so");
+  ASSERT_GT(whole.size(), 5000u);
+  const auto refused = [&](const std::string& name) {
+    const auto result = sulcus_command(
+        "run " + scratch_.write("s.toml", kPressScene + "plugin = '" + name + "'\n") +
+            " --plugins " + scratch_.path("") + " -o " + scratch_.path("out_" + name),
+        scratch_.path("err"));
+    EXPECT_EQ(result.status, 2) << name << ": " << result.err;
+    EXPECT_EQ(result.err_lines(), 1) << result.err;
+  };
+  for (const std::size_t bytes : {0u, 40u, 100u, 2000u, 5000u}) {
+    const std::string name = "cut" + std::to_string(bytes);
+    scratch_.write("sulcus_device_" + name + ".so", whole.substr(0, bytes));
+    refused(name);
+  }
+  ASSERT_EQ(::mkfifo(scratch_.path("sulcus_device_pipe.so").c_str(), 0600), 0);
+  refused("pipe");
 }
 
 TEST_F(Plugin, ADeviceThatBeginsInsideTheToothIsWaitedFor) {

@@ -95,11 +95,13 @@ static int write_wrench(void* opened, uint64_t tick, const SulcusWrench* wrench,
 
 static void say(void* opened, char* message, size_t message_size) {
   const Device* device = opened;
+  if (is(device, "hang_at_message")) pause();
   snprintf(message, message_size, is(device, "gone") ? "the cable came off" : "");
 }
 
 static void close_device(void* opened) {
   Device* device = opened;
+  if (is(device, "hang_at_close")) pause();
   FILE* file = device->file[0] ? fopen(device->file, "w") : NULL;
   if (file) {
     fprintf(file,
