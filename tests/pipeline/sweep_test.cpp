@@ -287,6 +287,10 @@ TEST_F(Sweep, BadInputIsOneLineAndNothingIsWritten) {
       {"s.toml --set burr.diameter_mm=0.7,0.8 -j many -o d", {"-j", "many"}},
       {"s.toml --set burr.diameter_mm=0.7,0.8 --sshloginfile none -o d", {"none", "no such file"}},
       {"s.toml --set burr.diameter_mm=0.7,0.8 -o d -- --duration long", {"--duration", "long"}},
+      {"s.toml --set burr.diameter_mm=0.7,0.8 -o d -- --help", {"options after --", "run nothing"}},
+      {"s.toml --set burr.diameter_mm=0.7,0.8 -o s.toml", {"s.toml", "no folder"}},
+      {"s.toml --set burr.diameter_mm=0.7,0.8 -o s.toml/d", {"s.toml", "no folder"}},
+      {"s.toml --set burr.diameter_mm=0.7,0.8 -o \"\"", {"-o", "empty"}},
   };
   for (const auto& bad : cases) {
     const std::string arguments = bad.arguments;
@@ -313,6 +317,40 @@ TEST_F(Sweep, AFolderIsThatOfOnePlan) {
   const auto edited = sweep(planned + "0.7,0.8");
   EXPECT_EQ(edited.status, 2);
   EXPECT_NE(edited.err.find("another scene_sha256"), std::string::npos) << edited.err;
+  const auto alone = sweep("--plan-only -o d" + kBuilt);
+  EXPECT_EQ(alone.status, 2);
+  EXPECT_NE(alone.err.find("another scene_sha256"), std::string::npos) << alone.err;
+}
+
+TEST_F(Sweep, ADamagedFolderIsRefusedAndOneWhoseBeginningWasKilledGoesOn) {
+  const std::string planned = "s.toml --plan-only --set burr.diameter_mm=0.7,0.8 -o d" + kBuilt;
+  ASSERT_EQ(sweep(planned).status, 0);
+  std::filesystem::remove(scratch_.path("d/runs"));
+  EXPECT_EQ(sweep(planned).status, 0) << "killed before the last step";
+  std::filesystem::remove(scratch_.path("d/runs"));
+  std::filesystem::remove(scratch_.path("d/sweep.json"));
+  EXPECT_EQ(sweep(planned).status, 0) << "killed before the last but one";
+  const std::string plan = file("d/plan.csv"), json = file("d/sweep.json");
+  const auto refused = [&](const std::string& what) {
+    for (const std::string& again : {planned, "--plan-only -o d" + kBuilt}) {
+      const auto result = sweep(again);
+      EXPECT_EQ(result.status, 2) << what << ": " << result.err;
+      EXPECT_EQ(result.err_lines(), 1) << what << ": " << result.err;
+    }
+  };
+  for (const std::string& damaged : {std::string(), std::string("run,seed\n"), plan.substr(0, 40),
+                                     plan + "2,,0.9,runs/000002\n", std::string("\xff\xfe\0", 3)}) {
+    scratch_.write("d/plan.csv", damaged);
+    refused("plan.csv: " + damaged);
+  }
+  scratch_.write("d/plan.csv", plan);
+  for (const std::string& damaged :
+       {std::string(), std::string("{}"), std::string("[]"), json.substr(0, json.size() / 2)}) {
+    scratch_.write("d/sweep.json", damaged);
+    refused("sweep.json: " + damaged);
+  }
+  scratch_.write("d/sweep.json", json);
+  EXPECT_EQ(sweep("--plan-only -o d" + kBuilt).status, 0);
 }
 
 TEST_F(Sweep, AShippedSceneIsKnownByItsName) {

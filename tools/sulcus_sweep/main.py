@@ -66,6 +66,8 @@ def parse_arguments(arguments):
         ours, options = arguments[:at], arguments[at + 1:]
     given = parser.parse_args(ours)
     given.options = options
+    if not given.folder:
+        raise InputError("-o: is empty, expected a folder")
     if given.latin is not None and not 1 <= given.latin <= _MOST_RUNS:
         raise InputError(f"--latin {given.latin}: expected 1 to {_MOST_RUNS} runs")
     if given.seed is not None and given.latin is None:
@@ -87,7 +89,7 @@ def check_scene(asked, keys):
     none = f"{scene}.none"
     refused = _said([program, "run", none, "-o", none, "--no-render", *asked["options"], "--set", "a=1"])
     if none not in refused:
-        raise InputError(f"options after --: {refused}")
+        raise InputError(f"options after --: {refused or 'they run nothing, expected those of sulcus run'}")
     first = {key.name: key.to_check()[0] for key in keys}
     tried = [first] + [first | {key.name: value} for key in keys for value in key.to_check()[1:]]
     for values in tried:
@@ -116,6 +118,18 @@ def scene_file(given):
     raise InputError(f"{given}: no such file, expected a scene, .toml, or the name of a shipped one")
 
 
+def planned(asked):
+    """(names of the swept keys, rows of values) of what was asked for."""
+    latin = asked["latin"]
+    keys = parse_sets(asked["set"], latin is not None)
+    rows = all_combinations(keys) if latin is None else latin_hypercube(keys, latin, asked["seed"])
+    return [key.name for key in keys], rows
+
+
+def hash_of(scene):
+    return hashlib.sha256(scene.read_bytes()).hexdigest()
+
+
 def begin(given):
     """The folder with its plan: what was asked for now, or when it was begun."""
     folder = SweepFolder(given.folder)
@@ -128,6 +142,8 @@ def begin(given):
         if given.program not in (str(_PROGRAM), asked["program"]):
             raise InputError(f"--program {given.program}: the sweep has another, expected "
                              f"{asked['program']}")
+        scene = scene_file(asked["scene"])
+        folder.begin(asked | {"scene_sha256": hash_of(scene)}, *planned(asked))
         return folder
     if not given.sets:
         raise InputError("--set: is missing, expected KEY=VALUE,VALUE,... at least once")
@@ -144,13 +160,12 @@ def begin(given):
         raise InputError(f"{given.program}: no such file, expected the program sulcus")
     seed = None if given.latin is None else 1 if given.seed is None else given.seed
     asked = {"scene": str(scene.resolve()),
-             "scene_sha256": hashlib.sha256(scene.read_bytes()).hexdigest(),
+             "scene_sha256": hash_of(scene),
              "set": given.sets, "latin": given.latin, "seed": seed, "options": given.options,
              "program": str(pathlib.Path(given.program).resolve()), "started_in": str(pathlib.Path.cwd())}
     if folder.asked() is None:
         check_scene(asked, keys)
-    rows = all_combinations(keys) if given.latin is None else latin_hypercube(keys, given.latin, seed)
-    folder.begin(asked, [key.name for key in keys], rows)
+    folder.begin(asked, *planned(asked))
     return folder
 
 

@@ -37,8 +37,18 @@ class SweepFolder:
         return self.runs / f"{number:06d}.part-{socket.gethostname()}-{os.getpid()}"
 
     def asked(self):
-        """What sweep.json says; None where there is none."""
-        return read_json(self.path / "sweep.json")
+        """What sweep.json says; None where there is none. InputError where it is damaged."""
+        file = self.path / "sweep.json"
+        if not file.exists():
+            return None
+        asked = read_json(file) or {}
+        kinds = {"scene": str, "scene_sha256": str, "set": list, "latin": int | None, "seed": int | None,
+                 "options": list, "program": str, "started_in": str}
+        is_whole = all(name in asked and isinstance(asked[name], kind) for name, kind in kinds.items()) and \
+            all(isinstance(text, str) for text in asked["set"] + asked["options"])
+        if not is_whole:
+            raise InputError(f"{file}: is damaged, expected it as the sweep wrote it")
+        return asked
 
     def plan(self):
         """(names of the swept keys, rows of values)"""
@@ -47,7 +57,9 @@ class SweepFolder:
         return header[2:-1], [row[2:-1] for row in rows]
 
     def begin(self, asked, names, rows):
-        """Writes the plan, or finds the same one there; InputError if there is another."""
+        """Writes the plan, or finds the same one there; InputError if there is another. sweep.json comes
+        before runs/, so that one that is killed meanwhile begins again."""
+        plan = _plan_text(names, rows, asked["seed"])
         before = self.asked()
         if before is not None:
             for what, found in asked.items():
@@ -55,17 +67,26 @@ class SweepFolder:
                     raise InputError(
                         f"{self.path}: holds a sweep with another {what} ({_short(before.get(what))}, now "
                         f"{_short(found)}), expected the same or another folder")
+            if not self._has_plan(plan):
+                raise InputError(f"{self.path / 'plan.csv'}: is damaged, expected the plan of sweep.json")
+            self.runs.mkdir(exist_ok=True)
             return
         if self.runs.exists():
             raise InputError(f"{self.path}: has runs/ but no sweep.json, expected a sweep or a new folder")
-        self.runs.mkdir(parents=True)
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(["run", "seed", *names, "folder"])
-        for number, row in enumerate(rows):
-            writer.writerow([number, asked["seed"], *row, f"runs/{number:06d}"])
-        write_whole(self.path / "plan.csv", text.getvalue().encode())
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"{self.path}: is no folder and cannot be made ({error.strerror}), expected one "
+                             "that can") from None
+        write_whole(self.path / "plan.csv", plan)
         write_whole(self.path / "sweep.json", (json.dumps(asked, indent=1) + "\n").encode())
+        self.runs.mkdir()
+
+    def _has_plan(self, plan):
+        try:
+            return (self.path / "plan.csv").read_bytes() == plan
+        except OSError:
+            return False
 
     def summary(self, number):
         """summary.json of a finished run; None where it is missing, cut short or of a run that was told
@@ -92,6 +113,15 @@ class SweepFolder:
         """What killed runs left; while no run is at work."""
         for part in self.runs.glob("*.part-*"):
             shutil.rmtree(part, ignore_errors=True)
+
+
+def _plan_text(names, rows, seed):
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["run", "seed", *names, "folder"])
+    for number, row in enumerate(rows):
+        writer.writerow([number, seed, *row, f"runs/{number:06d}"])
+    return text.getvalue().encode()
 
 
 def whole_summary(folder):
