@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ class Trajectory {
   explicit Trajectory(std::vector<TimedPose> poses, double clock_at_start_s = 0.0);
 
   Pose pose_at(double time_s) const noexcept;
+  std::span<const TimedPose> poses() const { return poses_; }
   double duration_s() const { return poses_.back().time_s; }
   /// What the clock of the table that it came from says at its time 0.
   double clock_at_start_s() const { return clock_at_start_s_; }

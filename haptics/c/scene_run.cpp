@@ -1,5 +1,6 @@
 #include "haptics/c/scene_run.hpp"
 
+#include <array>
 #include <utility>
 
 #include "haptics/force_hash.hpp"
@@ -27,9 +28,18 @@ std::vector<Workpiece> workpieces(SceneParts& parts) {
   return all;
 }
 
-/// Of a scene's text and all its voxels.
-std::uint64_t hash_of_start(const Scene& scene, const SimulationState& state) {
+/// Of a scene's text and of what its files gave: burr, trajectory and all voxels.
+std::uint64_t hash_of_start(const Scene& scene, const Burr& burr, const Trajectory& trajectory,
+                            const SimulationState& state) {
   std::uint64_t hash = hash_bytes(scene.text.data(), scene.text.size());
+  const std::span<const float> field = burr.field.values();
+  hash = hash_bytes(field.data(), field.size_bytes(), hash);
+  for (const auto& [time_s, pose] : trajectory.poses()) {
+    const Eigen::Vector3d& p = pose.position;
+    const Eigen::Vector4d& q = pose.orientation.coeffs();
+    const std::array numbers{time_s, p.x(), p.y(), p.z(), q[0], q[1], q[2], q[3]};
+    hash = hash_bytes(numbers.data(), sizeof numbers, hash);
+  }
   for (const Body& body : state.bodies) {
     const std::uint64_t solid = body.solid.hash_with_tissues();
     hash = hash_bytes(&solid, sizeof solid, hash);
@@ -46,7 +56,7 @@ SceneRun::SceneRun(Scene scene, SceneParts parts)
       state_(initial_state(scene_, workpieces(parts), trajectory_.pose_at(0.0))),
       scratch_(scene_),
       context_{scene_, burr_},
-      start_hash_(hash_of_start(scene_, state_)) {
+      start_hash_(hash_of_start(scene_, burr_, trajectory_, state_)) {
   if (scene_.loose_pieces) finder_.emplace(workpiece().model());
   if (!scene_.device) {
     scripted_.emplace(trajectory_, scene_.haptics.rate_hz);

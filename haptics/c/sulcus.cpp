@@ -213,13 +213,11 @@ int sulcus_contacts(const SulcusSimulation* simulation, SulcusContact* contacts,
                     size_t* count) {
   if (!count || (!contacts && capacity > 0)) return SULCUS_NULL;
   return with_run(simulation, [&](SceneRun& run) -> int {
-    std::size_t found = 0;
-    run.for_each_contact([&](const FeltContact& felt) {
-      if (found < capacity) contacts[found] = contact_of(felt);
-      ++found;
-    });
-    *count = found;
-    return found > capacity ? SULCUS_TOO_SMALL : SULCUS_DONE;
+    *count = 0;
+    run.for_each_contact([&](const FeltContact&) { ++*count; });
+    if (*count > capacity) return SULCUS_TOO_SMALL;
+    run.for_each_contact([&](const FeltContact& felt) { *contacts++ = contact_of(felt); });
+    return SULCUS_DONE;
   });
 }
 

@@ -174,10 +174,11 @@ SULCUS_API int sulcus_scene_ticks(const SulcusSimulation* simulation, uint64_t* 
 SULCUS_API int sulcus_scene_pose(const SulcusSimulation* simulation, double time_s, double pose[7]);
 SULCUS_API int sulcus_rate_hz(const SulcusSimulation* simulation, double* rate_hz);
 
-/* BAD_VALUE before the first step. */
+/* BAD_VALUE before the first step. After sulcus_restore, until the next step, tick, faults and tool
+ * are those of the save; the rest is zero, and there are no contacts. */
 SULCUS_API int sulcus_last_tick(const SulcusSimulation* simulation, SulcusTick* tick);
-/* The contacts of the last tick, of all bodies. `count`: how many there are; TOO_SMALL where that
- * is more than `capacity`. */
+/* The contacts of the last tick, of all bodies. `count`: how many there are; TOO_SMALL, and no
+ * contact written, where that is more than `capacity`. */
 SULCUS_API int sulcus_contacts(const SulcusSimulation* simulation, SulcusContact* contacts,
                                size_t capacity, size_t* count);
 /* Edits from number `from` on, 0 the run's first, up to `capacity` of them; `count`: how many these

@@ -7,6 +7,7 @@
 
 #include "tests/haptics/c/support.hpp"
 #include "tests/support/allocation_count.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace sulcus {
 namespace {
@@ -139,6 +140,67 @@ TEST(CWrongUse, BadInputIsOneLineThatFits) {
   EXPECT_EQ(none, nullptr);
   for (int code = -1; code < 14; ++code) EXPECT_NE(sulcus_error_text(code), nullptr);
   EXPECT_STRNE(sulcus_error_text(SULCUS_FAILED), sulcus_error_text(SULCUS_FAILED + 1));
+}
+
+// A scene is also what the files hold that it names.
+TEST(CWrongUse, AStateIsNotTakenByASceneWhoseFilesHoldOtherThings) {
+  const ScratchFolder scratch;
+  const std::string scene = scratch.write("s.toml", R"(
+[workpiece]
+shape = "box"
+voxel_mm = 0.1
+cells = [32, 32, 32]
+[workpiece.box]
+size_mm = [2, 2, 2]
+[burr]
+file = "burr.obj"
+[trajectory]
+file = "path.csv"
+)");
+  const auto write = [&](const char* width, const char* depth) {
+    const std::string w = width;
+    scratch.write("burr.obj", "v 0 0 0\nv 0 0 2\nv " + w + " 0 1\nv -" + w + " 0 1\nv 0 " + w +
+                                  " 1\nv 0 -" + w +
+                                  " 1\nf 1 5 3\nf 1 4 5\nf 1 6 4\nf 1 3 6\nf 2 3 5\nf 2 5 4\n"
+                                  "f 2 4 6\nf 2 6 3\n");
+    scratch.write("path.csv", std::string("t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n"
+                                          "0,0,0,1.5,0.7071067811865476,0.7071067811865476,0,0\n"
+                                          "1,0,0,") +
+                                  depth + ",0.7071067811865476,0.7071067811865476,0,0\n");
+  };
+  write("0.5", "0.8");
+  Handle saved_run(scene);
+  saved_run.step_scene(20);
+  std::size_t size = 0;
+  ASSERT_EQ(sulcus_save(saved_run, nullptr, 0, &size), SULCUS_TOO_SMALL);
+  std::vector<std::uint8_t> saved(size);
+  ASSERT_EQ(sulcus_save(saved_run, saved.data(), size, &size), SULCUS_DONE);
+  char error[512] = "";
+  const auto restored = [&] {
+    const Handle run(scene);
+    return sulcus_restore(run, saved.data(), size, error, sizeof error);
+  };
+  EXPECT_EQ(restored(), SULCUS_DONE) << error;
+  write("0.5", "0.7");
+  EXPECT_EQ(restored(), SULCUS_BAD_INPUT) << "another path";
+  write("0.6", "0.8");
+  EXPECT_EQ(restored(), SULCUS_BAD_INPUT) << "another burr";
+}
+
+TEST(CWrongUse, ContactsThatDoNotFitAreNotWritten) {
+  Handle run(golden("press_device"));
+  std::size_t count = 0;
+  while (count < 3) {
+    run.step_scene(10);
+    const int code = sulcus_contacts(run, nullptr, 0, &count);
+    ASSERT_EQ(code, count > 0 ? SULCUS_TOO_SMALL : SULCUS_DONE);
+  }
+  std::vector<SulcusContact> contacts(count);
+  contacts[0].force_N = -5.0f;
+  EXPECT_EQ(sulcus_contacts(run, contacts.data(), count - 1, &count), SULCUS_TOO_SMALL);
+  EXPECT_EQ(contacts[0].force_N, -5.0f);
+  EXPECT_EQ(sulcus_contacts(run, contacts.data(), count, &count), SULCUS_DONE);
+  EXPECT_GE(contacts[0].force_N, 0.0f);
 }
 
 TEST(CStep, TakesNoMemory) {
