@@ -42,6 +42,7 @@ ImageSetInFile::ImageSetInFile(const std::string& file, ImageSetFacts facts)
     : facts_(std::move(facts)),
       whole_(file),
       file_(whole_, facts_.frames, facts_.width, facts_.height) {
+  file_.set_text("", "format", kImageSetFormat);
   file_.set_text("", "conventions", kConventions);
   file_.set_text("", "recording", facts_.recording);
   if (facts_.kinds.labels) file_.set_labels(facts_.labels);

@@ -11,7 +11,6 @@
 namespace sulcus {
 namespace {
 
-constexpr const char* kFormat = "sulcus-images";
 constexpr std::uint64_t kMostFormatBytes = 64;
 constexpr unsigned kImageDeflateLevel = 1;  // most of a picture is even
 constexpr std::size_t kLabelNameBytes = 64;
@@ -81,7 +80,6 @@ ImageSetFile::ImageSetFile(const WholeFile& whole, std::size_t frames, std::size
     file_->file =
         hdf5_checked(H5Fcreate(whole.beside().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT),
                      H5Fclose, "file");
-    write_text_attribute(file_->file, "format", kFormat);
   });
 }
 
@@ -186,7 +184,7 @@ bool is_image_set_file(const std::string& path) {
   try {
     const Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
     return file.valid() && H5Aexists(file, "format") > 0 &&
-           read_text_attribute(file, "format", kMostFormatBytes) == kFormat;
+           read_text_attribute(file, "format", kMostFormatBytes) == kImageSetFormat;
   } catch (const Hdf5Error&) {
     return false;
   }

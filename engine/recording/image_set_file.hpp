@@ -11,6 +11,9 @@
 
 namespace sulcus {
 
+/// What such a file has as its "format".
+inline constexpr const char* kImageSetFormat = "sulcus-images";
+
 /// Pictures of a kind in an ImageSetFile.
 struct ImageArray {
   enum class Type : std::uint8_t { kByte, kFloat };
@@ -30,8 +33,7 @@ struct ImageLabel {
 /// Used by one thread. What goes wrong is a std::runtime_error that names the file.
 class ImageSetFile {
  public:
-  /// Makes it beside the name of `whole`, which outlives this and is finished after close(). Its
-  /// format is "sulcus-images".
+  /// Makes it beside the name of `whole`, which outlives this and is finished after close().
   ImageSetFile(const WholeFile& whole, std::size_t frames, std::size_t width, std::size_t height);
   ~ImageSetFile();
   ImageSetFile(const ImageSetFile&) = delete;
