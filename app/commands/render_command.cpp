@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -61,7 +60,7 @@ void check(const RenderOptions& options) {
     throw InputError("", options.from_s ? "--from" : "--to", "no --fps", "--fps beside it");
   }
   check_output("--data", options.data, {".h5", ".hdf5"});
-  if (std::filesystem::exists(options.data) && !is_image_set_file(options.data)) {
+  if (is_other_hdf5_file(options.data)) {
     throw InputError(options.data, "--data", "a file that holds something else",
                      "a new file, or one of such pictures");
   }

@@ -179,14 +179,15 @@ void ImageSetFile::close() {
   });
 }
 
-bool is_image_set_file(const std::string& path) {
+bool is_other_hdf5_file(const std::string& path) {
   silence_hdf5();
+  if (H5Fis_hdf5(path.c_str()) <= 0) return false;
   try {
     const Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-    return file.valid() && H5Aexists(file, "format") > 0 &&
-           read_text_attribute(file, "format", kMostFormatBytes) == kImageSetFormat;
+    return !file.valid() || H5Aexists(file, "format") <= 0 ||
+           read_text_attribute(file, "format", kMostFormatBytes) != kImageSetFormat;
   } catch (const Hdf5Error&) {
-    return false;
+    return true;
   }
 }
 

@@ -63,7 +63,7 @@ class ImageSetFile {
   std::unique_ptr<File> file_;
 };
 
-/// Whether a file is one of those, so that no recording is replaced by pictures.
-bool is_image_set_file(const std::string& path);
+/// Whether a file of HDF5 is there that is none of those: no recording is replaced by pictures.
+bool is_other_hdf5_file(const std::string& path);
 
 }  // namespace sulcus
