@@ -27,7 +27,7 @@ CLI::Option* add_option(CLI::App& command, const char* name, Value& value, const
   return command.add_option(name, value, what)->type_name(type);
 }
 
-/// For numbers: CLI::Range lets pass what is none.
+/// Numbers from `least` to `most`. CLI::Range alone takes NaN.
 inline CLI::Validator number_within(double least, double most) {
   const CLI::Range range(least, most);
   return CLI::Validator(

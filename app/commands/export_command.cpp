@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
@@ -102,28 +101,39 @@ std::string file_part(std::string name) {
   return name.substr(0, kLongest);
 }
 
-/// The surface of each tissue (tissue_surfaces), moved by `space_from_world`, beside `file`:
-/// "cut.stl" gives "cut_enamel.stl" and so on; none of a tissue with no voxel left. A name that is
+/// A file for each tissue beside `file`: "cut.stl" gives "cut_enamel.stl" and so on. A name that is
 /// taken gets its number.
-void write_tissue_meshes(const std::string& file, const VoxelModel& model,
-                         std::span<const TissueSettings> tissues,
-                         const Eigen::Affine3d& space_from_world) {
+std::vector<OutputOption> tissue_files(const std::string& file,
+                                       std::span<const TissueSettings> tissues) {
   const std::filesystem::path path(file);
-  std::vector<TriangleMesh> meshes = tissue_surfaces(model, tissues.size());
+  std::vector<OutputOption> files;
   std::set<std::string> taken;
-  for (std::size_t t = 0; t < meshes.size(); ++t) {
-    std::string name = file_part(tissues[t].name);
-    if (!taken.insert(name).second) name += "_" + std::to_string(t + 1);
+  for (const TissueSettings& tissue : tissues) {
+    std::string name = file_part(tissue.name);
+    if (!taken.insert(name).second) name += "_" + std::to_string(files.size() + 1);
     taken.insert(name);
-    if (meshes[t].triangles.empty()) {
-      say("%s: no voxel left\n", name.c_str());
-      continue;
-    }
     std::filesystem::path one = path;
     one.replace_filename(path.stem().string() + "_" + name + path.extension().string());
+    files.push_back({"--mesh", one.string()});
+  }
+  return files;
+}
+
+/// The surface of each tissue (tissue_surfaces), moved by `space_from_world`, in its file; none of
+/// a tissue with no voxel left.
+void write_tissue_meshes(std::span<const OutputOption> files, const VoxelModel& model,
+                         std::span<const TissueSettings> tissues,
+                         const Eigen::Affine3d& space_from_world) {
+  std::vector<TriangleMesh> meshes = tissue_surfaces(model, tissues.size());
+  for (std::size_t t = 0; t < meshes.size(); ++t) {
+    const std::string& file = files[t].file;
     const std::size_t triangles = meshes[t].triangles.size();
-    write_surface(one.string(), std::move(meshes[t]), model, tissues, space_from_world);
-    say("%s: %zu triangles\n", one.string().c_str(), triangles);
+    if (triangles == 0) {
+      say("%s: no voxel left\n", file_part(tissues[t].name).c_str());
+      continue;
+    }
+    write_surface(file, std::move(meshes[t]), model, tissues, space_from_world);
+    say("%s: %zu triangles\n", file.c_str(), triangles);
   }
 }
 
@@ -151,22 +161,29 @@ void export_recording(const ExportOptions& options) {
   check_output("--csv", options.csv, {".csv"});
   check_output("--path", options.path, {".vtk", ".ply"});
   check_output("--sound", options.sound, {".wav"});
-  check_outputs_differ(std::array<OutputOption, 6>{{{"--mesh", options.mesh},
-                                                    {"--volume", options.volume},
-                                                    {"--fills", options.fills},
-                                                    {"--csv", options.csv},
-                                                    {"--path", options.path},
-                                                    {"--sound", options.sound}}});
+  std::vector<OutputOption> outputs{{"--volume", options.volume},
+                                    {"--fills", options.fills},
+                                    {"--csv", options.csv},
+                                    {"--path", options.path},
+                                    {"--sound", options.sound}};
+  if (!options.per_tissue) outputs.push_back({"--mesh", options.mesh});
+  check_outputs_differ(outputs);
   Progress progress("exporting");
   const RecordingReader reader(options.recording);
   if (reader.tick_count() == 0) {
     throw InputError(options.recording, "/ticks", "no rows", "at least one tick");
   }
   say_what_is_missing(reader);
-  if (!options.sound.empty()) export_sound(options.sound, reader, options.recording);
   std::optional<Scene> scene;  // knows the tissues by name
   const bool coloured = lower_extension(options.mesh) == ".glb";
   if (options.per_tissue || coloured) scene = recorded_scene(reader, options.recording);
+  std::vector<OutputOption> of_tissues;
+  if (options.per_tissue) {
+    of_tissues = tissue_files(options.mesh, scene->tissues);
+    outputs.insert(outputs.end(), of_tissues.begin(), of_tissues.end());
+    check_outputs_differ(outputs);
+  }
+  if (!options.sound.empty()) export_sound(options.sound, reader, options.recording);
   RecordedShape shape(reader, scene ? recorded_workpiece(reader, *scene) : reader.workpiece());
   const std::size_t row = options.at_s
                               ? asked_row(shape.rows(), *options.at_s, "--at", options.recording)
@@ -177,7 +194,7 @@ void export_recording(const ExportOptions& options) {
   const Eigen::Affine3d space_from_world =
       space ? space->file_from_world : Eigen::Affine3d::Identity();
   if (options.per_tissue) {
-    write_tissue_meshes(options.mesh, model, scene->tissues, space_from_world);
+    write_tissue_meshes(of_tissues, model, scene->tissues, space_from_world);
   } else if (!options.mesh.empty()) {
     TriangleMesh mesh = closed_surface(model);
     if (options.simplify_mm) mesh = simplified(mesh, *options.simplify_mm * kMillimetre).mesh;

@@ -61,8 +61,8 @@ void check(const RenderOptions& options) {
   }
   check_output("--data", options.data, {".h5", ".hdf5"});
   if (is_other_hdf5_file(options.data)) {
-    throw InputError(options.data, "--data", "a file that holds something else",
-                     "a new file, or one of such pictures");
+    throw InputError(options.data, "--data", "another file of HDF5",
+                     "a new name, or pictures to be replaced");
   }
   check_output("--video", options.video, {".mp4", ".mov", ".mkv", ".avi"});
   check_output("--sheet", options.sheet, {".png"});

@@ -76,11 +76,6 @@ void run_with_plugin(LivePart part, const Scene& scene, SceneDevice& held) {
     plugin.go_on([&](const Pose& pose) { return part.simulation->is_free(pose); });
   }
   device.finish();
-  if (const std::uint32_t unknown = device.unknown_burr(); unknown != kSameBurr) {
-    const std::size_t spare = scene.burrs.empty() ? 0 : scene.burrs.size() - 1;
-    spdlog::warn("the device asked for burr {}, and the scene has {} [[spare_burr]]: not changed",
-                 unknown, spare);
-  }
   held.end();
 }
 

@@ -44,8 +44,6 @@ class LiveDevice final : public Device {
   }
   /// The burr that the device asked for, by which the part ended; kSameBurr: it asked for none.
   std::uint32_t wanted_burr() const noexcept { return wanted_; }
-  /// The first one it asked for that there is none of; kSameBurr: it asked for no such.
-  std::uint32_t unknown_burr() const noexcept { return unknown_; }
   /// Whether the part ended so that another may follow.
   bool goes_on() const noexcept { return ends_ && !inner_.is_gone() && !stop_requested(); }
   /// No part follows. The device is let go of, where that has not been done.
@@ -59,7 +57,6 @@ class LiveDevice final : public Device {
     // It asks when it says another one than before, and not again for what was refused or taken
     // back by a key.
     const std::uint32_t says = inner_.burr();
-    if (says >= burrs_ && says != 0 && unknown_ == kSameBurr) unknown_ = says;
     if (says < burrs_ && says != said_ && !ends_) {
       said_ = says;
       if (says != has_) {
@@ -102,7 +99,7 @@ class LiveDevice final : public Device {
   bool feels_, switched_, released_ = false;
   std::uint32_t said_ = 0;  // by the device, last: it begins with the scene's
   std::uint32_t has_ = 0;
-  std::atomic<std::uint32_t> wanted_{kSameBurr}, unknown_{kSameBurr};
+  std::atomic<std::uint32_t> wanted_{kSameBurr};
   std::atomic<double> pedal_{1.0};
   std::atomic<bool> let_go_{false}, ends_{false};
 };

@@ -50,7 +50,7 @@ void check_outputs_differ(std::span<const OutputOption> outputs) {
   std::map<fs::path, std::string> option_of;
   for (const auto& [option, file] : outputs) {
     if (file.empty()) continue;
-    std::error_code error;  // then it is none that could be written
+    std::error_code error;  // a name that cannot be followed is compared as it was given
     const fs::path whole = fs::weakly_canonical(fs::absolute(file, error), error);
     const auto [there, is_new] = option_of.emplace(error ? fs::path(file) : whole, option);
     if (!is_new) throw InputError(file, option, "the file of " + there->second, "another file");

@@ -82,7 +82,8 @@ PluginDevice::PluginDevice(const Scene& scene, const Trajectory& trajectory,
       plugin_(load_plugin(asked_.name, folders, scene.file)),
       host_(std::make_unique<Host>()),
       placed_(asked_.placement, trajectory.pose_at(0.0).position),
-      has_controls_(plugin_.version >= 2 && plugin_.controls != nullptr) {
+      has_controls_(plugin_.version >= 2 && plugin_.controls != nullptr),
+      spare_burrs_(scene.burrs.empty() ? 0 : scene.burrs.size() - 1) {
   title_ = "device plug-in '" + asked_.name + "'";
   if ((plugin_.flags & SULCUS_DEVICE_REAL_TIME) != 0 && !at_real_pace) {
     throw InputError(scene.file, "--pace fast", title_ + ", which lives in real time",
@@ -216,6 +217,9 @@ bool PluginDevice::read_controls(std::uint64_t tick) noexcept {
   });
   pedal_ = asked.pedal > 0.0 ? std::min(asked.pedal, 1.0) : 0.0;  // not a number: it stands
   burr_ = asked.burr;
+  if (burr_ != SULCUS_BURR_AS_IT_IS && burr_ > spare_burrs_ && no_such_burr_ == 0) {
+    no_such_burr_ = burr_;
+  }
   return asked.clutch != 0;
 }
 
@@ -318,6 +322,10 @@ std::vector<std::string> PluginDevice::end() {
   if (inside_ticks_ > 0) {
     lines.push_back(title_ + " began with the burr's head inside a tooth" +
                     in_ticks(inside_ticks_) + ", which counts as no pose");
+  }
+  if (no_such_burr_ > 0) {
+    lines.push_back(title_ + " asked for burr " + std::to_string(no_such_burr_) +
+                    ", where the scene has " + std::to_string(spare_burrs_) + " [[spare_burr]]");
   }
   if (!word.empty()) lines.push_back(title_ + ": " + word);
   return lines;

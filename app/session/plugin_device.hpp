@@ -119,9 +119,11 @@ class PluginDevice final : public Device {
   bool has_controls_;
   double pedal_ = 1.0;
   std::uint32_t burr_ = kSameBurr;
-  OutputLimits steps_;             // of what is written
-  Wrench written_;                 // last
-  std::optional<ForceFade> fade_;  // once there is to be no more force
+  std::size_t spare_burrs_;         // of the scene
+  std::uint32_t no_such_burr_ = 0;  // first that was asked for; 0: none
+  OutputLimits steps_;              // of what is written
+  Wrench written_;                  // last
+  std::optional<ForceFade> fade_;   // once there is to be no more force
   bool is_held_ = false;
   std::uint64_t tick_ = 0, took_ns_ = 0, longest_ns_ = 0;
   std::uint64_t slow_ticks_ = 0, inside_ticks_ = 0, silent_ticks_ = 0;

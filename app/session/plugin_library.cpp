@@ -64,9 +64,9 @@ std::string joined(const std::vector<std::string>& parts, const std::string& bet
                    there + "; --plugins DIR names another folder");
 }
 
-/// Whether the segments that the loader maps are all in the file: it does not look, and what it
-/// reads beyond the end of one that was cut short ends the program. What is no library of this
-/// system's is left to the loader.
+/// Whether all that the loader maps is in the file. The loader does not check it: to read beyond
+/// the end of a file that was cut short is a SIGBUS. What is no library of this system's is left to
+/// it.
 bool has_its_segments(const std::string& file) {
   std::error_code none;
   const std::uint64_t bytes = fs::file_size(file, none);
@@ -92,7 +92,7 @@ bool is_function(void* symbol) {
   Dl_info info;
   void* found = nullptr;
   if (dladdr1(symbol, &info, &found, RTLD_DL_SYMENT) == 0 || !found) return false;
-  return (static_cast<const ElfW(Sym)*>(found)->st_info & 0xf) == STT_FUNC;
+  return ELF64_ST_TYPE(static_cast<const ElfW(Sym)*>(found)->st_info) == STT_FUNC;
 }
 
 /// What stands at the entry, checked to be usable.

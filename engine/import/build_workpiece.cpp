@@ -104,7 +104,7 @@ void warn_of_greys(const std::vector<TissueSettings>& tissues, ImportNotes& note
   }
 }
 
-/// Refuses what is asked of a volume where there is none: who asks waits for what it does.
+/// Refuses keys of volumes beside a shape or a mesh, where they would do nothing.
 void check_volume_keys(const Scene& scene, std::string_view place) {
   const WorkpieceSettings& w = scene.workpiece;
   if (!w.shape && !is_mesh_file(w.file)) return;

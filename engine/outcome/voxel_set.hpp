@@ -54,8 +54,7 @@ VoxelSet without(const VoxelSet& a, const VoxelSet& b);
 /// Solid voxels of a tissue.
 VoxelSet voxels_of_tissue(const VoxelModel& model, std::uint8_t label);
 
-/// What of the voxels of a set is filled, in voxels; of a binary model, and of solid voxels alone,
-/// how many they are.
+/// The volume of solid voxels of a model, in voxels: with fractions by how much of each is filled.
 double filled_volume(const VoxelSet& voxels, const VoxelModel& model);
 
 }  // namespace sulcus

@@ -11,7 +11,7 @@
 
 namespace sulcus {
 
-/// What such a file has as its "format".
+/// The "format" of an ImageSetFile.
 inline constexpr const char* kImageSetFormat = "sulcus-images";
 
 /// Pictures of a kind in an ImageSetFile.
@@ -63,7 +63,7 @@ class ImageSetFile {
   std::unique_ptr<File> file_;
 };
 
-/// Whether a file of HDF5 is there that is none of those: no recording is replaced by pictures.
+/// Whether a file is of HDF5 and no ImageSetFile, as recordings are: pictures may not replace it.
 bool is_other_hdf5_file(const std::string& path);
 
 }  // namespace sulcus

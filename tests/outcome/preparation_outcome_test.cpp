@@ -9,6 +9,7 @@
 #include "engine/outcome/goal.hpp"
 #include "engine/shapes/build_shape.hpp"
 #include "tests/outcome/labelled_model.hpp"
+#include "tests/support/filled_model.hpp"
 
 namespace sulcus {
 namespace {
@@ -209,22 +210,8 @@ TEST(PreparationOutcome, ReachesAreThoseOfAllPairs) {
 }
 
 TEST(PreparationOutcome, FractionsCountByWhatIsFilled) {
-  // Every voxel is filled by its own level, and cut down to another one: some are gone.
-  VoxelModel start = test::random_blobs({32, 32, 32}, 4, kVoxel);
-  const auto level_at_start = [](const Cell& c) {
-    return static_cast<FillLevel>(40 + (c.x() * 7 + c.y() * 13 + c.z() * 29) % 216);
-  };
-  std::vector<LeafLevels> pages;
-  for (std::uint32_t leaf = 0; leaf < start.leaves.size(); ++leaf) {
-    LeafLevels page{leaf, {}};
-    for (int place = 0; place < 512; ++place) {
-      if (!start.leaves[leaf].has(place)) continue;
-      page.levels[static_cast<std::size_t>(place)] =
-          level_at_start(start.grid.leaf_origin(leaf) + cell_in_leaf(place));
-    }
-    if (any(start.leaves[leaf])) pages.push_back(page);
-  }
-  start.fills.emplace(start.grid.leaf_count(), pages);
+  // Cut down to lower levels, and some to nothing.
+  const VoxelModel start = test::filled_anyhow(test::random_blobs({32, 32, 32}, 4, kVoxel), 5);
   const GoalSettings settings = goal_of(start.grid, {6, 4, 8}, {25, 22, 30});
   const Goal goal(settings);
   PreparationOutcome outcome(start, test::tissues_named({"enamel"}), target_voxels(goal, start));
@@ -232,7 +219,7 @@ TEST(PreparationOutcome, FractionsCountByWhatIsFilled) {
   double target = 0.0, removed = 0.0, excess = 0.0, missing = 0.0;
   for (const Cell& c : test::solid_cells(start)) {
     const bool wanted = goal.contains(start.grid.centre_world(c));
-    const FillLevel before = level_at_start(c);
+    const FillLevel before = start.level(c);
     FillLevel after = before;
     if (c.z() >= 12) {
       Edit edit = test::edit_of(start, c);

@@ -107,17 +107,17 @@ TEST(BadInput, UsageIsRefused) {
 TEST(BadInput, WhatIsNoNumberIsRefusedByEveryOptionForOne) {
   const ScratchFolder scratch;
   for (const std::string option :
-       {"run x.toml --duration", "run x.toml --limit-gib", "render x.h5 --fps",
-        "render x.h5 --stereo", "render x.h5 --colour-by goal --scale",
-        "inspect x.nrrd --spacing-mm 1 1", "export x.h5 --mesh m.stl --simplify"}) {
+       {"run x.toml --duration=", "run x.toml --limit-gib=", "render x.h5 --fps=",
+        "render x.h5 --stereo=", "render x.h5 --colour-by goal --scale=",
+        "inspect x.nrrd --spacing-mm 1 1 ", "export x.h5 --mesh m.stl --simplify="}) {
     for (const char* number : {"nan", "inf"}) {
-      SCOPED_TRACE(option + " " + number);
-      expect_refused(scratch, option + (option.ends_with("1") ? " " : "=") + number, {number});
+      SCOPED_TRACE(option + number);
+      expect_refused(scratch, option + number, {number});
     }
   }
 }
 
-TEST(BadInput, KeysOfVolumesAreRefusedBesideAShape) {
+TEST(BadInput, KeysOfVolumesAreRefusedBesideAShapeOrAMesh) {
   const ScratchFolder scratch;
   const std::string run = "run " + scratch.write("s.toml", kProbeScene) + " -o " +
                           scratch.path("out") + " --set workpiece.";
@@ -125,7 +125,19 @@ TEST(BadInput, KeysOfVolumesAreRefusedBesideAShape) {
        {"solid_above=3", "spacing_mm=[1,1,1]", "label=3", "box_mm=[0,0,0,1,1,1]"}) {
     expect_refused(scratch, run + key, {"[workpiece]", key.substr(0, key.find('=')), "a volume"});
   }
-  // Not first when the solid is made: one that is cached is none the less refused.
+  scratch.write("cube.stl", "solid cube\nendsolid cube\n");  // is not read before they are
+  const std::string mesh =
+      scratch.write("m.toml", replaced(kProbeScene, "shape = \"box\"", "file = \"cube.stl\""));
+  expect_refused(scratch,
+                 "run " + mesh + " -o " + scratch.path("out") + " --set workpiece.solid_above=3",
+                 {"[workpiece]", "solid_above for a mesh"});
+  const std::string body =
+      scratch.write("b.toml", kProbeScene +
+                                  "[[body]]\nshape = \"box\"\nvoxel_mm = 0.05\n"
+                                  "cells = [8, 8, 8]\nspacing_mm = [1, 1, 1]\n");
+  expect_refused(scratch, "run " + body + " -o " + scratch.path("out"),
+                 {"[[body]]", "spacing_mm for a built-in shape"});
+  // Also where the solid is cached.
   const std::string cached = "SULCUS_CACHE=" + scratch.path("cache");
   const std::string whole = "run " + scratch.path("s.toml") + " -o " + scratch.path("whole");
   ASSERT_EQ(sulcus_command(whole, scratch.path("err"), cached).status, 0);

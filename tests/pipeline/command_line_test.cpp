@@ -82,6 +82,10 @@ TEST_F(CommandLine, NoTwoOutputsAreOneFile) {
         "--volume x.mha --fills ./x.mha", "--volume x.mha --fills in/../x.mha"}) {
     expect_refused(std::string("export there_is_none.h5 ") + arguments, "the file of --");
   }
+  record();
+  const std::string tissues = "export run/recording.h5 --mesh x.ply --per-tissue --path ";
+  expect_refused(tissues + "x_enamel.ply", "the file of --path");
+  EXPECT_EQ(command(tissues + "x.ply").status, 0) << "which no tissue's is";
 }
 
 TEST_F(CommandLine, TimesAndPlanesThatAreNotThereAreRefusedWithThoseThatAre) {

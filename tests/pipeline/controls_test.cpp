@@ -198,7 +198,10 @@ TEST_F(Controls, AnotherBurrIsAnotherPartThatGoesOn) {
   EXPECT_NEAR(changed.burr.speed_rad_per_s, kSpeed_rad_per_s, 1e-6);  // [burr]'s own
   ASSERT_EQ(changed.burrs.size(), 2u);
   EXPECT_EQ(changed.burrs[1].name, "small");
-  // A burr that there is not is none, and the run has its length.
+  // A burr that there is not is none, which is told, and the run has its length.
+  EXPECT_NE(result.err.find("asked for burr 7, where the scene has 1 [[spare_burr]]"),
+            std::string::npos)
+      << result.err;
   EXPECT_FALSE(fs::exists(scratch_.path("out/part_3")));
   EXPECT_EQ(first.tick_count() + second.tick_count(), ticks);
 }

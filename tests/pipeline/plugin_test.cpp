@@ -332,6 +332,7 @@ TEST_F(Plugin, WhatCannotBeUsedIsRefusedBeforeAnythingRuns) {
        bad,
        {"sulcus_device_other_version.so", "found version 3", "expected version 1 to 2"}},
       {"plugin = 'no_entry'", bad, {"sulcus_device_no_entry.so", "no symbol sulcus_device_plugin"}},
+      {"plugin = 'data_entry'", bad, {"sulcus_device_plugin, which is no function"}},
       {"plugin = 'no_function'",
        bad,
        {"sulcus_device_no_function.so", "a function that is missing"}},

@@ -317,9 +317,19 @@ TEST_F(Sweep, AFolderIsThatOfOnePlan) {
   const auto edited = sweep(planned + "0.7,0.8");
   EXPECT_EQ(edited.status, 2);
   EXPECT_NE(edited.err.find("another scene_sha256"), std::string::npos) << edited.err;
-  const auto alone = sweep("--plan-only -o d" + kBuilt);
+  const auto alone = sweep("-o d" + kBuilt);
   EXPECT_EQ(alone.status, 2);
   EXPECT_NE(alone.err.find("another scene_sha256"), std::string::npos) << alone.err;
+}
+
+TEST_F(Sweep, TablesOfFinishedRunsNeedNoScene) {
+  ASSERT_EQ(sweep("s.toml --set burr.diameter_mm=0.8 -o d" + kBuilt).status, 0);
+  const std::string table = file("d/table.csv");
+  std::filesystem::remove(scratch_.path("s.toml"));
+  std::filesystem::remove(scratch_.path("d/table.csv"));
+  const auto again = sweep("-o d" + kBuilt);
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(file("d/table.csv"), table);
 }
 
 TEST_F(Sweep, ADamagedFolderIsRefusedAndOneWhoseBeginningWasKilledGoesOn) {

@@ -142,8 +142,7 @@ def begin(given):
         if given.program not in (str(_PROGRAM), asked["program"]):
             raise InputError(f"--program {given.program}: the sweep has another, expected "
                              f"{asked['program']}")
-        scene = scene_file(asked["scene"])
-        folder.begin(asked | {"scene_sha256": hash_of(scene)}, *planned(asked))
+        folder.begin(asked, *planned(asked))
         return folder
     if not given.sets:
         raise InputError("--set: is missing, expected KEY=VALUE,VALUE,... at least once")
@@ -209,6 +208,9 @@ def sweep(arguments):
     def unfinished():
         return [number for number in range(len(rows)) if folder.summary(number) is None]
 
+    if unfinished():  # tables of finished runs need no scene
+        asked = folder.asked()
+        folder.begin(asked | {"scene_sha256": hash_of(scene_file(asked["scene"]))}, names, rows)
     if given.slurm:
         through_slurm(folder, unfinished)
     elif numbers := unfinished():

@@ -57,8 +57,8 @@ class SweepFolder:
         return header[2:-1], [row[2:-1] for row in rows]
 
     def begin(self, asked, names, rows):
-        """Writes the plan, or finds the same one there; InputError if there is another. sweep.json comes
-        before runs/, so that one that is killed meanwhile begins again."""
+        """Writes the plan, or finds the same one there; InputError if there is another. runs/ is made
+        last, so that the same command goes on after a kill in here."""
         plan = _plan_text(names, rows, asked["seed"])
         before = self.asked()
         if before is not None:

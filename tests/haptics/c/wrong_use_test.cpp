@@ -146,16 +146,9 @@ TEST(CWrongUse, BadInputIsOneLineThatFits) {
 TEST(CWrongUse, AStateIsNotTakenByASceneWhoseFilesHoldOtherThings) {
   const ScratchFolder scratch;
   const std::string scene = scratch.write("s.toml", R"(
-[workpiece]
-shape = "box"
-voxel_mm = 0.1
-cells = [32, 32, 32]
-[workpiece.box]
-size_mm = [2, 2, 2]
-[burr]
-file = "burr.obj"
-[trajectory]
-file = "path.csv"
+workpiece = { shape = "box", voxel_mm = 0.1, cells = [32, 32, 32], box = { size_mm = [2, 2, 2] } }
+burr = { file = "burr.obj", field = [32, 64, 32] }
+trajectory.file = "path.csv"
 )");
   const auto write = [&](const char* width, const char* depth) {
     const std::string w = width;
@@ -188,13 +181,14 @@ file = "path.csv"
 }
 
 TEST(CWrongUse, ContactsThatDoNotFitAreNotWritten) {
-  Handle run(golden("press_device"));
+  Handle run(golden("cut_load"));
   std::size_t count = 0;
-  while (count < 3) {
-    run.step_scene(10);
+  for (std::uint64_t tick = 0; tick < run.ticks() && count < 3; ++tick) {
+    run.step_scene(1);
     const int code = sulcus_contacts(run, nullptr, 0, &count);
     ASSERT_EQ(code, count > 0 ? SULCUS_TOO_SMALL : SULCUS_DONE);
   }
+  ASSERT_GE(count, 3u);
   std::vector<SulcusContact> contacts(count);
   contacts[0].force_N = -5.0f;
   EXPECT_EQ(sulcus_contacts(run, contacts.data(), count - 1, &count), SULCUS_TOO_SMALL);

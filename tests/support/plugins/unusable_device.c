@@ -1,4 +1,8 @@
 /* Plug-ins that cannot be used, one for each definition. */
+#ifdef SULCUS_data_entry
+/* Its entry is no function. */
+__attribute__((visibility("default"))) int sulcus_device_plugin = 1;
+#else
 #include "sulcus_device.h"
 
 #ifdef SULCUS_no_entry
@@ -39,4 +43,5 @@ const SulcusDevicePlugin* sulcus_device_plugin(void) {
   return &plugin;
 }
 
+#endif
 #endif
