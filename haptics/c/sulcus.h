@@ -206,8 +206,8 @@ SULCUS_API int sulcus_state_hash(const SulcusSimulation* simulation, uint64_t* h
  * where `size` is less. Not with [loose_pieces]: UNSUPPORTED. */
 SULCUS_API int sulcus_save(SulcusSimulation* simulation, void* bytes, size_t size, size_t* needed);
 /* A tick after it gives the same bits as one after the save. BAD_INPUT: bytes of another scene, of
- * one whose files held something else, or damaged ones; nothing was changed. Numbers of edits go on from those of the save; those before it
- * are LOST. */
+ * one whose files held something else, or damaged ones; nothing was changed. Numbers of edits go on
+ * from those of the save; those before it are LOST. */
 SULCUS_API int sulcus_restore(SulcusSimulation* simulation, const void* bytes, size_t size,
                               char* error, size_t error_size);
 
