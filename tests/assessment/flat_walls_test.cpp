@@ -12,7 +12,7 @@
 #include "engine/volume/voxel_model.hpp"
 #include "tests/assessment/turned_solid.hpp"
 
-namespace sulcus {
+namespace sulcus::flat_walls_test {
 namespace {
 
 constexpr double kVoxel_mm = 0.05;
@@ -126,4 +126,4 @@ TEST(WallLeft, IsWhatStandsBehindTheWall) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::flat_walls_test

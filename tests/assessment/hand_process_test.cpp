@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::hand_process_test {
 namespace {
 
 constexpr double kRate_hz = 1000.0;
@@ -111,4 +111,4 @@ TEST(HandProcess, ATissueIsTimedByTheTenthsThatWereSpentOnIt) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::hand_process_test

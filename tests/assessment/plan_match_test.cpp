@@ -8,7 +8,7 @@
 
 #include "tests/assessment/turned_solid.hpp"
 
-namespace sulcus {
+namespace sulcus::plan_match_test {
 namespace {
 
 using test::Profile;
@@ -136,4 +136,4 @@ TEST(PlanMatch, OfAPlanThatRemovesNothingIsNone) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::plan_match_test

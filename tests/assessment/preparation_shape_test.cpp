@@ -15,7 +15,7 @@
 // Truth by construction: solids of revolution of known taper, depth and width, at five attitudes in
 // the grid.
 
-namespace sulcus {
+namespace sulcus::preparation_shape_test {
 namespace {
 
 using test::Profile;
@@ -274,4 +274,4 @@ TEST_F(ShapeOfMeshes, WhatDoesNotOverlieIsTold) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::preparation_shape_test

@@ -10,7 +10,7 @@
 #include "engine/assessment/ray_mask.hpp"
 #include "tests/assessment/turned_solid.hpp"
 
-namespace sulcus {
+namespace sulcus::ray_stack_test {
 namespace {
 
 /// In mm.
@@ -113,4 +113,4 @@ TEST(RayMask, OpeningTakesWhatIsNarrowAndLeavesWhatIsWide) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::ray_stack_test

@@ -12,7 +12,7 @@
 #include "engine/assessment/preparation_shape.hpp"
 #include "tests/assessment/lofted_solid.hpp"
 
-namespace sulcus {
+namespace sulcus::wall_sides_test {
 namespace {
 
 using test::lofted_mesh;
@@ -140,4 +140,4 @@ TEST(WallSides, AreNotKnownAlongThePathOfInsertion) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::wall_sides_test

@@ -12,7 +12,7 @@
 #include "tests/assessment/lofted_solid.hpp"
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::wall_sides_voxel_test {
 namespace {
 
 using test::raised;
@@ -66,4 +66,4 @@ TEST(WallSidesOfVoxels, HaveEachItsTaper) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::wall_sides_voxel_test

@@ -6,7 +6,7 @@
 
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::debris_world_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -181,4 +181,4 @@ TEST(DebrisWorld, WhatMovesWhenTheWorldIsRebuiltGoesOn) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::debris_world_test

@@ -8,7 +8,7 @@
 #include "engine/tool/burr.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::cached_field_test {
 namespace {
 
 void expect_same_bits(const DistanceField& a, const DistanceField& b) {
@@ -88,4 +88,4 @@ TEST(CachedField, RefusesAnotherSizeAndWhatIsNoDistance) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::cached_field_test

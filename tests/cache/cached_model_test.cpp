@@ -14,7 +14,7 @@
 #include "tests/support/scratch_folder.hpp"
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::cached_model_test {
 namespace {
 
 constexpr std::size_t kTissues = 4;
@@ -237,4 +237,4 @@ TEST(CachedModel, RefusesLevelsThatDoNotFit) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::cached_model_test

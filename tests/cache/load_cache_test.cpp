@@ -13,7 +13,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::load_cache_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -214,4 +214,4 @@ TEST(Hash128Stream, TellsSequencesApart) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::load_cache_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::base64_test {
 namespace {
 
 std::string of(const std::string& text) {
@@ -30,4 +30,4 @@ TEST(Base64, LongOnesAreWhatTheirPartsAre) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::base64_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::error_test {
 namespace {
 
 TEST(InputError, IsOneLineOfFilePlaceFoundExpected) {
@@ -32,4 +32,4 @@ TEST(InputError, IsOneShortLineWhateverTheInputHolds) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::error_test

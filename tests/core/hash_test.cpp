@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::hash_test {
 namespace {
 
 // From the standards' own examples, so that hashes in recordings can be checked by other programs.
@@ -30,4 +30,4 @@ TEST(Hash, Sha256IsThatOfFips180) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::hash_test

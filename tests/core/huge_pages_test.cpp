@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::huge_pages_test {
 namespace {
 
 TEST(HugePages, AnArrayThatFillsOneBeginsWithOneAndIsAsAnyOther) {
@@ -26,4 +26,4 @@ TEST(HugePages, AnArrayThatFillsOneBeginsWithOneAndIsAsAnyOther) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::huge_pages_test

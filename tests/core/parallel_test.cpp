@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::parallel_test {
 namespace {
 
 TEST(Parallel, EveryRoundIsDoneOnce) {
@@ -50,4 +50,4 @@ TEST(Parallel, WhatARoundThrowsIsThrownAndTheOthersEnd) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::parallel_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::pose_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -22,4 +22,4 @@ TEST(Pose, InverseGoesBack) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::pose_test

@@ -12,7 +12,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-namespace sulcus {
+namespace sulcus::realtime_test {
 namespace {
 
 // How late a thread wakes depends on the machine and is never asserted.
@@ -157,4 +157,4 @@ TEST(Realtime, TheAgeOfTheProcessPassesAsTimeDoes) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::realtime_test

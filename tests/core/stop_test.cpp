@@ -11,7 +11,7 @@
 
 #include "engine/core/whole_file.hpp"
 
-namespace sulcus {
+namespace sulcus::stop_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -96,4 +96,4 @@ TEST_F(Stop, KillsChildren) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::stop_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::units_test {
 namespace {
 
 TEST(Units, AValueTimesItsUnitIsSi) {
@@ -16,4 +16,4 @@ TEST(Units, AValueTimesItsUnitIsSi) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::units_test

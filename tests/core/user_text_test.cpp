@@ -10,7 +10,7 @@
 
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::user_text_test {
 namespace {
 
 /// What each language takes for its own, by itself and in a word.
@@ -131,4 +131,4 @@ TEST(ForTerminal, IsOneLineThatActsOnNothing) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::user_text_test

@@ -13,7 +13,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::whole_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -93,4 +93,4 @@ TEST(WholeFile, AFullDiskIsToldAndLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::whole_file_test

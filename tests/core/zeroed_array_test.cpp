@@ -9,7 +9,7 @@
 
 #include "engine/volume/leaf_bits.hpp"
 
-namespace sulcus {
+namespace sulcus::zeroed_array_test {
 namespace {
 
 constexpr LeafBits kSome{{1, 2, 3, 4, 5, 6, 7, 8}};
@@ -83,4 +83,4 @@ TEST(ZeroedArray, WhatIsNeverWrittenTakesNoMemoryInACopyNeither) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::zeroed_array_test

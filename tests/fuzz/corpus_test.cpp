@@ -10,7 +10,7 @@
 #include "tools/fuzz/fuzz_targets.hpp"
 #include "tools/fuzz/handed_file.hpp"
 
-namespace sulcus::fuzz {
+namespace sulcus::fuzz::corpus_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -64,4 +64,4 @@ TEST(Reads, TellsRefusalsFromFindings) {
 }
 
 }  // namespace
-}  // namespace sulcus::fuzz
+}  // namespace sulcus::fuzz::corpus_test

@@ -24,7 +24,7 @@
 #include "tests/support/instruction_sets.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::golden_test {
 namespace {
 
 using test::sulcus_command;
@@ -160,4 +160,4 @@ TEST(EarlierRecording, OfTheForcesOfTodayIsVerified) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::golden_test

@@ -21,7 +21,7 @@
 #include "tests/support/scratch_folder.hpp"
 #include "tests/support/specks.hpp"
 
-namespace sulcus {
+namespace sulcus::reference_pictures_test {
 namespace {
 
 constexpr int kWidth = 1920, kHeight = 1080;
@@ -169,4 +169,4 @@ TEST(ReferencePictures, ACutCtToothHasItsTissuesAndNoSpecks) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::reference_pictures_test

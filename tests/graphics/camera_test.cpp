@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::camera_test {
 namespace {
 
 TEST(MakeView, OtherBodiesDoNotChangeTheFrameAndAreNotCutOffInDepth) {
@@ -135,4 +135,4 @@ TEST(Viewpoint, ThePointThatIsAskedForStandsInTheMiddle) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::camera_test

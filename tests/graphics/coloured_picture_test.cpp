@@ -13,7 +13,7 @@
 #include "engine/scene/trajectory.hpp"
 #include "engine/surface/drawn_surface.hpp"
 
-namespace sulcus {
+namespace sulcus::coloured_picture_test {
 namespace {
 
 /// A block of 48^3 voxels of 0.1 mm in a grid of 64^3.
@@ -216,4 +216,4 @@ TEST(ColouredPicture, AHandpieceIsDrawnWhereItIsNotInTheWay) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::coloured_picture_test

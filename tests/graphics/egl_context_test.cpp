@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::egl_context_test {
 namespace {
 
 TEST(EglContext, SaysWhatWasTried) {
@@ -28,4 +28,4 @@ TEST(EglContext, SaysWhatWasTried) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::egl_context_test

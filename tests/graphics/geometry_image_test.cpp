@@ -10,7 +10,7 @@
 #include "engine/graphics/shown_voxel.hpp"
 #include "tests/graphics/renderer_fixtures.hpp"
 
-namespace sulcus {
+namespace sulcus::geometry_image_test {
 namespace {
 
 constexpr int kWidth = 320, kHeight = 180;
@@ -361,4 +361,4 @@ TEST(GeometryImage, PicturesAreTheSameWithItBetweenThem) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::geometry_image_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::image_test {
 namespace {
 
 TEST(SheetOf, ASheetHasThePicturesInRows) {
@@ -34,4 +34,4 @@ TEST(WritePng, NamesTheFileItCannotWrite) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::image_test

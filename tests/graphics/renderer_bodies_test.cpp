@@ -7,7 +7,7 @@
 
 #include "tests/graphics/renderer_fixtures.hpp"
 
-namespace sulcus {
+namespace sulcus::renderer_bodies_test {
 namespace {
 
 /// A green ball of 1.2 mm radius, not in the middle of its grid.
@@ -122,4 +122,4 @@ TEST(RendererOfSeveralBodies, TheFirstIsTheWorkpieceAndStandsInTheWorld) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::renderer_bodies_test

@@ -9,7 +9,7 @@
 
 #include "tests/graphics/renderer_fixtures.hpp"
 
-namespace sulcus {
+namespace sulcus::renderer_partial_test {
 namespace {
 
 TEST(Renderer, WhatIsDrawnOfAPictureLikeTheLastIsThePictureOfAllOfIt) {
@@ -118,4 +118,4 @@ TEST(Renderer, HurriedPicturesComeToWhatTheyAreWhenNothingMoves) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::renderer_partial_test

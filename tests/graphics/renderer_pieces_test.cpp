@@ -8,7 +8,7 @@
 
 #include "tests/graphics/renderer_fixtures.hpp"
 
-namespace sulcus {
+namespace sulcus::renderer_pieces_test {
 namespace {
 
 TEST(Renderer, APieceWhereItWasLooksAsBeforeItCameLoose) {
@@ -105,4 +105,4 @@ TEST(Renderer, PiecesWithoutAPoseAreNotDrawnAndTheOrderOfCallsDoesNotMatter) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::renderer_pieces_test

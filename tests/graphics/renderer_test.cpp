@@ -14,7 +14,7 @@
 #include "tests/graphics/renderer_fixtures.hpp"
 #include "tests/support/command.hpp"
 
-namespace sulcus {
+namespace sulcus::renderer_test {
 namespace {
 
 /// The inner part of the ball is of the second tissue.
@@ -214,4 +214,4 @@ TEST(Renderer, NothingSolidIsABackground) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::renderer_test

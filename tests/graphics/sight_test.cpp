@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::sight_test {
 namespace {
 
 using Box = Eigen::AlignedBox3d;
@@ -69,4 +69,4 @@ TEST(HiddenShare, WhatIsRoundAPointDoesNotHideIt) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::sight_test

@@ -11,7 +11,7 @@
 #include "engine/graphics/mirror.hpp"
 #include "engine/graphics/overlay.hpp"
 
-namespace sulcus {
+namespace sulcus::view_place_test {
 namespace {
 
 constexpr int kWidth = 640, kHeight = 360;
@@ -101,4 +101,4 @@ TEST(SideLetters, StandAtTheEdgesOnTheirSidesOfTheTooth) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::view_place_test

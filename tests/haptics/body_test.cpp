@@ -9,7 +9,7 @@
 #include "tests/support/shapes.hpp"
 #include "tests/support/tools.hpp"
 
-namespace sulcus {
+namespace sulcus::body_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -250,4 +250,4 @@ TEST(BodyTick, OneThatIsNotInContactChangesNoForce) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::body_test

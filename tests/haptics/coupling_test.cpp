@@ -10,7 +10,7 @@
 
 #include "tests/support/tools.hpp"
 
-namespace sulcus {
+namespace sulcus::coupling_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -399,4 +399,4 @@ TEST(Coupling, AContactThatIsNotFiniteMovesNothing) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::coupling_test

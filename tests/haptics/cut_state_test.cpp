@@ -9,7 +9,7 @@
 
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::cut_state_test {
 namespace {
 
 TEST(CutState, KnowsNothingAtFirst) {
@@ -106,4 +106,4 @@ TEST(CutState, HashTellsWhichVoxelHoldsWhat) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::cut_state_test

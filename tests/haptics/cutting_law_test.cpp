@@ -10,7 +10,7 @@
 #include "tests/haptics/tick_run.hpp"
 #include "tests/support/allocation_count.hpp"
 
-namespace sulcus {
+namespace sulcus::cutting_law_test {
 namespace {
 
 constexpr double kEnamel = 3.5e9, kDentine = 0.65e9;  // J/m3
@@ -147,4 +147,4 @@ TEST_F(SaturatingTicks, NothingIsAllocated) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::cutting_law_test

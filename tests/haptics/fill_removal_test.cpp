@@ -14,7 +14,7 @@
 #include "tests/support/shapes.hpp"
 #include "tests/support/tools.hpp"
 
-namespace sulcus {
+namespace sulcus::fill_removal_test {
 namespace {
 
 constexpr double kVoxel = 50e-6, kDt = 1e-3;
@@ -294,4 +294,4 @@ TEST(FillTick, EditsAreTheShape) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::fill_removal_test

@@ -8,7 +8,7 @@
 #include "tests/support/shapes.hpp"
 #include "tests/support/tools.hpp"
 
-namespace sulcus {
+namespace sulcus::free_distance_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -75,4 +75,4 @@ TEST(FreeDistance, NoWayOfThatLengthEndsInContact) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::free_distance_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::load_balance_test {
 namespace {
 
 constexpr double kHalfVoxel = 17.4e-6;
@@ -78,4 +78,4 @@ TEST(LoadBalance, AForceThatJumpsPastTheLoadIsClosedIn) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::load_balance_test

@@ -4,7 +4,7 @@
 
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::loose_schedule_test {
 namespace {
 
 LooseAnswer answer(std::uint64_t asked, std::size_t size = 0) {
@@ -130,4 +130,4 @@ TEST(LooseFinder, AVoxelThatIsOnlyLessFilledHoldsOn) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::loose_schedule_test

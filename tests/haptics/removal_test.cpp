@@ -11,7 +11,7 @@
 #include "tests/support/shapes.hpp"
 #include "tests/support/tools.hpp"
 
-namespace sulcus {
+namespace sulcus::removal_test {
 namespace {
 
 constexpr double kVoxel = 50e-6, kDt = 1e-3;
@@ -272,4 +272,4 @@ TEST_F(Removal, WhatIsLooseLeavesWithTheEnergyItHadStored) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::removal_test

@@ -16,7 +16,7 @@
 #include "tests/support/shapes.hpp"
 #include "tests/support/tools.hpp"
 
-namespace sulcus {
+namespace sulcus::saved_state_test {
 namespace {
 
 constexpr double kVoxel = 50e-6;
@@ -361,4 +361,4 @@ TEST(SavedStateOfALoad, KeepsHowFarItHasCome) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::saved_state_test

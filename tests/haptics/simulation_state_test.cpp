@@ -12,7 +12,7 @@
 #include "haptics/state_fields.hpp"
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::simulation_state_test {
 namespace {
 
 Workpiece full_block() {
@@ -218,4 +218,4 @@ TEST(SimulationState, WithoutCuttingThereIsNoRemovalState) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::simulation_state_test

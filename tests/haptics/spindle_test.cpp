@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::spindle_test {
 namespace {
 
 const SpindleSettings kMotor{1e-3, 5e-9, 1.0, {}};
@@ -88,4 +88,4 @@ TEST(Spindle, OneThatDoesNotTurnStaysSo) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::spindle_test

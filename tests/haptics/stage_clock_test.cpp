@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::stage_clock_test {
 namespace {
 
 std::uint64_t now_ns = 0;
@@ -32,4 +32,4 @@ TEST(StageClock, WithoutATimeSourceNothingIsMeasured) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::stage_clock_test

@@ -10,7 +10,7 @@
 // What may be wrong in a tick: poses and forces that are not finite, a device that is silent or
 // jumps, and steps that are too long.
 
-namespace sulcus {
+namespace sulcus::tick_faults_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -295,4 +295,4 @@ TEST(TickFaults, BeforeTheFirstPoseTheToolIsWhereItIsToStart) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::tick_faults_test

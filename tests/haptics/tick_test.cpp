@@ -11,7 +11,7 @@
 #include "tests/haptics/tick_run.hpp"
 #include "tests/support/allocation_count.hpp"
 
-namespace sulcus {
+namespace sulcus::tick_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -447,4 +447,4 @@ TEST(Tick, WhetherItIsTimedChangesNoResult) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::tick_test

@@ -4,7 +4,7 @@
 
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::way_through_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -50,4 +50,4 @@ TEST(WayThrough, BesideAWallOrWithinAVoxelNothingIsGoneThrough) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::way_through_test

@@ -13,7 +13,7 @@
 // Against closed solutions [Carslaw and Jaeger 1959; Rosenthal 1946], computed here from the
 // materials alone.
 
-namespace sulcus {
+namespace sulcus::conduction_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -250,4 +250,4 @@ TEST(Conduction, PlacesAreThoseOfCells) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::conduction_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::heat_log_test {
 namespace {
 
 struct Row {
@@ -105,4 +105,4 @@ TEST(HeatLog, AStretchIsAtLeastATick) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::heat_log_test

@@ -15,7 +15,7 @@
 #include "tests/support/scene_text.hpp"
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::tooth_heat_test {
 namespace {
 
 constexpr double kForEver = std::numeric_limits<double>::infinity();
@@ -298,4 +298,4 @@ TEST(ToothHeat, InPartsAndWithAnyNumberOfThreadsItIsTheSame) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::tooth_heat_test

@@ -19,7 +19,7 @@
 
 // The loaders with the load cache: what comes from it is what would have been made.
 
-namespace sulcus {
+namespace sulcus::load_cached_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -416,4 +416,4 @@ TEST(LoadCached, ABurrIsTheSame) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::load_cached_test

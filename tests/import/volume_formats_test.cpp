@@ -16,7 +16,7 @@
 // One volume, written by ITK in every format that is read, gives the same grey values, lies at the
 // same place and becomes the same voxels.
 
-namespace sulcus {
+namespace sulcus::volume_formats_test {
 namespace {
 
 const std::vector<TissueSettings> kTwoTissues = {{.name = "dentine", .above = {}},
@@ -185,4 +185,4 @@ TEST(VolumeFormats, PngSlicesThatFitNothingAreRefusedInALine) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::volume_formats_test

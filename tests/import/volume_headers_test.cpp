@@ -19,7 +19,7 @@
 // orders, byte orders, packings, frames and damage. What a header states is read, what it does not
 // state is asked for, what is damaged is refused in one line.
 
-namespace sulcus {
+namespace sulcus::volume_headers_test {
 namespace {
 
 constexpr double kPlace_mm = 0.05;
@@ -192,4 +192,4 @@ TEST(VolumeHeaders, OfTheSharedCasesAreReadRightlyOrRefused) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::volume_headers_test

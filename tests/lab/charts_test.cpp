@@ -12,7 +12,7 @@
 #include "tools/sulcus_lab/results.hpp"
 #include "tools/sulcus_lab/stability/force_traces.hpp"
 
-namespace sulcus::lab {
+namespace sulcus::lab::charts_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -258,4 +258,4 @@ TEST_F(Charts, AFoldersNameIsNoMoreThanAName) {
 }
 
 }  // namespace
-}  // namespace sulcus::lab
+}  // namespace sulcus::lab::charts_test

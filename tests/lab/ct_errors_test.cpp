@@ -20,7 +20,7 @@
 #include "tools/sulcus_lab/fractions/fractions.hpp"
 #include "tools/sulcus_lab/truth/grey_surface.hpp"
 
-namespace sulcus::lab {
+namespace sulcus::lab::ct_errors_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -275,4 +275,4 @@ TEST_F(OfARealTooth, AnotherInterpolationFourTimesAsFineAgrees) {
 #endif
 
 }  // namespace
-}  // namespace sulcus::lab
+}  // namespace sulcus::lab::ct_errors_test

@@ -12,7 +12,7 @@
 #include "tests/support/documented_commands.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::documented_lab_commands_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -59,4 +59,4 @@ TEST(DocumentedLab, CommandsOfTheReadmesRun) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::documented_lab_commands_test

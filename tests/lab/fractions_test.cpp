@@ -10,7 +10,7 @@
 
 #include "tools/sulcus_lab/fractions/force_grain.hpp"
 
-namespace sulcus::lab {
+namespace sulcus::lab::fractions_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -145,4 +145,4 @@ TEST(ForceGrain, LeavesOutCornersAndAir) {
 }
 
 }  // namespace
-}  // namespace sulcus::lab
+}  // namespace sulcus::lab::fractions_test

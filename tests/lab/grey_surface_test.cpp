@@ -13,7 +13,7 @@
 
 // The truth of grey values, by closed forms and by looking everywhere.
 
-namespace sulcus::lab {
+namespace sulcus::lab::grey_surface_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -206,4 +206,4 @@ TEST(GreySurface, FarFromItThereIsNone) {
 }
 
 }  // namespace
-}  // namespace sulcus::lab
+}  // namespace sulcus::lab::grey_surface_test

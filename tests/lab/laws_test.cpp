@@ -15,7 +15,7 @@
 #include "tools/sulcus_lab/laws/laws_page.hpp"
 #include "tools/sulcus_lab/results.hpp"
 
-namespace sulcus::lab {
+namespace sulcus::lab::laws_test {
 namespace {
 
 // The quick half of `sulcus-lab laws`: what holds is held.
@@ -193,4 +193,4 @@ TEST(LawsPage, TheChartOfClosedWaysIsDrawn) {
 }
 
 }  // namespace
-}  // namespace sulcus::lab
+}  // namespace sulcus::lab::laws_test

@@ -9,7 +9,7 @@
 #include "engine/scene/trajectory.hpp"
 #include "engine/shapes/voxelise_implicit.hpp"
 
-namespace sulcus::lab {
+namespace sulcus::lab::net_force_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -134,4 +134,4 @@ TEST_F(NetForce, TheContinuumsForceOnABallIsItsIntegral) {
 }
 
 }  // namespace
-}  // namespace sulcus::lab
+}  // namespace sulcus::lab::net_force_test

@@ -10,7 +10,7 @@
 #include "tests/support/shapes.hpp"
 #include "tools/sulcus_lab/truth/error_stats.hpp"
 
-namespace sulcus::lab {
+namespace sulcus::lab::normals_measurement_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -159,4 +159,4 @@ TEST(Cost, GrowthIsTheSlopeOfTheLogarithms) {
 }
 
 }  // namespace
-}  // namespace sulcus::lab
+}  // namespace sulcus::lab::normals_measurement_test

@@ -6,7 +6,7 @@
 
 #include "engine/shapes/voxelise_implicit.hpp"
 
-namespace sulcus::lab {
+namespace sulcus::lab::pareto_measurement_test {
 namespace {
 
 ParetoRow row(double tick_us, double error_pct) {
@@ -106,4 +106,4 @@ TEST_F(Pareto, AFineFieldAndAGoodMethodAreNearerToTheTruth) {
 }
 
 }  // namespace
-}  // namespace sulcus::lab
+}  // namespace sulcus::lab::pareto_measurement_test

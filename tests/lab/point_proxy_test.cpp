@@ -8,7 +8,7 @@
 
 #include "tests/support/shapes.hpp"
 
-namespace sulcus::lab {
+namespace sulcus::lab::point_proxy_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -249,4 +249,4 @@ TEST(PointProxy, AGoalThatIsNotFiniteMovesNothing) {
 }
 
 }  // namespace
-}  // namespace sulcus::lab
+}  // namespace sulcus::lab::point_proxy_test

@@ -11,7 +11,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::program_command_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -62,4 +62,4 @@ TEST(ProgramCommand, BadOptionsAreOneLineAndStatus2) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::program_command_test

@@ -11,7 +11,7 @@
 #include "tools/sulcus_lab/reality/cutting_rig.hpp"
 #include "tools/sulcus_lab/reality/reality_bands.hpp"
 
-namespace sulcus::lab {
+namespace sulcus::lab::reality_test {
 namespace {
 
 double sum_of_squares(const SaturatingConstants& constants) {
@@ -90,4 +90,4 @@ TEST(Reality, WhatHasNoFigureIsOut) {
 }
 
 }  // namespace
-}  // namespace sulcus::lab
+}  // namespace sulcus::lab::reality_test

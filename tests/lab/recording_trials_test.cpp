@@ -6,7 +6,7 @@
 
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus::lab {
+namespace sulcus::lab::recording_trials_test {
 namespace {
 
 class RecordingTrials : public ::testing::Test {
@@ -56,4 +56,4 @@ TEST_F(RecordingTrials, GoingBackMeetsTheHashesOfTheWayOn) {
 }
 
 }  // namespace
-}  // namespace sulcus::lab
+}  // namespace sulcus::lab::recording_trials_test

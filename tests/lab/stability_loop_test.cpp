@@ -7,7 +7,7 @@
 
 #include "tools/sulcus_lab/stability/cases/cases.hpp"
 
-namespace sulcus::lab {
+namespace sulcus::lab::stability_loop_test {
 namespace {
 
 constexpr std::array kCoupling{ContactMethod::kCoupling};
@@ -80,4 +80,4 @@ TEST(StabilityLoopCases, WithTheControllerOffATapGains) {
 }
 
 }  // namespace
-}  // namespace sulcus::lab
+}  // namespace sulcus::lab::stability_loop_test

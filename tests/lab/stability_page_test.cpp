@@ -8,7 +8,7 @@
 
 #include "tools/sulcus_lab/stability/cases/case_texts.hpp"
 
-namespace sulcus::lab {
+namespace sulcus::lab::stability_page_test {
 namespace {
 
 StabilityRow row(std::string case_name, ContactMethod method, std::string quantity, double value,
@@ -222,4 +222,4 @@ TEST(StabilityPage, IsOneWellFormedFileWithoutScripts) {
 }
 
 }  // namespace
-}  // namespace sulcus::lab
+}  // namespace sulcus::lab::stability_page_test

@@ -7,7 +7,7 @@
 #include "tools/sulcus_lab/stability/pushes.hpp"
 #include "tools/sulcus_lab/stability/random_pushes.hpp"
 
-namespace sulcus::lab {
+namespace sulcus::lab::stability_pushes_test {
 namespace {
 
 /// A face at 20 degrees, coarse enough for a test.
@@ -93,4 +93,4 @@ TEST(StabilityPushes, RandomPushesNeverCrossAndComeAgainFromTheirSeeds) {
 }
 
 }  // namespace
-}  // namespace sulcus::lab
+}  // namespace sulcus::lab::stability_pushes_test

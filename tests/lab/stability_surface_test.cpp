@@ -6,7 +6,7 @@
 
 #include "tools/sulcus_lab/stability/cases/cases.hpp"
 
-namespace sulcus::lab {
+namespace sulcus::lab::stability_surface_test {
 namespace {
 
 constexpr ContactMethod kOurs[] = {ContactMethod::kCoupling};
@@ -63,4 +63,4 @@ TEST(StabilityWalls, ThePlainPenaltyGoesThrough) {
 }
 
 }  // namespace
-}  // namespace sulcus::lab
+}  // namespace sulcus::lab::stability_surface_test

@@ -11,7 +11,7 @@
 
 #include "engine/core/triangle_mesh.hpp"
 
-namespace sulcus::lab {
+namespace sulcus::lab::surface_error_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -103,4 +103,4 @@ TEST(KnownBodies, HaveMeshesOfTheirArea) {
 }
 
 }  // namespace
-}  // namespace sulcus::lab
+}  // namespace sulcus::lab::surface_error_test

@@ -11,7 +11,7 @@
 #include "engine/scene/scene_file.hpp"
 #include "tools/sulcus_lab/table1/table1_rows.hpp"
 
-namespace sulcus::lab {
+namespace sulcus::lab::table1_experiment_test {
 namespace {
 
 const auto kSilent = [](const std::string&) {};
@@ -96,4 +96,4 @@ TEST(Table1Experiment, AStartInsideTheToothIsRefused) {
 }
 
 }  // namespace
-}  // namespace sulcus::lab
+}  // namespace sulcus::lab::table1_experiment_test

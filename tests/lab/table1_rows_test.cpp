@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus::lab {
+namespace sulcus::lab::table1_rows_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -108,4 +108,4 @@ TEST(Table1Rows, ErrorsAgainstTheTruthWhereItIsKnown) {
 }
 
 }  // namespace
-}  // namespace sulcus::lab
+}  // namespace sulcus::lab::table1_rows_test

@@ -8,7 +8,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::ticks_command_test {
 namespace {
 
 TEST(TicksCommand, BadOptionsAreOneLineAndStatus2) {
@@ -58,4 +58,4 @@ TEST(TicksCommand, IsStoppedAtOnce) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::ticks_command_test

@@ -6,7 +6,7 @@
 #include "tools/sulcus_lab/ticks/ticks_floor.hpp"
 #include "tools/sulcus_lab/ticks/ticks_sweeps.hpp"
 
-namespace sulcus::lab {
+namespace sulcus::lab::ticks_measurement_test {
 namespace {
 
 using test::kBlockGround;
@@ -136,4 +136,4 @@ TEST(TicksSweeps, GrowthIsTheWorstOfTheLargestToTheSmallest) {
 }
 
 }  // namespace
-}  // namespace sulcus::lab
+}  // namespace sulcus::lab::ticks_measurement_test

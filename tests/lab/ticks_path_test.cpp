@@ -7,7 +7,7 @@
 #include "tests/lab/plate_block.hpp"
 #include "tools/sulcus_lab/ticks/ticks_cutting.hpp"
 
-namespace sulcus::lab {
+namespace sulcus::lab::ticks_path_test {
 namespace {
 
 using test::kBlockGround;
@@ -71,4 +71,4 @@ TEST(CuttingPlan, SinksWithTheGroundItTakes) {
 }
 
 }  // namespace
-}  // namespace sulcus::lab
+}  // namespace sulcus::lab::ticks_path_test

@@ -8,7 +8,7 @@
 
 #include "tools/sulcus_lab/statistics.hpp"
 
-namespace sulcus::lab {
+namespace sulcus::lab::ticks_rows_test {
 namespace {
 
 TickRow row(NormalMethod method, TickCache cache, int contacts, double us, double pca_us) {
@@ -95,4 +95,4 @@ TEST(LogSlope, LeavesOutWhatHasNoLogarithm) {
 }
 
 }  // namespace
-}  // namespace sulcus::lab
+}  // namespace sulcus::lab::ticks_rows_test

@@ -9,7 +9,7 @@
 #include "engine/core/error.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus::lab {
+namespace sulcus::lab::truth_file_test {
 namespace {
 
 constexpr const char* kHeader = "i,j,k,nx,ny,nz,zone\n";
@@ -121,4 +121,4 @@ TEST_F(TruthFile, AFileThatIsNoTableIsRefused) {
 }
 
 }  // namespace
-}  // namespace sulcus::lab
+}  // namespace sulcus::lab::truth_file_test

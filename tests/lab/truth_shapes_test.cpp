@@ -9,7 +9,7 @@
 #include "engine/core/error.hpp"
 #include "engine/volume/workpiece.hpp"
 
-namespace sulcus::lab {
+namespace sulcus::lab::truth_shapes_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -168,4 +168,4 @@ TEST(TruthShapes, PlatesHaveAToolAndLookItsWay) {
 TEST(TruthShapes, AnUnknownNameIsRefused) { EXPECT_THROW(truth_shapes("teapot"), InputError); }
 
 }  // namespace
-}  // namespace sulcus::lab
+}  // namespace sulcus::lab::truth_shapes_test

@@ -6,7 +6,7 @@
 
 #include "engine/scene/device_presets.hpp"
 
-namespace sulcus::lab {
+namespace sulcus::lab::wall_loop_test {
 namespace {
 
 /// An Omni held by a hand of the presets.
@@ -92,4 +92,4 @@ TEST(WallLoop, WithDampingInTheWallTheDelayRulePromisesALightHandTooMuch) {
 }
 
 }  // namespace
-}  // namespace sulcus::lab
+}  // namespace sulcus::lab::wall_loop_test

@@ -12,7 +12,7 @@
 #include "engine/normals/weighted_sum.hpp"
 #include "tests/support/normal_errors.hpp"
 
-namespace sulcus {
+namespace sulcus::exact_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -258,4 +258,4 @@ TEST(Exact, MirroredShapesHaveMirroredNormals) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::exact_test

@@ -15,7 +15,7 @@
 #include "tests/support/map_kernels_fixture.hpp"
 #include "tests/support/rough_blobs.hpp"
 
-namespace sulcus {
+namespace sulcus::filled_tile_test {
 namespace {
 
 constexpr int kNs = 6, kReach = FilledTile::kMostReach;
@@ -219,4 +219,4 @@ TEST_P(WindowKernels, FitsAreTheSame) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::filled_tile_test

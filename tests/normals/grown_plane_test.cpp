@@ -11,7 +11,7 @@
 
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::grown_plane_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -158,4 +158,4 @@ TEST(GrownPlane, WallsAlongTheColumnsHaveNone) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::grown_plane_test

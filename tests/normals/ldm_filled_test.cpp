@@ -16,7 +16,7 @@
 #include "tests/support/rough_blobs.hpp"
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::ldm_filled_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -246,4 +246,4 @@ TEST(LdmFilled, ALookThatEndsEarlySaysTheSameOfWhatIsEnough) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::ldm_filled_test

@@ -7,7 +7,7 @@
 #include "engine/normals/neighbour_pattern.hpp"
 #include "tests/support/normal_errors.hpp"
 
-namespace sulcus {
+namespace sulcus::ldm_paper_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -165,4 +165,4 @@ TEST(LdmPaper, MirroredShapesHaveMirroredNormals) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::ldm_paper_test

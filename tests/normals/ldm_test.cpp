@@ -9,7 +9,7 @@
 #include "engine/normals/ldm_fast.hpp"
 #include "tests/support/normal_errors.hpp"
 
-namespace sulcus {
+namespace sulcus::ldm_test {
 namespace {
 
 using test::estimate_ldm, test::estimate_ldm_fast;
@@ -220,4 +220,4 @@ TEST(Ldm, ResidualsSayMoreThanLeastSquaresHears) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::ldm_test

@@ -8,7 +8,7 @@
 #include "engine/normals/ldm_fast.hpp"
 #include "tests/support/normal_errors.hpp"
 
-namespace sulcus {
+namespace sulcus::ldm_tiers_test {
 namespace {
 
 using test::estimate_ldm, test::estimate_ldm_fast;
@@ -264,4 +264,4 @@ TEST_P(LdmTiers, AtConcaveEdgesTheToolIsHeardThoughTheCoarseNormalPointsAway) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::ldm_tiers_test

@@ -7,7 +7,7 @@
 
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::map_batch_test {
 namespace {
 
 constexpr int kNs = 6, kTrace = 12;
@@ -47,4 +47,4 @@ TEST(MapBatch, HasTheMapsOfItsVoxelsAndOfNoneBefore) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::map_batch_test

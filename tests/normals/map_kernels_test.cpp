@@ -9,7 +9,7 @@
 #include "engine/normals/leaf_tiles.hpp"
 #include "tests/support/map_kernels_fixture.hpp"
 
-namespace sulcus {
+namespace sulcus::map_kernels_test {
 namespace {
 
 class MapKernelsTest : public test::MapKernelsFixture {};
@@ -344,4 +344,4 @@ TEST_P(MapKernelsTest, ClosePointsAreThoseOfTheBallAndTheSameBitForBit) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::map_kernels_test

@@ -8,7 +8,7 @@
 
 #include "tests/support/normal_errors.hpp"
 
-namespace sulcus {
+namespace sulcus::neighbour_pattern_test {
 namespace {
 
 bool has_opposing_pair(int pattern) {
@@ -68,4 +68,4 @@ TEST(NeighbourPattern, BeyondTheGridAllIsExposed) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::neighbour_pattern_test

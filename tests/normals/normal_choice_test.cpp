@@ -10,7 +10,7 @@
 #include "engine/normals/normal_method.hpp"
 #include "tests/support/normal_errors.hpp"
 
-namespace sulcus {
+namespace sulcus::normal_choice_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -87,4 +87,4 @@ TEST(NormalChoice, NothingIsPromisedBelowTheBest) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::normal_choice_test

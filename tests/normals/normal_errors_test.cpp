@@ -10,7 +10,7 @@
 #include "engine/normals/normal_method.hpp"
 #include "tests/support/normal_errors.hpp"
 
-namespace sulcus {
+namespace sulcus::normal_errors_test {
 namespace {
 
 TEST(NormalErrors, AreTheAnglesToTheExactNormalsAtTheSurfaceAlone) {
@@ -47,4 +47,4 @@ TEST(NormalErrors, AreTheAnglesToTheExactNormalsAtTheSurfaceAlone) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::normal_errors_test

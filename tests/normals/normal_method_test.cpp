@@ -11,7 +11,7 @@
 #include "engine/normals/weighted_sum.hpp"
 #include "tests/support/normal_errors.hpp"
 
-namespace sulcus {
+namespace sulcus::normal_method_test {
 namespace {
 
 using test::estimate_ldm, test::estimate_ldm_fast;
@@ -57,4 +57,4 @@ TEST(NormalMethod, TheNamedMethodIsTakenWithItsSettings) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::normal_method_test

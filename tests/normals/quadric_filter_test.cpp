@@ -6,7 +6,7 @@
 
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::quadric_filter_test {
 namespace {
 
 TEST(ColumnQuadric, AQuadricAslantIsRecoveredFromItsHeights) {
@@ -68,4 +68,4 @@ TEST(QuadricFilter, GivesTheCoefficientsOfEveryQuadric) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::quadric_filter_test

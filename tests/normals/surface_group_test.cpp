@@ -6,7 +6,7 @@
 #include "engine/normals/map_batch.hpp"
 #include "tests/support/map_kernels_fixture.hpp"
 
-namespace sulcus {
+namespace sulcus::surface_group_test {
 namespace {
 
 using Eigen::Vector3f;
@@ -428,4 +428,4 @@ TEST_P(SurfaceGroupTest, MapsInTilesAreThoseThatAreTracedVoxelByVoxel) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::surface_group_test

@@ -11,7 +11,7 @@
 #include "engine/normals/normal_method.hpp"
 #include "tests/support/normal_errors.hpp"
 
-namespace sulcus {
+namespace sulcus::symmetry_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -266,4 +266,4 @@ TEST_P(NormalSymmetryTest, NormalsTurnWithTheShape) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::symmetry_test

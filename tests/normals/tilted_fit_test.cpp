@@ -9,7 +9,7 @@
 
 #include "tests/support/map_kernels_fixture.hpp"
 
-namespace sulcus {
+namespace sulcus::tilted_fit_test {
 namespace {
 
 using Eigen::Vector3f;
@@ -287,4 +287,4 @@ TEST(TiltedFitter, FindsTheBallAndThePlaneThatHeightsAreOf) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::tilted_fit_test

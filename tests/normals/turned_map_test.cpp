@@ -9,7 +9,7 @@
 #include "engine/normals/coarse_normal.hpp"
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::turned_map_test {
 namespace {
 
 using Eigen::Vector3f;
@@ -127,4 +127,4 @@ TEST(SolidOffsets, AreThoseOfEveryOtherVoxelOfACube) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::turned_map_test

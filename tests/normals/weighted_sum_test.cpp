@@ -8,7 +8,7 @@
 
 #include "tests/support/normal_errors.hpp"
 
-namespace sulcus {
+namespace sulcus::weighted_sum_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -182,4 +182,4 @@ TEST(WeightedSum, MirroredShapesHaveMirroredNormalsToTheBit) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::weighted_sum_test

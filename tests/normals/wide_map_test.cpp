@@ -8,7 +8,7 @@
 
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::wide_map_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -85,4 +85,4 @@ TEST(FaceOver, IsNoneOfAFirstPlaneThatIsFarOffOrAlongTheColumns) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::wide_map_test

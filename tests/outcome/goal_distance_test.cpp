@@ -4,7 +4,7 @@
 
 #include "engine/outcome/goal.hpp"
 
-namespace sulcus {
+namespace sulcus::goal_distance_test {
 namespace {
 
 /// A block of 24^3 voxels in a grid of 32^3, a target of 8^3 at the middle of its upper face
@@ -72,4 +72,4 @@ TEST(GoalDistance, ATargetOfAllOfTheToothHasNoWalls) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::goal_distance_test

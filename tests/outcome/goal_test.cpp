@@ -9,7 +9,7 @@
 #include "engine/core/units.hpp"
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::goal_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -127,4 +127,4 @@ TEST(Goal, OfAFileIsWhatOfItIsTooth) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::goal_test

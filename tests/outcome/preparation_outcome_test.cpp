@@ -11,7 +11,7 @@
 #include "tests/outcome/labelled_model.hpp"
 #include "tests/support/filled_model.hpp"
 
-namespace sulcus {
+namespace sulcus::preparation_outcome_test {
 namespace {
 
 constexpr double kVoxel = 1e-4;
@@ -249,4 +249,4 @@ TEST(PreparationOutcome, FractionsCountByWhatIsFilled) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::preparation_outcome_test

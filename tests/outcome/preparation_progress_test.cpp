@@ -4,7 +4,7 @@
 
 #include "tests/outcome/labelled_model.hpp"
 
-namespace sulcus {
+namespace sulcus::preparation_progress_test {
 namespace {
 
 constexpr std::uint8_t kEnamel = 0, kPulp = 1, kCaries = 2;
@@ -124,4 +124,4 @@ TEST(PreparationProgress, WhatASceneDoesNotNameIsNotKept) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::preparation_progress_test

@@ -13,7 +13,7 @@
 #include "engine/shapes/build_shape.hpp"
 #include "tests/outcome/labelled_model.hpp"
 
-namespace sulcus {
+namespace sulcus::pulp_distance_test {
 namespace {
 
 std::uint32_t least_over_all(const Cell& c, const std::vector<Cell>& pulp) {
@@ -116,4 +116,4 @@ TEST(PulpDistance, IsNotKeptOfATissueThatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::pulp_distance_test

@@ -7,7 +7,7 @@
 
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::voxel_distance_test {
 namespace {
 
 VoxelSet set_of(const VoxelGrid& grid, const std::vector<Cell>& cells) {
@@ -77,4 +77,4 @@ TEST(VoxelDistance, OfNothingIsNone) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::voxel_distance_test

@@ -6,7 +6,7 @@
 
 #include "tests/outcome/labelled_model.hpp"
 
-namespace sulcus {
+namespace sulcus::voxel_set_test {
 namespace {
 
 TEST(VoxelSet, HoldsWhatWasPutInOnce) {
@@ -63,4 +63,4 @@ TEST(VoxelSet, ATissueIsItsSolidVoxels) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::voxel_set_test

@@ -16,7 +16,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::assess_faults_test {
 namespace {
 
 constexpr double kBurrRadius_mm = 0.5;
@@ -255,4 +255,4 @@ TEST_F(AssessedFaults, ASlotThatWasWidenedIsTimedWhenItWas) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::assess_faults_test

@@ -18,7 +18,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::assess_test {
 namespace {
 
 /// A block into which a flat fissure burr is sunk 1 mm deep at 2 mm/s, and 0.5 mm to a side.
@@ -382,4 +382,4 @@ TEST_F(Assess, WhatCannotBeAssessedIsSaidInALine) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::assess_test

@@ -13,7 +13,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::bad_files_test {
 namespace {
 
 using test::sulcus_command;
@@ -259,4 +259,4 @@ TEST_F(BadRecordings, AnotherBuild) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::bad_files_test

@@ -6,7 +6,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::bad_input_test {
 namespace {
 
 using test::kProbeScene;
@@ -170,4 +170,4 @@ TEST(BadInput, InspectReadsTheChangesOfASceneAsRunDoes) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::bad_input_test

@@ -17,7 +17,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::bodies_test {
 namespace {
 
 using test::sulcus_command;
@@ -253,4 +253,4 @@ TEST_F(ForgedRecording, BodiesThatAreNotItsScenesAreRefused) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::bodies_test

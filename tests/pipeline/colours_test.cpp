@@ -9,7 +9,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::colours_test {
 namespace {
 
 /// Small recordings, of a scene with a goal and of one without.
@@ -115,4 +115,4 @@ TEST_F(Colours, ContactsAreThoseThatTheRunHad) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::colours_test

@@ -19,7 +19,7 @@
 #include "tests/support/png_file.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::command_line_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -238,4 +238,4 @@ TEST_F(CommandLine, ProgressIsToldOnATerminalAlone) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::command_line_test

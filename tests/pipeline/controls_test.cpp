@@ -17,7 +17,7 @@
 // lies in the scene. The device is tests/support/plugins/controls_device.c, which does what its
 // settings say at known ticks.
 
-namespace sulcus {
+namespace sulcus::controls_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -231,4 +231,4 @@ TEST_F(Controls, SpareBurrsAreReadBeforeTheRun) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::controls_test

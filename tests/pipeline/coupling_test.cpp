@@ -11,7 +11,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::coupling_test {
 namespace {
 
 using test::sulcus_command;
@@ -104,4 +104,4 @@ TEST_F(Coupled, WhatASceneDoesNotNameIsNeitherInItsSummaryNorInItsRecording) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::coupling_test

@@ -13,7 +13,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::cutting_test {
 namespace {
 
 using test::sulcus_command;
@@ -194,4 +194,4 @@ TEST(LoosePieces, WhatIsCutOffFallsAndComesToRestAndARunOfItReplaysExactly) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::cutting_test

@@ -16,7 +16,7 @@
 // The commands of every README and of the tutorial, as they stand there and in their order, in a
 // folder that looks like a checkout. Only the optimised build is quick enough for this.
 
-namespace sulcus {
+namespace sulcus::documented_commands_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -216,4 +216,4 @@ TEST_F(Documented, TheTutorialLeadsFromAScanToACutTooth) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::documented_commands_test

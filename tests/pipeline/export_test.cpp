@@ -17,7 +17,7 @@
 
 // What `sulcus export` writes lies over the file that the workpiece came from.
 
-namespace sulcus {
+namespace sulcus::export_test {
 namespace {
 
 constexpr double kVoxel_m = 1e-4;
@@ -278,4 +278,4 @@ TEST_F(Export, WithoutAFileItIsTheScenesSpace) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::export_test

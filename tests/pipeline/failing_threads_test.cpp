@@ -18,7 +18,7 @@
 #include "tests/support/failing_memory.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::failing_threads_test {
 namespace {
 
 /// A burr that goes through a block, cutting, with a hand on it: from a tick on some threads find
@@ -91,4 +91,4 @@ INSTANTIATE_TEST_SUITE_P(Each, FailingThreads,
                                            test::NoMemory::kOtherThreads));
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::failing_threads_test

@@ -12,7 +12,7 @@
 
 // What a run says of poses that do not come, that jump, or that go too far.
 
-namespace sulcus {
+namespace sulcus::faults_test {
 namespace {
 
 using test::sulcus_command;
@@ -144,4 +144,4 @@ name = "dentine"
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::faults_test

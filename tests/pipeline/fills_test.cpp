@@ -17,7 +17,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::fills_test {
 namespace {
 
 const std::string kFilledScene = R"(
@@ -306,4 +306,4 @@ TEST_F(Fills, ALevelThatDoesNotFallIsRefused) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::fills_test

@@ -13,7 +13,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::full_disk_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -220,4 +220,4 @@ TEST_F(FullDiskOfARun, ALogThatCannotBeWrittenIsTold) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::full_disk_test

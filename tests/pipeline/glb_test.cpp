@@ -14,7 +14,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::glb_test {
 namespace {
 
 /// A block of one tissue, cut from above off its middle; wider along x than along y.
@@ -118,4 +118,4 @@ TEST(GlbExport, IsInMetresWithYUpAndTheColoursOfTheTissues) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::glb_test

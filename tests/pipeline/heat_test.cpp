@@ -11,7 +11,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::heat_test {
 namespace {
 
 /// A small block that is cut, without heat and with it.
@@ -102,4 +102,4 @@ TEST_F(Heat, WhatCannotBeIsSaid) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::heat_test

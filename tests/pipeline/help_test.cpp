@@ -12,7 +12,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::help_test {
 namespace {
 
 using test::read_file, test::sulcus_command;
@@ -176,4 +176,4 @@ TEST(Help, CompletesInBash) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::help_test

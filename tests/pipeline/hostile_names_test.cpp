@@ -11,7 +11,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::hostile_names_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -119,4 +119,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& tested) { return "name_" + std::to_string(tested.index); });
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::hostile_names_test

@@ -19,7 +19,7 @@
 // What the house rules (tools/README.md) say of the tree as a whole: its top level, lengths of
 // files, the words of messages, and that what the READMEs point at is there.
 
-namespace sulcus {
+namespace sulcus::house_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -278,4 +278,4 @@ TEST(House, FilesThatReadmesNameAreThere) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::house_test

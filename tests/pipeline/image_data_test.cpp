@@ -18,7 +18,7 @@
 #include "tests/support/png_file.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::image_data_test {
 namespace {
 
 constexpr double kAt_s = 0.3;
@@ -282,4 +282,4 @@ TEST_F(ImageData, WhatCannotBeIsRefused) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::image_data_test

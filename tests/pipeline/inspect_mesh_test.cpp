@@ -20,7 +20,7 @@
 #include "tests/support/png_file.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::inspect_mesh_test {
 namespace {
 
 class InspectMesh : public testing::Test {
@@ -254,4 +254,4 @@ position_mm = [0, 0, 0.75]
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::inspect_mesh_test

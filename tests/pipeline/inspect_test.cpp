@@ -15,7 +15,7 @@
 #include "tests/support/png_file.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::inspect_test {
 namespace {
 
 using test::sulcus_command;
@@ -409,4 +409,4 @@ TEST(Inspect, RefusesALinkToItself) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::inspect_test

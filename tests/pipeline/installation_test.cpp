@@ -11,7 +11,7 @@
 // What `cmake --install` makes, in a folder of a test's own: the program, and the library in a
 // program of somebody else.
 
-namespace sulcus {
+namespace sulcus::installation_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -141,4 +141,4 @@ TEST(Installation, AProgramInCIsBuiltByWhatPkgConfigSays) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::installation_test

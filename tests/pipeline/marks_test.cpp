@@ -14,7 +14,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::marks_test {
 namespace {
 
 using nlohmann::json;
@@ -231,4 +231,4 @@ TEST_F(Marks, AtRealPaceMissedTicksAreTold) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::marks_test

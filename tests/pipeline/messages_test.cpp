@@ -19,7 +19,7 @@
 #include "tests/support/png_file.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::messages_test {
 namespace {
 
 class Messages : public testing::Test {
@@ -236,4 +236,4 @@ TEST_F(Messages, TheChartHasACurveForEachComponent) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::messages_test

@@ -14,7 +14,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::outcome_test {
 namespace {
 
 using test::sulcus_command;
@@ -218,4 +218,4 @@ TEST(Outcome, AGoalBesideTheToothIsRefusedBeforeAnythingIsWritten) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::outcome_test

@@ -12,7 +12,7 @@
 #include "tests/support/png_file.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::page_test {
 namespace {
 
 using nlohmann::json;
@@ -289,4 +289,4 @@ TEST_F(Page, WithoutThreeJsThePackageIsNamed) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::page_test

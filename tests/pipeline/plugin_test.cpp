@@ -17,7 +17,7 @@
 // Devices that are loaded at run time: tools/plugins/ and, for what goes wrong,
 // tests/support/plugins.
 
-namespace sulcus {
+namespace sulcus::plugin_test {
 namespace {
 
 using test::sulcus_command;
@@ -374,4 +374,4 @@ TEST_F(Plugin, WhatCannotBeUsedIsRefusedBeforeAnythingRuns) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::plugin_test

@@ -18,7 +18,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::recording_test {
 namespace {
 
 /// Some 2,200 ticks, and 8,800, which no pace is through with in 60 ms.
@@ -478,4 +478,4 @@ TEST_F(Recording, SigtermEndsARunAsCtrlCDoes) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::recording_test

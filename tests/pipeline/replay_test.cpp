@@ -9,7 +9,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::replay_test {
 namespace {
 
 using test::sulcus_command;
@@ -174,4 +174,4 @@ TEST_F(Replay, WhatRenderCannotDoIsSaid) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::replay_test

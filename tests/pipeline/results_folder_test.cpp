@@ -13,7 +13,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::results_folder_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -184,4 +184,4 @@ TEST_F(ResultsFolders, PicturesAreNamedByWhatTheyShow) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::results_folder_test

@@ -10,7 +10,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::run_test {
 namespace {
 
 using test::sulcus_command;
@@ -218,4 +218,4 @@ TEST(Run, SetChangesTheScene) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::run_test

@@ -13,7 +13,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::saved_scene_test {
 namespace {
 
 /// A hand that presses into a block and cuts it, and rests at the end.
@@ -111,4 +111,4 @@ TEST_F(SavedScenes, PathsAreRelativeAndNumbersShort) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::saved_scene_test

@@ -14,7 +14,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::scrub_test {
 namespace {
 
 struct Hashes {
@@ -158,4 +158,4 @@ TEST_F(Scrub, AFilmIsTheSameOnTheWayBack) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::scrub_test

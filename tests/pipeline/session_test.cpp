@@ -15,7 +15,7 @@
 #include "tests/pipeline/small_scenes.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::session_test {
 namespace {
 
 // ThreadSanitizer does not see how oneTBB, which was built without it, hands work over: here oneTBB
@@ -93,4 +93,4 @@ TEST(SessionThreads, StopRequestEndsTheRunWithAllOnDisk) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::session_test

@@ -15,7 +15,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::sound_test {
 namespace {
 
 class Sound : public ::testing::Test {
@@ -159,4 +159,4 @@ TEST_F(Sound, AVideoAndTheReviewPageHaveIt) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::sound_test

@@ -20,7 +20,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::stopping_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -252,4 +252,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& tested) { return tested.param.name; });
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::stopping_test

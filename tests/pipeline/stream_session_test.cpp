@@ -28,7 +28,7 @@
 #include "tests/support/scratch_folder.hpp"
 #include "tests/support/stream_reader.hpp"
 
-namespace sulcus {
+namespace sulcus::stream_session_test {
 namespace {
 
 using test::ReadMessages, test::StreamReader;
@@ -423,4 +423,4 @@ TEST_F(StreamSession, APortThatIsTakenIsRefused) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::stream_session_test

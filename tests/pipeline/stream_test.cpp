@@ -20,7 +20,7 @@
 // The program with [stream], and a client that knows nothing of OpenIGTLink's library: the example
 // in Python.
 
-namespace sulcus {
+namespace sulcus::stream_test {
 namespace {
 
 using test::sulcus_command;
@@ -154,4 +154,4 @@ TEST_F(Stream, WhereItCannotListenIsSaidInOneLine) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::stream_test

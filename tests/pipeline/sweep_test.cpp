@@ -14,7 +14,7 @@
 #include "tests/support/png_file.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::sweep_test {
 namespace {
 
 using test::CommandResult;
@@ -382,4 +382,4 @@ TEST_F(Sweep, AChartOfNoSuchColumnIsRefusedByItsNearest) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::sweep_test

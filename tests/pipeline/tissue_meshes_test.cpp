@@ -15,7 +15,7 @@
 
 // From voxels to a mesh of each tissue, and from those meshes back to voxels.
 
-namespace sulcus {
+namespace sulcus::tissue_meshes_test {
 namespace {
 
 using test::sulcus_command;
@@ -129,4 +129,4 @@ TEST_F(TissueMeshes, NeedAFileToBeNamedAfter) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::tissue_meshes_test

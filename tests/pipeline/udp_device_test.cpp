@@ -23,7 +23,7 @@
 
 // The device that is another program: tools/plugins/udp.
 
-namespace sulcus {
+namespace sulcus::udp_device_test {
 namespace {
 
 using test::sulcus_command;
@@ -258,4 +258,4 @@ TEST_F(UdpDevice, APortThatIsTakenIsRefused) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::udp_device_test

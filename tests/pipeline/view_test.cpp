@@ -10,7 +10,7 @@
 #include "tests/support/scratch_folder.hpp"
 #include "tests/support/x_display.hpp"
 
-namespace sulcus {
+namespace sulcus::view_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -58,4 +58,4 @@ TEST_F(View, AWindowOnARecordingIsStoppedAtOnce) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::view_test

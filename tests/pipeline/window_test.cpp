@@ -14,7 +14,7 @@
 #include "tests/support/scratch_folder.hpp"
 #include "tests/support/x_display.hpp"
 
-namespace sulcus {
+namespace sulcus::window_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -126,4 +126,4 @@ TEST_F(HandInWindow, CopiesThePlaceUnderThePointerAndIsEndedByAKey) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::window_test

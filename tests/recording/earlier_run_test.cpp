@@ -9,7 +9,7 @@
 #include "engine/volume/packed_model.hpp"
 #include "tests/recording/sample_recording.hpp"
 
-namespace sulcus::sample {
+namespace sulcus::sample::earlier_run_test {
 namespace {
 
 class EarlierRunTest : public RecordingTest {
@@ -115,4 +115,4 @@ TEST_F(EarlierRunTest, ASummaryIsThatOfTheEndOrNone) {
 }
 
 }  // namespace
-}  // namespace sulcus::sample
+}  // namespace sulcus::sample::earlier_run_test

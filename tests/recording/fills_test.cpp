@@ -16,7 +16,7 @@
 #include "tests/recording/sample_recording.hpp"
 #include "tests/support/filled_model.hpp"
 
-namespace sulcus::sample {
+namespace sulcus::sample::fills_test {
 namespace {
 
 /// The sample's workpiece, its surface filled anyhow.
@@ -364,4 +364,4 @@ TEST_F(EarlierFills, ThatDoNotLeadToTheWorkpieceAreRefused) {
 }
 
 }  // namespace
-}  // namespace sulcus::sample
+}  // namespace sulcus::sample::fills_test

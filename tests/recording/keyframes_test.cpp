@@ -6,7 +6,7 @@
 #include "engine/core/error.hpp"
 #include "tests/recording/sample_recording.hpp"
 
-namespace sulcus {
+namespace sulcus::keyframes_test {
 namespace {
 
 using sample::append;
@@ -160,4 +160,4 @@ TEST(OldRecordings, OfVersion1AreRead) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::keyframes_test

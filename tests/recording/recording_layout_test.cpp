@@ -15,7 +15,7 @@
 
 // The layout against recordings as they were written, read by HDF5 alone.
 
-namespace sulcus::sample {
+namespace sulcus::sample::recording_layout_test {
 namespace {
 
 /// "f64[3]", as HDF5 has it; the type is closed.
@@ -225,4 +225,4 @@ TEST_F(RecordingLayoutTest, UnitsAreThoseOfTheNames) {
 }
 
 }  // namespace
-}  // namespace sulcus::sample
+}  // namespace sulcus::sample::recording_layout_test

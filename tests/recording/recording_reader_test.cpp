@@ -13,7 +13,7 @@
 #include "engine/recording/recording_format.hpp"
 #include "tests/recording/sample_recording.hpp"
 
-namespace sulcus::sample {
+namespace sulcus::sample::recording_reader_test {
 namespace {
 
 class RecordingReaderTest : public RecordingTest {
@@ -336,4 +336,4 @@ TEST_F(RecordingReaderTest, AnnouncedSizesTakeNoMemory) {
 }
 
 }  // namespace
-}  // namespace sulcus::sample
+}  // namespace sulcus::sample::recording_reader_test

@@ -12,7 +12,7 @@
 #include "engine/recording/recording_reader.hpp"
 #include "tests/recording/sample_recording.hpp"
 
-namespace sulcus::sample {
+namespace sulcus::sample::recording_writer_test {
 namespace {
 
 class RecordingWriterTest : public RecordingTest {};
@@ -352,4 +352,4 @@ TEST_F(RecordingWriterTest, AFullDiskKeepsWhatWasFlushed) {
 }
 
 }  // namespace
-}  // namespace sulcus::sample
+}  // namespace sulcus::sample::recording_writer_test

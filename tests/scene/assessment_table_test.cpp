@@ -7,7 +7,7 @@
 #include "engine/core/error.hpp"
 #include "tests/support/scene_text.hpp"
 
-namespace sulcus {
+namespace sulcus::assessment_table_test {
 namespace {
 
 AssessmentSettings parsed(const std::string& text) {
@@ -65,4 +65,4 @@ TEST(AssessmentTable, WhatItDoesNotKnowIsRefused) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::assessment_table_test

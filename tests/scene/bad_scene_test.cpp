@@ -4,7 +4,7 @@
 
 #include "tests/support/scene_text.hpp"
 
-namespace sulcus {
+namespace sulcus::bad_scene_test {
 namespace {
 
 using test::error_of, test::kLeast;
@@ -97,4 +97,4 @@ TEST(BadScene, NoMessageIsLongerOrMoreThanOneLine) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::bad_scene_test

@@ -10,7 +10,7 @@
 #include "engine/scene/scene_file.hpp"
 #include "engine/tool/burr_profile.hpp"
 
-namespace sulcus {
+namespace sulcus::burr_number_test {
 namespace {
 
 constexpr const char* kHead =
@@ -159,4 +159,4 @@ TEST(BurrNumber, IsSetAndChangedByOverrides) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::burr_number_test

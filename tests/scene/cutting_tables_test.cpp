@@ -7,7 +7,7 @@
 #include "engine/scene/scene_file.hpp"
 #include "tests/support/scene_text.hpp"
 
-namespace sulcus {
+namespace sulcus::cutting_tables_test {
 namespace {
 
 using test::error_of, test::kLeast, test::parse;
@@ -70,4 +70,4 @@ TEST(CuttingTables, AHandpieceSetsTheSpindleAndItsSpeed) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::cutting_tables_test

@@ -4,7 +4,7 @@
 #include "engine/scene/table_readers.hpp"
 #include "tests/support/scene_text.hpp"
 
-namespace sulcus {
+namespace sulcus::device_tables_test {
 namespace {
 
 using test::error_of;
@@ -105,4 +105,4 @@ TEST(DeviceTables, RefusesWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::device_tables_test

@@ -11,7 +11,7 @@
 #include "engine/core/error.hpp"
 #include "tests/support/scene_text.hpp"
 
-namespace sulcus {
+namespace sulcus::scene_file_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -367,4 +367,4 @@ TEST(SceneFile, ADirectionNeedsItsLoadAndASpindleItsCutting) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::scene_file_test

@@ -5,7 +5,7 @@
 #include "engine/scene/scene_file.hpp"
 #include "tests/support/scene_text.hpp"
 
-namespace sulcus {
+namespace sulcus::scene_goal_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -110,4 +110,4 @@ TEST(GoalOfAScene, AGoalIsForACut) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::scene_goal_test

@@ -4,7 +4,7 @@
 
 #include "tests/support/scene_text.hpp"
 
-namespace sulcus {
+namespace sulcus::scene_heat_test {
 namespace {
 
 using test::error_of, test::kLeast, test::parse;
@@ -53,4 +53,4 @@ TEST(HeatOfAScene, ItsCellsAreCounted) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::scene_heat_test

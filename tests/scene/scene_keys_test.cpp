@@ -11,7 +11,7 @@
 #include "engine/scene/scene_table.hpp"
 #include "tests/support/scene_text.hpp"
 
-namespace sulcus {
+namespace sulcus::scene_keys_test {
 namespace {
 
 using test::error_of;
@@ -185,4 +185,4 @@ TEST(SceneKeys, UnitsStandAtTheEndOfAName) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::scene_keys_test

@@ -5,7 +5,7 @@
 #include "engine/scene/toml_table.hpp"
 #include "tests/support/scene_text.hpp"
 
-namespace sulcus {
+namespace sulcus::scene_overrides_test {
 namespace {
 
 using test::error_of, test::kLeast, test::parse;
@@ -99,4 +99,4 @@ TEST(SceneOverrides, TheTextAsRunReadsBackTheSame) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::scene_overrides_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::section_test {
 namespace {
 
 TEST(Section, AnAxisAndMillimetres) {
@@ -20,4 +20,4 @@ TEST(Section, AnAxisAndMillimetres) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::section_test

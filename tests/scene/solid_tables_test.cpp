@@ -8,7 +8,7 @@
 #include "engine/scene/table_readers.hpp"
 #include "tests/support/scene_text.hpp"
 
-namespace sulcus {
+namespace sulcus::solid_tables_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -173,4 +173,4 @@ TEST(SolidTables, ATorusIsThinnerThanItsRing) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::solid_tables_test

@@ -5,7 +5,7 @@
 #include "engine/scene/scene_keys.hpp"
 #include "tests/support/scene_text.hpp"
 
-namespace sulcus {
+namespace sulcus::stream_table_test {
 namespace {
 
 using test::error_of, test::kLeast, test::parse;
@@ -66,4 +66,4 @@ TEST(StreamOfAScene, NoTwoHaveOneName) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::stream_table_test

@@ -7,7 +7,7 @@
 
 // [[tissue]] file: a surface of its own beside the workpiece's.
 
-namespace sulcus {
+namespace sulcus::tissue_file_test {
 namespace {
 
 using test::error_of, test::parse;
@@ -54,4 +54,4 @@ TEST(TissueFile, OneWayOnlyAndAMesh) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::tissue_file_test

@@ -9,7 +9,7 @@
 #include "engine/scene/table_readers.hpp"
 #include "tests/support/scene_text.hpp"
 
-namespace sulcus {
+namespace sulcus::tissue_tables_test {
 namespace {
 
 using test::error_of, test::kLeast, test::parse;
@@ -54,4 +54,4 @@ TEST(TissueTables, TissueErrorsNameTheTissue) {
 // --- [[body]] -----------------------------------------------------------------------------------
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::tissue_tables_test

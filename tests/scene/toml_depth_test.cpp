@@ -5,7 +5,7 @@
 #include "engine/core/error.hpp"
 #include "engine/scene/toml_table.hpp"
 
-namespace sulcus {
+namespace sulcus::toml_depth_test {
 namespace {
 
 std::string error_of(const std::string& text) {
@@ -54,4 +54,4 @@ TEST(TomlDepth, TextsAndCommentsHoldAnything) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::toml_depth_test

@@ -8,7 +8,7 @@
 
 #include "engine/core/error.hpp"
 
-namespace sulcus {
+namespace sulcus::toml_table_test {
 namespace {
 
 /// The message of the InputError that reading `text` with `read` gives; empty: none.
@@ -167,4 +167,4 @@ TEST(NearestWord, IsTheOneOfTheSmallestEditDistance) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::toml_table_test

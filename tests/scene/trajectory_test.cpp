@@ -10,7 +10,7 @@
 
 #include "engine/core/error.hpp"
 
-namespace sulcus {
+namespace sulcus::trajectory_test {
 namespace {
 
 using Eigen::Quaterniond;
@@ -271,4 +271,4 @@ TEST_F(TrajectoryFile, AMissingFileIsBadInput) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::trajectory_test

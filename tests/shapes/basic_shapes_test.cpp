@@ -10,7 +10,7 @@
 
 #include "engine/core/units.hpp"
 
-namespace sulcus {
+namespace sulcus::basic_shapes_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -129,4 +129,4 @@ TEST(Shapes, AreOfOnePartAndBounded) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::basic_shapes_test

@@ -12,7 +12,7 @@
 #include "engine/shapes/voxelise_implicit.hpp"
 #include "tests/support/fills.hpp"
 
-namespace sulcus {
+namespace sulcus::cell_coverage_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -173,4 +173,4 @@ TEST(CellCoverage, TheMolarAsSampled) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::cell_coverage_test

@@ -12,7 +12,7 @@
 #include "engine/core/units.hpp"
 #include "engine/shapes/voxelise_implicit.hpp"
 
-namespace sulcus {
+namespace sulcus::molar_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -312,4 +312,4 @@ TEST(Molar, RefusesALesionLargerThanItsPlace) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::molar_test

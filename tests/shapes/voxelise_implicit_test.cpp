@@ -10,7 +10,7 @@
 #include "engine/shapes/basic_shapes.hpp"
 #include "engine/shapes/molar.hpp"
 
-namespace sulcus {
+namespace sulcus::voxelise_implicit_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -142,4 +142,4 @@ TEST(VoxeliseImplicit, RefusesAGridThatNoModelCanHave) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::voxelise_implicit_test

@@ -16,7 +16,7 @@
 
 // Judged by spectra of another library's, Eigen's.
 
-namespace sulcus {
+namespace sulcus::handpiece_sound_test {
 namespace {
 
 constexpr double kEnamel = 3.5e9, kDentine = 0.65e9;
@@ -235,4 +235,4 @@ TEST(HandpieceSound, BeforeTheFirstTickItIsSilent) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::handpiece_sound_test

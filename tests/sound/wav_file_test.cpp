@@ -13,7 +13,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::wav_file_test {
 namespace {
 
 void write(const std::string& file, const std::vector<float>& samples) {
@@ -77,4 +77,4 @@ TEST(WavFile, SaysWhereItCannotBeWritten) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::wav_file_test

@@ -7,7 +7,7 @@
 
 #include "tests/support/specks.hpp"
 
-namespace sulcus::test {
+namespace sulcus::test::looks_like_test {
 namespace {
 
 /// A lit ball, its lower part of another tissue, before a plain background.
@@ -173,4 +173,4 @@ TEST(PicturePlane, ReducedKeepsTheLightAndCroppedThePixels) {
 }
 
 }  // namespace
-}  // namespace sulcus::test
+}  // namespace sulcus::test::looks_like_test

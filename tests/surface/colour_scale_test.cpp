@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::colour_scale_test {
 namespace {
 
 float grey(const Eigen::Vector3f& colour) {
@@ -62,4 +62,4 @@ TEST(ColourScale, ItsNumbersAreInItsUnit) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::colour_scale_test

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::drawn_surface_test {
 namespace {
 
 const std::vector<TissueLook> kLooks{{"outer", {0.81f, 0.64f, 0.36f}}, {"inner", {0.5f, 0, 0}}};
@@ -204,4 +204,4 @@ TEST(DrawnSurface, RemovingWhatIsNotThereChangesNothing) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::drawn_surface_test

@@ -17,7 +17,7 @@
 #include "tests/support/shapes.hpp"
 #include "tests/support/surface_distance.hpp"
 
-namespace sulcus {
+namespace sulcus::filled_edits_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -226,4 +226,4 @@ TEST(FilledEdits, ASectionEndsWhereTheSolidEnds) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::filled_edits_test

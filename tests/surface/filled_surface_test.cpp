@@ -20,7 +20,7 @@
 #include "tests/support/shapes.hpp"
 #include "tests/support/surface_distance.hpp"
 
-namespace sulcus {
+namespace sulcus::filled_surface_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -236,4 +236,4 @@ TEST(FilledSurface, TissuesFillWhatIsWithinItTogether) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::filled_surface_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::normal_cone_test {
 namespace {
 
 /// Triangles near one another, whose normals are within about `spread` of +z.
@@ -79,4 +79,4 @@ TEST(NormalCone, AMeshWithoutTrianglesOrThatTurnsRoundSaysNothing) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::normal_cone_test

@@ -10,7 +10,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::occlusion_test {
 namespace {
 
 constexpr double kVoxel = 3.5e-5;  // four voxels to a cell of the texture
@@ -129,4 +129,4 @@ TEST(OcclusionOfPieces, WithoutAPoseOrOutOfReachAPieceIsNowhere) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::occlusion_test

@@ -14,7 +14,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::piece_mesh_test {
 namespace {
 
 const std::vector<TissueLook> kLooks{{"outer", {0.81f, 0.64f, 0.36f}}, {"inner", {0.5f, 0, 0}}};
@@ -226,4 +226,4 @@ TEST(PieceMesh, SmallPiecesAreMeshedFinerAndNoVoxelIsAnError) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::piece_mesh_test

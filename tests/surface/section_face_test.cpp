@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::section_face_test {
 namespace {
 
 /// A box of 24 x 32 x 40 voxels, centred in its grid, of two tissues that meet at z = 0.
@@ -67,4 +67,4 @@ TEST(SectionFace, FollowsWhatIsCutAndWhereTheBodyStands) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::section_face_test

@@ -13,7 +13,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::surface_mesh_test {
 namespace {
 
 VoxelModel empty_model(const Eigen::Vector3i& cells, double voxel_m = 1e-4) {
@@ -240,4 +240,4 @@ TEST(ClosedSurface, NothingSolidIsAnEmptyMesh) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::surface_mesh_test

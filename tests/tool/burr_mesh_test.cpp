@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::burr_mesh_test {
 namespace {
 
 constexpr BurrShape kShapes[] = {BurrShape::kRound, BurrShape::kPear, BurrShape::kFissure,
@@ -79,4 +79,4 @@ TEST(BurrMesh, FileAxisZBecomesToolAxisY) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::burr_mesh_test

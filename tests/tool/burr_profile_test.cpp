@@ -11,7 +11,7 @@
 #include "engine/core/error.hpp"
 #include "engine/core/units.hpp"
 
-namespace sulcus {
+namespace sulcus::burr_profile_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -205,4 +205,4 @@ TEST(BurrProfile, RefusesSizesThatAreNotABurrs) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::burr_profile_test

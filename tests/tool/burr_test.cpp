@@ -10,7 +10,7 @@
 #include "engine/core/error.hpp"
 #include "engine/tool/burr_mesh.hpp"
 
-namespace sulcus {
+namespace sulcus::burr_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -147,4 +147,4 @@ TEST(Burr, RefusesMeshesThatAreNoBurr) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::burr_test

@@ -15,7 +15,7 @@
 
 #include "engine/core/hash.hpp"
 
-namespace sulcus {
+namespace sulcus::distance_field_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -308,4 +308,4 @@ TEST(DistanceField, HasTheSameBitsOnOneThreadAndEverywhere) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::distance_field_test

@@ -7,7 +7,7 @@
 
 #include "engine/core/error.hpp"
 
-namespace sulcus {
+namespace sulcus::field_grid_test {
 namespace {
 
 using Eigen::AlignedBox3d;
@@ -126,4 +126,4 @@ TEST(FieldGrid, RefusesAFieldTooCoarseForTheHead) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::field_grid_test

@@ -10,7 +10,7 @@
 #include "engine/tool/burr.hpp"
 #include "engine/tool/burr_mesh.hpp"
 
-namespace sulcus {
+namespace sulcus::handpiece_mesh_test {
 namespace {
 
 TEST(HandpieceMesh, IsClosedOutwardAndTakesUpTheShankAtItsEnd) {
@@ -62,4 +62,4 @@ TEST(HandpieceMesh, IsClosedOutwardAndTakesUpTheShankAtItsEnd) {
 TEST(HandpieceMesh, AnEmptyBurrHasNone) { EXPECT_TRUE(handpiece_mesh({}, 0.0).triangles.empty()); }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::handpiece_mesh_test

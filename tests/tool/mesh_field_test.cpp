@@ -14,7 +14,7 @@
 #include "engine/core/error.hpp"
 #include "engine/tool/burr_mesh.hpp"
 
-namespace sulcus {
+namespace sulcus::mesh_field_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -204,4 +204,4 @@ TEST(MeshField, RefusesWhatIsNoSolid) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::mesh_field_test

@@ -5,7 +5,7 @@
 #include "engine/normals/map_kernels.hpp"
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::column_bits_test {
 namespace {
 
 std::uint64_t window_by_voxel(const VoxelModel& model, int axis, int u, int v, int start) {
@@ -92,4 +92,4 @@ TEST(ColumnBits, ClearEmptiesTheVoxelInAllThreePackings) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::column_bits_test

@@ -9,7 +9,7 @@
 #include "tests/support/filled_model.hpp"
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::edits_test {
 namespace {
 
 /// Edits that fall to nothing or less, and what each voxel had before; with fractions only those
@@ -106,4 +106,4 @@ TEST(EditsInOrder, OfATickWhatIsLoweredComesFirst) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::edits_test

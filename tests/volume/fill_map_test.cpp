@@ -8,7 +8,7 @@
 #include "engine/volume/workpiece.hpp"
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::fill_map_test {
 namespace {
 
 FillLevel level_of(std::mt19937& random) {
@@ -86,4 +86,4 @@ TEST(FillMap, ABinaryModelHasNone) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::fill_map_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::grid_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -72,4 +72,4 @@ TEST(VoxelGrid, LeavesPartTheCells) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::grid_test

@@ -6,7 +6,7 @@
 
 #include "engine/volume/grid.hpp"
 
-namespace sulcus {
+namespace sulcus::leaf_parts_test {
 namespace {
 
 bool has(const LeafBits& bits, const Cell& c) {
@@ -108,4 +108,4 @@ TEST(LeafParts, CountAndMeet) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::leaf_parts_test

@@ -8,7 +8,7 @@
 
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::loose_pieces_test {
 namespace {
 
 using Voxels = std::vector<std::uint32_t>;
@@ -325,4 +325,4 @@ TEST(LoosePieces, NeitherOrderNorBatchesOfRemovalCount) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::loose_pieces_test

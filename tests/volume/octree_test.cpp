@@ -8,7 +8,7 @@
 #include "engine/volume/workpiece.hpp"
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::octree_test {
 namespace {
 
 using Eigen::Vector3i;
@@ -237,4 +237,4 @@ TEST(Octree, BoundsStayConservativeUnderRemoval) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::octree_test

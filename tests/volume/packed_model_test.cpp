@@ -6,7 +6,7 @@
 
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::packed_model_test {
 namespace {
 
 TEST(PackedModel, HoldsTheLeavesThatAreNotEmptyAndGivesThemBack) {
@@ -60,4 +60,4 @@ TEST(PackedModel, IndicesRiseAndEnd) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::packed_model_test

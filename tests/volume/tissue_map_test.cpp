@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::tissue_map_test {
 namespace {
 
 constexpr LeafBits kAllSolid{{~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull}};
@@ -88,4 +88,4 @@ TEST(TissueMap, AMixedLeafBecomesUniformAgain) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::tissue_map_test

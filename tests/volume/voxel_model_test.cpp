@@ -6,7 +6,7 @@
 
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::voxel_model_test {
 namespace {
 
 TEST(VoxelModel, SetChangesOneVoxelOnly) {
@@ -44,4 +44,4 @@ TEST(VoxelModel, WithoutAMapEverythingIsTheFirstTissue) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::voxel_model_test

@@ -9,7 +9,7 @@
 
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::workpiece_test {
 namespace {
 
 using Eigen::Vector3i;
@@ -239,4 +239,4 @@ TEST(Workpiece, AnEmptyGridIsFine) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::workpiece_test

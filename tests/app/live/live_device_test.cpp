@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::live_device_test {
 namespace {
 
 /// A hand that is always there, and counts what is done to it.
@@ -134,4 +134,4 @@ TEST(LiveDevice, SwitchAndPedalAreOneSpeedAndALetGoHandGivesNoPose) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::live_device_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::curves_test {
 namespace {
 
 /// What stands at the ticks, in their order: of the values, then of the times.
@@ -49,4 +49,4 @@ TEST(Curves, NumbersAreAsAPersonWritesThem) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::curves_test

@@ -11,7 +11,7 @@
 
 #include "engine/surface/surface_mesh.hpp"
 
-namespace sulcus {
+namespace sulcus::page_mesh_test {
 namespace {
 
 /// A block of 3 mm, of voxels of 0.05 mm, with a ball of 1 mm cut out of its top at a slant.
@@ -123,4 +123,4 @@ TEST(PageMesh, PartsThatFittedTogetherStillDo) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::page_mesh_test

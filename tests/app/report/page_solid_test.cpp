@@ -9,7 +9,7 @@
 #include "engine/surface/surface_mesh.hpp"
 #include "tests/support/surface_distance.hpp"
 
-namespace sulcus {
+namespace sulcus::page_solid_test {
 namespace {
 
 constexpr double kVoxel_m = 1e-4;
@@ -135,4 +135,4 @@ TEST_F(Fields, TheOrderOfCuttingIsByTurn) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::page_solid_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::feed_thread_test {
 namespace {
 
 constexpr std::chrono::microseconds kPeriod{100};
@@ -66,4 +66,4 @@ TEST(FirstFailure, KeepsTheFirst) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::feed_thread_test

@@ -11,7 +11,7 @@
 #include "tests/outcome/labelled_model.hpp"
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::frame_history_test {
 namespace {
 
 Scene cutting_scene() {
@@ -158,4 +158,4 @@ TEST(FrameHistory, TellsTheDamageToOtherBodiesOnceThereIsAny) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::frame_history_test

@@ -11,7 +11,7 @@
 #include "tests/support/scene_text.hpp"
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::live_heat_test {
 namespace {
 
 /// Work of a tick, all of which heats the tooth, dry; air as warm as the tooth.
@@ -113,4 +113,4 @@ TEST(LiveHeat, OfAToothWithoutPulpNothingIsSaid) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::live_heat_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::run_statistics_test {
 namespace {
 
 TEST(Distribution, OfNothingAllIsZero) {
@@ -79,4 +79,4 @@ TEST(ChartSeries, OfAShortRunEveryTickIsThere) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::run_statistics_test

@@ -4,7 +4,7 @@
 
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::tick_rows_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -77,4 +77,4 @@ TEST(TickRows, WhatAddsUpIsTheStates) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::tick_rows_test

@@ -10,7 +10,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-namespace sulcus {
+namespace sulcus::stream_client_test {
 namespace {
 
 /// A header as the protocol has it, written down once more: big-endian, 58 bytes.
@@ -164,4 +164,4 @@ TEST_F(StreamClientTest, WhoHasGoneIsSeenToHaveGone) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::stream_client_test

@@ -4,7 +4,7 @@
 
 #include "engine/graphics/view_place.hpp"
 
-namespace sulcus {
+namespace sulcus::camera_hand_test {
 namespace {
 
 constexpr int kWidth = 640, kHeight = 360;
@@ -91,4 +91,4 @@ TEST(CameraHand, ANamedCameraIsTakenAnew) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::camera_hand_test

@@ -8,7 +8,7 @@
 #include "engine/scene/scene.hpp"
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::held_burr_test {
 namespace {
 
 constexpr double kVoxel_m = 50e-6, kRadius_m = 0.4e-3;
@@ -135,4 +135,4 @@ TEST(HeldBurr, InFreeAirItStays) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::held_burr_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::mouse_device_test {
 namespace {
 
 TEST(MouseDevice, StaysUntilItIsToldAndThenGoesSmoothlyToTheLast) {
@@ -29,4 +29,4 @@ TEST(MouseDevice, StaysUntilItIsToldAndThenGoesSmoothlyToTheLast) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::mouse_device_test

@@ -12,7 +12,7 @@
 #include "tests/support/filled_model.hpp"
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::pointer_pick_test {
 namespace {
 
 const Eigen::Vector4f kAll = Eigen::Vector4f::UnitW();
@@ -102,4 +102,4 @@ TEST(PickedPoint, AlongAnAxisAndFromWithin) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::pointer_pick_test

@@ -11,7 +11,7 @@
 #include "tests/outcome/labelled_model.hpp"
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::pulp_nearness_test {
 namespace {
 
 /// A ball of pulp within a block.
@@ -60,4 +60,4 @@ TEST(PulpNearness, SaysNothingWhereThereIsNone) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::pulp_nearness_test

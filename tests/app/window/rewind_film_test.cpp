@@ -9,7 +9,7 @@
 #include "tests/support/filled_model.hpp"
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::rewind_film_test {
 namespace {
 
 /// What a drawing does with the bodies it is given.
@@ -122,4 +122,4 @@ TEST(RewindFilm, ShowsTheBodiesAndTheBurrAsTheyWereAndThePresentAgain) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::rewind_film_test

@@ -9,7 +9,7 @@
 
 #include "app/window/caliper.hpp"
 
-namespace sulcus {
+namespace sulcus::view_keys_test {
 namespace {
 
 TEST(ViewKeys, NoKeyHasTwoUses) {
@@ -63,4 +63,4 @@ TEST(Caliper, APlaceIsWrittenAsScenesHaveIt) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::view_keys_test

@@ -4,7 +4,7 @@
 
 #include "tests/haptics/c/support.hpp"
 
-namespace sulcus {
+namespace sulcus::golden_scenes_test {
 namespace {
 
 using test::golden;
@@ -132,4 +132,4 @@ TEST(CSaved, DamagedBytesAndThoseOfAnotherSceneAreRefusedAndChangeNothing) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::golden_scenes_test

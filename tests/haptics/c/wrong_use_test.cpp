@@ -9,7 +9,7 @@
 #include "tests/support/allocation_count.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::wrong_use_test {
 namespace {
 
 using test::golden;
@@ -311,4 +311,4 @@ TEST(CSurface, BroughtUpToDateByEditsItIsThatOfTheVolume) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::wrong_use_test

@@ -10,7 +10,7 @@
 #include "tests/support/shapes.hpp"
 #include "tests/support/tools.hpp"
 
-namespace sulcus {
+namespace sulcus::broad_phase_test {
 namespace {
 
 using Eigen::AlignedBox3d;
@@ -205,4 +205,4 @@ TEST(CapsuleBounds, HoldTheCapsuleAndItsMargin) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::broad_phase_test

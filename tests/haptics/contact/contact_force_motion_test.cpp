@@ -13,7 +13,7 @@
 
 // How contact forces go from pose to pose: steadily, over edges, into thin walls, against a motion.
 
-namespace sulcus {
+namespace sulcus::contact_force_motion_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -366,4 +366,4 @@ TEST(ContactForce, OnTheAxisOfTheSpindleNothingIsDividedByNought) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::contact_force_motion_test

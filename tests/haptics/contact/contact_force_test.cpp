@@ -10,7 +10,7 @@
 #include "tests/haptics/contact/contact_evaluation.hpp"
 #include "tests/haptics/contact/contact_stages.hpp"
 
-namespace sulcus {
+namespace sulcus::contact_force_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -178,4 +178,4 @@ TEST(ContactForce, NoContactNoForce) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::contact_force_test

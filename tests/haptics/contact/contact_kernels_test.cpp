@@ -9,7 +9,7 @@
 #include "tests/support/shapes.hpp"
 #include "tests/support/tools.hpp"
 
-namespace sulcus {
+namespace sulcus::contact_kernels_test {
 namespace {
 
 constexpr double kVoxel = 50e-6;
@@ -206,4 +206,4 @@ TEST_P(ContactKernelsTest, WhatFillsUpTheLastGroupIsNoContact) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::contact_kernels_test

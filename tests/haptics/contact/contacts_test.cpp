@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::contacts_test {
 namespace {
 
 constexpr std::size_t kGroup = Contacts::kGroup;
@@ -69,4 +69,4 @@ TEST(ContactBlock, AGroupThatIsNotFullGoesWithTheNextBlock) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::contacts_test

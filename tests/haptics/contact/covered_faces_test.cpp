@@ -5,7 +5,7 @@
 #include "tests/support/shapes.hpp"
 #include "tests/support/tools.hpp"
 
-namespace sulcus {
+namespace sulcus::covered_faces_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -118,4 +118,4 @@ INSTANTIATE_TEST_SUITE_P(Scalings, CoveredFaces,
                          name_of);
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::covered_faces_test

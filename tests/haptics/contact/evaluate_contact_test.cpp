@@ -12,7 +12,7 @@
 #include "tests/support/shapes.hpp"
 #include "tests/support/tools.hpp"
 
-namespace sulcus {
+namespace sulcus::evaluate_contact_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -266,4 +266,4 @@ TEST_F(EvaluateContact, ThePapersMethodFeelsTheSameTooth) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::evaluate_contact_test

@@ -11,7 +11,7 @@
 #include "tests/support/shapes.hpp"
 #include "tests/support/tools.hpp"
 
-namespace sulcus {
+namespace sulcus::narrow_phase_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -159,4 +159,4 @@ TEST(NarrowPhase, TheDeepestAreKeptInTheirOrder) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::narrow_phase_test

@@ -10,7 +10,7 @@
 #include "tests/haptics/contact/contact_stages.hpp"
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::normal_cache_test {
 namespace {
 
 HapticsSettings with(NormalMethod method) {
@@ -251,4 +251,4 @@ TEST_F(KeptContacts, KeepingChangesNoNormal) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::normal_cache_test

@@ -6,7 +6,7 @@
 #include "tests/haptics/contact/contact_stages.hpp"
 #include "tests/support/shapes.hpp"
 
-namespace sulcus {
+namespace sulcus::normals_test {
 namespace {
 
 /// A contact whose burr lies away from `outward`.
@@ -67,4 +67,4 @@ TEST(Normals, WhatIsUndefinedStaysZero) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::normals_test

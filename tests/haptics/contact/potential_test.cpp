@@ -10,7 +10,7 @@
 #include "haptics/contact/normals.hpp"
 #include "tests/haptics/contact/contact_evaluation.hpp"
 
-namespace sulcus {
+namespace sulcus::potential_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -236,4 +236,4 @@ TEST(Potential, FrictionTakesTheSharesOfTheForce) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::potential_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::buzz_detector_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -302,4 +302,4 @@ TEST(BuzzDetector, AfterTheBuzzItFallsSilentWithinTheWindow) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::buzz_detector_test

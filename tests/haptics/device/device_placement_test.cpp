@@ -7,7 +7,7 @@
 
 #include "engine/core/units.hpp"
 
-namespace sulcus {
+namespace sulcus::device_placement_test {
 namespace {
 
 const Pose kSomewhere{{1e-3, -2e-3, 3e-3}, Eigen::Quaterniond(0.5, -0.5, 0.5, 0.5)};
@@ -98,4 +98,4 @@ TEST(PlacedDevice, AClutchThatIsHeldFromTheStartTakesTheFirstPose) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::device_placement_test

@@ -9,7 +9,7 @@
 #include "engine/core/fault.hpp"
 #include "tests/support/tools.hpp"
 
-namespace sulcus {
+namespace sulcus::device_port_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -224,4 +224,4 @@ TEST_F(DevicePort, BuzzIsSaidOfALoopOnly) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::device_port_test

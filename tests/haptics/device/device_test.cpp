@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::device_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -33,4 +33,4 @@ TEST(PlaybackDevice, GivesThePoseOfEachTick) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::device_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::force_fade_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -55,4 +55,4 @@ TEST(ForceFade, OfNothingThereIsNothingToTakeOff) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::force_fade_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::output_limiter_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -190,4 +190,4 @@ TEST(OutputLimiter, WhateverIsWantedWhatIsSentIsWithinAllLimits) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::output_limiter_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::passivity_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -281,4 +281,4 @@ TEST(Passivity, ATorqueThatIsNotRenderedDoesNotCount) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::passivity_test

@@ -7,7 +7,7 @@
 
 #include "haptics/device/passivity.hpp"
 
-namespace sulcus {
+namespace sulcus::passivity_ways_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -191,4 +191,4 @@ TEST(PassivityWays, SoItIsInQuanta) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::passivity_ways_test

@@ -10,7 +10,7 @@
 #include "engine/core/units.hpp"
 #include "tests/support/allocation_count.hpp"
 
-namespace sulcus {
+namespace sulcus::simulated_device_test {
 namespace {
 
 using Eigen::Quaterniond;
@@ -495,4 +495,4 @@ TEST(SimulatedDevice, RepeatsToTheBitAndTakesNoMemory) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::simulated_device_test

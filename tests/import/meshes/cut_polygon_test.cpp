@@ -11,7 +11,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::cut_polygon_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -138,4 +138,4 @@ TEST(CutPolygon, WhatCrossesItselfOrIsALineKeepsItsSides) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::cut_polygon_test

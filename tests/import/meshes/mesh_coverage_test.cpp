@@ -23,7 +23,7 @@
 
 // The fill levels of meshes, through the importers that ask for them.
 
-namespace sulcus {
+namespace sulcus::mesh_coverage_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -305,4 +305,4 @@ TEST(MeshCoverageOfSurfaces, DoNotDependOnThreads) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::mesh_coverage_test

@@ -20,7 +20,7 @@
 #include "tests/support/command.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::mesh_file_test {
 namespace {
 
 using test::bytes_of;
@@ -246,4 +246,4 @@ TEST(MeshFile, RealMolar) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::mesh_file_test

@@ -9,7 +9,7 @@
 #include "engine/import/meshes/voxelise_mesh.hpp"
 #include "tests/import/mesh_fixtures.hpp"
 
-namespace sulcus {
+namespace sulcus::mesh_shells_test {
 namespace {
 
 constexpr float kVoxel_m = 1e-4f;
@@ -114,4 +114,4 @@ TEST(MeshShells, CavitiesSolidsInThemAndOnesApartStayAsTheyWere) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::mesh_shells_test

@@ -4,7 +4,7 @@
 
 #include "tests/import/small_meshes.hpp"
 
-namespace sulcus::test {
+namespace sulcus::test::read_obj_test {
 namespace {
 
 class ObjRead : public testing::TestWithParam<MeshCase> {};
@@ -120,4 +120,4 @@ TEST(ReadObj, CutAnywhereOrChangedAnywhereItIsAMeshOrRefused) {
 }
 
 }  // namespace
-}  // namespace sulcus::test
+}  // namespace sulcus::test::read_obj_test

@@ -9,7 +9,7 @@
 
 #include "tests/import/small_meshes.hpp"
 
-namespace sulcus::test {
+namespace sulcus::test::read_ply_test {
 namespace {
 
 /// Writes the tetrahedron as PLY of whatever types.
@@ -303,4 +303,4 @@ TEST(ReadPly, CutAnywhereOrChangedAnywhereItIsAMeshOrRefused) {
 }
 
 }  // namespace
-}  // namespace sulcus::test
+}  // namespace sulcus::test::read_ply_test

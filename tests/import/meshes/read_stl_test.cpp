@@ -5,7 +5,7 @@
 
 #include "tests/import/small_meshes.hpp"
 
-namespace sulcus::test {
+namespace sulcus::test::read_stl_test {
 namespace {
 
 class StlRead : public testing::TestWithParam<MeshCase> {};
@@ -137,4 +137,4 @@ TEST(ReadStl, CutAnywhereOrChangedAnywhereItIsAMeshOrRefused) {
 }
 
 }  // namespace
-}  // namespace sulcus::test
+}  // namespace sulcus::test::read_stl_test

@@ -20,7 +20,7 @@
 #include "engine/import/meshes/winding_number.hpp"
 #include "tests/import/mesh_fixtures.hpp"
 
-namespace sulcus {
+namespace sulcus::voxelise_mesh_test {
 namespace {
 
 VoxelGrid grid_of(int cells, double voxel_m) {
@@ -248,4 +248,4 @@ TEST(VoxeliseMesh, RealMolar) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::voxelise_mesh_test

@@ -21,7 +21,7 @@
 
 // Several surfaces of one tooth, each of a tissue of its own.
 
-namespace sulcus {
+namespace sulcus::voxelise_surfaces_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -263,4 +263,4 @@ TEST(VoxeliseSurfaces, ARealMolarWithSmallerOnesInside) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::voxelise_surfaces_test

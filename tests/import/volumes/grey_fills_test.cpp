@@ -19,7 +19,7 @@
 // Fill levels from grey values, through the importer: volumes as a scanner averages them, made by
 // counting points in each voxel.
 
-namespace sulcus {
+namespace sulcus::grey_fills_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -270,4 +270,4 @@ TEST(GreyFills, TheRampIsTheSlopeAtTheSurface) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::grey_fills_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sulcus {
+namespace sulcus::grey_histogram_test {
 namespace {
 
 /// Values about means with one deviation, each as often as asked; whole numbers where asked.
@@ -135,4 +135,4 @@ TEST(LabelCounts, GreyValuesAreNone) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::grey_histogram_test

@@ -16,7 +16,7 @@
 #include "engine/import/volumes/write_volume.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::medical_volume_test {
 namespace {
 
 template <class T>
@@ -461,4 +461,4 @@ TEST(MedicalVolume, TruncatedExportIsRefused) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::medical_volume_test

@@ -9,7 +9,7 @@
 
 #include "engine/core/error.hpp"
 
-namespace sulcus {
+namespace sulcus::slice_order_test {
 namespace {
 
 /// The names in the order that they are put in, from the wrong way round.
@@ -75,4 +75,4 @@ TEST(SliceOrder, RefusesNamesThatSayTwoThings) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::slice_order_test

@@ -13,7 +13,7 @@
 #include "engine/import/volumes/voxelise_volume.hpp"
 #include "tests/import/oblique_volume.hpp"
 
-namespace sulcus {
+namespace sulcus::volume_part_test {
 namespace {
 
 const std::vector<TissueSettings> kOneTissue = {{.name = "tooth", .above = {}}};
@@ -313,4 +313,4 @@ TEST(VolumePart, ABoxBesideTheVolumeSaysWhereItLies) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::volume_part_test

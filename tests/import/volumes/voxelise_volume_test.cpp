@@ -16,7 +16,7 @@
 #include "engine/import/volumes/write_volume.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace sulcus {
+namespace sulcus::voxelise_volume_test {
 namespace {
 
 constexpr float kAir = 400.0f, kDentine = 840.0f, kEnamel = 1190.0f;
@@ -422,4 +422,4 @@ TEST(VoxeliseVolume, RealTooth) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::voxelise_volume_test

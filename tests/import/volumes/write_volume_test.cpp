@@ -19,7 +19,7 @@
 
 // What is cut lies over the scan: the written volumes are read back and compared with the input.
 
-namespace sulcus {
+namespace sulcus::write_volume_test {
 namespace {
 
 Scene scene_of(const std::string& file, double solid_above, double voxel_m, int cells) {
@@ -263,4 +263,4 @@ TEST(WriteVolumeOnce, AMeshHasNoLattice) {
 }
 
 }  // namespace
-}  // namespace sulcus
+}  // namespace sulcus::write_volume_test
