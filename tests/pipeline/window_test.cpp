@@ -20,8 +20,9 @@ namespace {
 namespace fs = std::filesystem;
 using test::CommandResult;
 
-/// From the side: what is down in the picture is down in the world.
-const std::string kSeenFromBuccal = test::kCutScene + "[render]\ncamera = \"buccal\"\n";
+/// From the side: what is down in the picture is down in the world. (A function: what a header
+/// defines may be initialised after what is defined here.)
+std::string seen_from_buccal() { return test::kCutScene + "[render]\ncamera = \"buccal\"\n"; }
 
 class HandInWindow : public testing::Test {
  protected:
@@ -43,7 +44,7 @@ class HandInWindow : public testing::Test {
   }
   CommandResult view_scene(const std::string& script) {
     out_ = scratch_.path("out");
-    const std::string scene = scratch_.write("s.toml", kSeenFromBuccal);
+    const std::string scene = scratch_.write("s.toml", seen_from_buccal());
     return view(scene + " -o " + out_, out_ + "/recording.h5", script);
   }
   void expect_whole() const {
@@ -103,7 +104,7 @@ TEST_F(HandInWindow, ADisplayThatBreaksDownKeepsWhatWasDone) {
 
 TEST_F(HandInWindow, CopiesThePlaceUnderThePointerAndIsEndedByAKey) {
   const std::string copied = scratch_.path("copied");
-  const std::string scene = scratch_.write("s.toml", kSeenFromBuccal);
+  const std::string scene = scratch_.write("s.toml", seen_from_buccal());
   out_ = scratch_.path("out");
   ASSERT_EQ(
       test::sulcus_command("run --no-render " + scene + " -o " + out_, scratch_.path("stderr"))
