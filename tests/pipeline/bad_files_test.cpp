@@ -87,7 +87,7 @@ TEST(BadFiles, AreRefusedByRunAndInspectInTheSameLine) {
   for (const auto& bad : cases) {
     SCOPED_TRACE(bad.name);
     const ScratchFolder scratch;
-    const std::string scene = scratch.write("s.toml", test::kProbeScene);
+    const std::string scene = scratch.write("s.toml", test::probe_scene());
     const std::string file = scratch.write(bad.name, bad.contents);
     const std::string line = "sulcus: " + std::string(bad.name) + ": " + bad.says + "\n";
     const Refused run = refused(
@@ -102,7 +102,7 @@ TEST(BadFiles, AreRefusedByRunAndInspectInTheSameLine) {
 
 TEST(BadFiles, TheLimitIsRaisedByAnOption) {
   const ScratchFolder scratch;
-  const std::string scene = scratch.write("s.toml", test::kProbeScene);
+  const std::string scene = scratch.write("s.toml", test::probe_scene());
   scratch.write("a.nrrd", nrrd("100 100 100", std::string(1000000, '\1')));
   const std::string run =
       "run " + scene + " --duration 0.01 --set workpiece.file=" + scratch.path("a.nrrd") +
@@ -119,7 +119,7 @@ TEST(BadFiles, TheLimitIsRaisedByAnOption) {
 
 TEST(BadFiles, AVolumeOfOneValueIsEmptyOrABlock) {
   const ScratchFolder scratch;
-  const std::string scene = scratch.write("s.toml", test::kProbeScene);
+  const std::string scene = scratch.write("s.toml", test::probe_scene());
   const auto run = [&](const std::string& file) {
     return refused(scratch, "run " + scene + " --duration 0.01 --set workpiece.file=" + file +
                                 " --set workpiece.box={} -o " + scratch.path("out"));
@@ -184,7 +184,7 @@ TEST(BadFiles, TrajectoriesAreRefusedWithTheirLine) {
   const std::string points =
       "points_mm = [[-0.6, 0, 1.2], [-0.6, 0, 0.92], [0.6, 0, 0.92], "
       "[0.6, 0, 1.2]]";
-  std::string text = test::kProbeScene;
+  std::string text = test::probe_scene();
   ASSERT_NE(text.find(points), std::string::npos);
   text.replace(text.find(points), points.size(), "file = 'poses.csv'");
   for (const auto& bad : cases) {
@@ -201,7 +201,7 @@ TEST(BadFiles, TrajectoriesAreRefusedWithTheirLine) {
 class BadRecordings : public testing::Test {
  protected:
   void SetUp() override {
-    const std::string scene = scratch_.write("s.toml", test::kCutScene);
+    const std::string scene = scratch_.write("s.toml", test::cut_scene());
     const auto result = sulcus_command(
         "run " + scene + " --duration 0.1 -o " + scratch_.path("out"), scratch_.path("err"));
     ASSERT_EQ(result.status, 0) << result.err;

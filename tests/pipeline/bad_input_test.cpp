@@ -9,7 +9,7 @@
 namespace sulcus::bad_input_test {
 namespace {
 
-using test::kProbeScene;
+using test::probe_scene;
 using test::sulcus_command;
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
@@ -65,7 +65,7 @@ TEST(BadInput, ScenesAreRefusedWithPlaceFoundAndExpected) {
   for (const BadScene& bad : cases) {
     SCOPED_TRACE(bad.name);
     const ScratchFolder scratch;
-    const std::string scene = scratch.write("s.toml", replaced(kProbeScene, bad.from, bad.to));
+    const std::string scene = scratch.write("s.toml", replaced(probe_scene(), bad.from, bad.to));
     expect_refused(scratch, "run " + scene + " -o " + scratch.path("out"), bad.named);
     EXPECT_FALSE(std::filesystem::exists(scratch.path("out")));
   }
@@ -73,7 +73,7 @@ TEST(BadInput, ScenesAreRefusedWithPlaceFoundAndExpected) {
 
 TEST(BadInput, FilesAreRefused) {
   const ScratchFolder scratch;
-  const std::string scene = scratch.write("s.toml", kProbeScene);
+  const std::string scene = scratch.write("s.toml", probe_scene());
   const auto run_with = [&](const std::string& file) {
     return "run " + scene + " --set workpiece.file=" + file + " -o " + scratch.path("out");
   };
@@ -94,7 +94,7 @@ TEST(BadInput, FilesAreRefused) {
 
 TEST(BadInput, UsageIsRefused) {
   const ScratchFolder scratch;
-  const std::string scene = scratch.write("s.toml", kProbeScene);
+  const std::string scene = scratch.write("s.toml", probe_scene());
   expect_refused(scratch, "", {"subcommand"});
   expect_refused(scratch, "run", {"SCENE"});
   expect_refused(scratch, "run " + scene + " --pace quick", {"--pace"});
@@ -119,7 +119,7 @@ TEST(BadInput, WhatIsNoNumberIsRefusedByEveryOptionForOne) {
 
 TEST(BadInput, KeysOfVolumesAreRefusedBesideAShapeOrAMesh) {
   const ScratchFolder scratch;
-  const std::string run = "run " + scratch.write("s.toml", kProbeScene) + " -o " +
+  const std::string run = "run " + scratch.write("s.toml", probe_scene()) + " -o " +
                           scratch.path("out") + " --set workpiece.";
   for (const std::string key :
        {"solid_above=3", "spacing_mm=[1,1,1]", "label=3", "box_mm=[0,0,0,1,1,1]"}) {
@@ -127,12 +127,12 @@ TEST(BadInput, KeysOfVolumesAreRefusedBesideAShapeOrAMesh) {
   }
   scratch.write("cube.stl", "solid cube\nendsolid cube\n");  // is not read before they are
   const std::string mesh =
-      scratch.write("m.toml", replaced(kProbeScene, "shape = \"box\"", "file = \"cube.stl\""));
+      scratch.write("m.toml", replaced(probe_scene(), "shape = \"box\"", "file = \"cube.stl\""));
   expect_refused(scratch,
                  "run " + mesh + " -o " + scratch.path("out") + " --set workpiece.solid_above=3",
                  {"[workpiece]", "solid_above for a mesh"});
   const std::string body =
-      scratch.write("b.toml", kProbeScene +
+      scratch.write("b.toml", probe_scene() +
                                   "[[body]]\nshape = \"box\"\nvoxel_mm = 0.05\n"
                                   "cells = [8, 8, 8]\nspacing_mm = [1, 1, 1]\n");
   expect_refused(scratch, "run " + body + " -o " + scratch.path("out"),
@@ -146,7 +146,7 @@ TEST(BadInput, KeysOfVolumesAreRefusedBesideAShapeOrAMesh) {
 
 TEST(BadInput, NothingAlreadyRecordedIsLost) {
   const ScratchFolder scratch;
-  const std::string scene = scratch.write("s.toml", test::kCutScene);
+  const std::string scene = scratch.write("s.toml", test::cut_scene());
   const std::string out = scratch.path("out");
   ASSERT_EQ(sulcus_command("run " + scene + " -o " + out, scratch.path("err")).status, 0);
   const std::string before = test::read_file(out + "/recording.h5");
@@ -157,7 +157,7 @@ TEST(BadInput, NothingAlreadyRecordedIsLost) {
 
 TEST(BadInput, InspectReadsTheChangesOfASceneAsRunDoes) {
   ScratchFolder scratch;
-  const std::string scene = scratch.write("s.toml", kProbeScene);
+  const std::string scene = scratch.write("s.toml", probe_scene());
   const auto changed =
       sulcus_command("inspect " + scene + " --set trajectory.speed_mm_per_s=2 --set title=changed",
                      scratch.path("err"));

@@ -27,7 +27,7 @@ using test::sulcus_command;
 class Bodies : public ::testing::Test {
  protected:
   Bodies() {
-    std::ofstream(scratch_.path("s.toml")) << test::kRenderScene << R"(
+    std::ofstream(scratch_.path("s.toml")) << test::render_scene() << R"(
 [[body]]
 name = "neighbour"
 shape = "box"
@@ -146,7 +146,7 @@ TEST_F(Bodies, AStartInOneIsRefusedByItsName) {
 }
 
 TEST_F(Bodies, ASceneWithoutThemSaysNothingOfThem) {
-  std::ofstream(scratch_.path("s.toml")) << test::kCutScene;
+  std::ofstream(scratch_.path("s.toml")) << test::cut_scene();
   const nlohmann::json summary = run();
   EXPECT_FALSE(summary.contains("bodies"));
   for (const auto& part : summary["parts"]) EXPECT_NE(part["name"], "bodies");
@@ -155,7 +155,7 @@ TEST_F(Bodies, ASceneWithoutThemSaysNothingOfThem) {
 
 TEST(LooseBesideABody, ThePieceFallsWhileTheNeighbourIsCutAndAllOfItReplays) {
   const ScratchFolder scratch;
-  const std::string scene = scratch.write("post.toml", test::kPostScene + R"(
+  const std::string scene = scratch.write("post.toml", test::post_scene() + R"(
 [[body]]
 name = "neighbour"
 shape = "box"

@@ -18,8 +18,8 @@ class Colours : public ::testing::Test {
   void SetUp() override {
     const std::string goal =
         "[goal]\nshape = 'box'\nsize_mm = [0.6, 0.4, 0.2]\nposition_mm = [0, 0, 0.9]\n";
-    record("goal", test::kCutScene + goal);
-    record("plain", test::kCutScene);
+    record("goal", test::cut_scene() + goal);
+    record("plain", test::cut_scene());
   }
   void record(const std::string& name, const std::string& scene) {
     const auto result = command("run " + scratch_.write(name + ".toml", scene) +

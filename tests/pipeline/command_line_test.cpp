@@ -32,7 +32,7 @@ class CommandLine : public testing::Test {
                                 "-C " + scratch_.path("") + " SULCUS_CACHE=off");
   }
   void record() {
-    scratch_.write("s.toml", test::kCutScene);
+    scratch_.write("s.toml", test::cut_scene());
     const auto result = command("run s.toml -o run");
     ASSERT_EQ(result.status, 0) << result.err;
   }
@@ -204,7 +204,7 @@ TEST_F(CommandLine, WhatWasMeantIsNamed) {
 }
 
 TEST_F(CommandLine, ProgressIsToldOnATerminalAlone) {
-  scratch_.write("s.toml", test::kProbeScene);
+  scratch_.write("s.toml", test::probe_scene());
   // Lasts until it is stopped.
   const std::string run = "run " + scratch_.path("s.toml") +
                           " --set trajectory.speed_mm_per_s=0.001 --no-cache -o " +

@@ -32,14 +32,14 @@ hold_s = 0.6
 [cutting]
 [record]
 )";
-constexpr double kSpeed_rad_per_s = 100000.0 * 2.0 * M_PI / 60.0;  // of kBlockAndBurr
+constexpr double kSpeed_rad_per_s = 100000.0 * 2.0 * M_PI / 60.0;  // of block_and_burr()
 
 class Controls : public ::testing::Test {
  protected:
   test::CommandResult run(const std::string& settings, const std::string& tables = "",
                           const std::string& options = "") const {
     const std::string scene = scratch_.write(
-        "s.toml", test::kBlockAndBurr + kWay + "[device]\nplugin = 'controls'\nsettings = '" +
+        "s.toml", test::block_and_burr() + kWay + "[device]\nplugin = 'controls'\nsettings = '" +
                       settings + "'\n" + tables);
     return sulcus_command("run " + scene + " --force --plugins " SULCUS_BAD_PLUGINS " " + options +
                               " -o " + scratch_.path("out"),
@@ -87,7 +87,7 @@ TEST_F(Controls, ThePedalDrivesTheSpindleAndIsPlayedBackToTheBit) {
 
   // As a scene's trajectory, and gone on from, it is the same again.
   const std::string again = scratch_.write(
-      "again.toml", test::kBlockAndBurr + "[trajectory]\nrecording = 'out/recording.h5'\n" +
+      "again.toml", test::block_and_burr() + "[trajectory]\nrecording = 'out/recording.h5'\n" +
                         "[device]\nmodel = 'played_back'\nforce_limit_N = 3.3\n" +
                         "torque_limit_mNm = 100\n[cutting]\n[record]\n");
   const auto replayed =

@@ -17,7 +17,7 @@ namespace {
 using test::sulcus_command;
 
 /// A hand that presses on a block through a device and a coupling.
-const std::string kPressScene = test::kBlockAndBurr + R"(
+const std::string kPressScene = test::block_and_burr() + R"(
 [trajectory]
 points_mm = [[0, 0, 1.5], [0, 0, -0.4]]
 speed_mm_per_s = 20
@@ -96,7 +96,7 @@ TEST_F(Coupled, CuttingThroughACouplingKeepsItsBooksAndReplays) {
 }
 
 TEST_F(Coupled, WhatASceneDoesNotNameIsNeitherInItsSummaryNorInItsRecording) {
-  const nlohmann::json plain = run(test::kCutScene, "plain");
+  const nlohmann::json plain = run(test::cut_scene(), "plain");
   EXPECT_FALSE(plain.contains("coupling"));
   EXPECT_FALSE(plain.contains("device"));
   EXPECT_TRUE(plain.contains("passivity")) << "the observer is always there";

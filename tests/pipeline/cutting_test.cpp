@@ -163,7 +163,7 @@ TEST(Drilling, TheForceFallsWhereEnamelEndsAsTheSpecificEnergyDoes) {
 
 TEST(LoosePieces, WhatIsCutOffFallsAndComesToRestAndARunOfItReplaysExactly) {
   const ScratchFolder scratch;
-  const std::string scene = scratch.write("post.toml", test::kPostScene);
+  const std::string scene = scratch.write("post.toml", test::post_scene());
   for (const std::string pace : {"fast", "real"}) {
     const std::string folder = scratch.path(pace);
     const auto result = sulcus_command(

@@ -62,7 +62,7 @@ TEST_P(FailingThreads, EndTheRunWithoutForceAndWithWhatWasRecorded) {
   // The haptic thread needs some when it is told for the first time what has come loose.
   const bool haptic = GetParam() == test::NoMemory::kMarkedThreads;
   const std::uint64_t from = haptic ? 20 : 150;
-  const Scene scene = parse_scene(haptic ? test::kPostScene : test::kCutScene, "test.toml");
+  const Scene scene = parse_scene(haptic ? test::post_scene() : test::cut_scene(), "test.toml");
   const Trajectory trajectory = make_trajectory(scene.trajectory);
   Simulation simulation(scene, build_shape(scene), {},
                         make_burr(scene.burr, scene.workpiece.voxel_m));

@@ -42,7 +42,7 @@ class Faults : public ::testing::Test {
   const ScratchFolder scratch_;
 };
 
-const std::string kTableScene = test::kBlockAndBurr + R"(
+const std::string kTableScene = test::block_and_burr() + R"(
 [trajectory]
 file = "poses.csv"
 [cutting]
@@ -111,7 +111,7 @@ speed_mm_per_s = 50
 }
 
 TEST_F(Faults, WhatASilentDeviceLeavesBehindIsTheSameAgain) {
-  const auto result = run(test::kBlockAndBurr + R"(
+  const auto result = run(test::block_and_burr() + R"(
 [trajectory]
 points_mm = [[0, 0, 1.2], [0, 0, 0.6]]
 speed_mm_per_s = 4

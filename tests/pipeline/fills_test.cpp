@@ -193,7 +193,7 @@ TEST_F(Fills, ALoosePieceIsAsLargeAsWhatOfItIsFilled) {
   // Of voxels that are part filled all around: counted whole they are larger by two fifths.
   const auto run = [&](const std::string& smallest_mm3) {
     const std::string folder = scratch_.path("post_" + smallest_mm3);
-    const auto result = command("run " + scratch_.write("post.toml", test::kPostScene) +
+    const auto result = command("run " + scratch_.write("post.toml", test::post_scene()) +
                                 " --set workpiece.surface=fractions --set "
                                 "'workpiece.box.size_mm=[0.53, 0.53, 2.43]' --set "
                                 "loose_pieces.smallest_mm3=" +

@@ -42,9 +42,9 @@ class FullDisk : public testing::TestWithParam<Written> {
     const auto write = [](const std::string& name, const std::string& text) {
       std::ofstream(*inputs_ + "/" + name) << text;
     };
-    write("probe.toml", test::kProbeScene);
-    write("cut.toml", test::kCutScene);
-    write("drawn.toml", test::kProbeScene + kSmallScene);
+    write("probe.toml", test::probe_scene());
+    write("cut.toml", test::cut_scene());
+    write("drawn.toml", test::probe_scene() + kSmallScene);
     const std::string err = *inputs_ + "/stderr";
     ASSERT_EQ(
         test::sulcus_command("run " + *inputs_ + "/cut.toml -o " + *inputs_ + "/run", err).status,
@@ -170,7 +170,7 @@ class FullDiskOfARun : public testing::Test {
 
 TEST_F(FullDiskOfARun, ItsRecordingKeepsWhatItHolds) {
   // Slower, and as fast as the clock: room for the start and what is flushed of the first ticks.
-  std::string scene = test::kCutScene;
+  std::string scene = test::cut_scene();
   scene.replace(scene.find("speed_mm_per_s = 4"), 18, "speed_mm_per_s = 1");
   const CommandResult result = run(scene, 400 * 1024, " --pace real");
   EXPECT_EQ(result.status, 1);
@@ -187,7 +187,7 @@ TEST_F(FullDiskOfARun, ItsRecordingKeepsWhatItHolds) {
 
 TEST_F(FullDiskOfARun, AFrameThatCannotBeWrittenIsTold) {
   const CommandResult result =
-      run(test::kProbeScene + "[render]\nsize = [1280, 720]\nfps = 4\n", 150 * 1024);
+      run(test::probe_scene() + "[render]\nsize = [1280, 720]\nfps = 4\n", 150 * 1024);
   EXPECT_EQ(result.status, 1);
   EXPECT_EQ(result.err_lines(), 1) << result.err;
   EXPECT_NE(result.err.find("frames/000000.png"), std::string::npos) << result.err;
@@ -212,7 +212,7 @@ TEST_F(FullDiskOfARun, WhatIsSaidIsWhole) {
 TEST_F(FullDiskOfARun, ALogThatCannotBeWrittenIsTold) {
   fs::create_directories(scratch_.path("out"));
   fs::create_symlink("/dev/full", scratch_.path("out/log.txt"));
-  const CommandResult result = run(test::kProbeScene, 1 << 20);
+  const CommandResult result = run(test::probe_scene(), 1 << 20);
   EXPECT_EQ(result.status, 1);
   EXPECT_EQ(result.err_lines(), 1) << result.err;
   EXPECT_NE(result.err.find("log.txt"), std::string::npos) << result.err;

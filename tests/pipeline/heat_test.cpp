@@ -32,7 +32,7 @@ class Heat : public ::testing::Test {
   }
 
   const ScratchFolder scratch_;
-  const std::string warm_ = test::kCutScene + "[heat]\nwater_ml_min = 10\n";
+  const std::string warm_ = test::cut_scene() + "[heat]\nwater_ml_min = 10\n";
 };
 
 bool has_part(const nlohmann::json& summary, const std::string& name) {
@@ -43,7 +43,7 @@ bool has_part(const nlohmann::json& summary, const std::string& name) {
 }
 
 TEST_F(Heat, ASceneWithoutItHasNothingOfItAndTheSameBits) {
-  const nlohmann::json without = run("without", test::kCutScene), with = run("with", warm_);
+  const nlohmann::json without = run("without", test::cut_scene()), with = run("with", warm_);
   EXPECT_FALSE(without.contains("heat"));
   EXPECT_FALSE(has_part(without, "heat"));
   EXPECT_FALSE(without["memory_MiB"].contains("heat"));
@@ -86,14 +86,14 @@ TEST_F(Heat, PicturesShowTheTemperatureInASectionToo) {
 }
 
 TEST_F(Heat, WhatCannotBeIsSaid) {
-  run("plain", test::kCutScene);
+  run("plain", test::cut_scene());
   const auto refused = [&](const std::string& arguments, const std::string& says) {
     const auto result = command(arguments);
     EXPECT_EQ(result.status, 2) << arguments;
     EXPECT_NE(result.err.find(says), std::string::npos) << result.err;
   };
   refused("render " + recording("plain") + " --colour-by temperature", "without [heat]");
-  refused("run " + scratch_.write("still.toml", test::kProbeScene + "[heat]\n"),
+  refused("run " + scratch_.write("still.toml", test::probe_scene() + "[heat]\n"),
           "[heat] without [cutting]");
   refused("run " + scratch_.path("plain.toml") +
               " --set heat.cell_mm=0.1 --set workpiece.voxel_mm=0.1 --set "

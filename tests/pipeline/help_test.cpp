@@ -92,7 +92,7 @@ TEST(Help, RecordingsExampleRunsInPython) {
   if (std::system("/usr/bin/python3 -c 'import h5py' 2>/dev/null") != 0) {
     GTEST_SKIP() << "h5py is not installed";
   }
-  const std::string scene = scratch.write("s.toml", test::kCutScene);
+  const std::string scene = scratch.write("s.toml", test::cut_scene());
   ASSERT_EQ(sulcus_command("run " + scene + " --duration 0.2 -o " + scratch.path("out"),
                            scratch.path("err"))
                 .status,

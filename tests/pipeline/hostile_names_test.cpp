@@ -53,7 +53,7 @@ class HostileNames : public testing::TestWithParam<const char*> {
 };
 
 TEST_P(HostileNames, NoCommandRunsThem) {
-  std::string scene = test::kCutScene;
+  std::string scene = test::cut_scene();
   const std::string title = "title = \"small\"";
   scene.replace(scene.find(title), title.size(),
                 "title = \"" + with_unicode_escapes(GetParam()) + "\"");

@@ -30,7 +30,7 @@ class ImageData : public ::testing::Test {
   void SetUp() override {
     const std::string goal =
         "[goal]\nshape = 'box'\nsize_mm = [0.6, 0.4, 0.2]\nposition_mm = [0, 0, 0.9]\n";
-    const auto result = command("run " + scratch_.write("s.toml", test::kCutScene + goal) +
+    const auto result = command("run " + scratch_.write("s.toml", test::cut_scene() + goal) +
                                 " --no-render -o " + scratch_.path("run"));
     ASSERT_EQ(result.status, 0) << result.err;
   }

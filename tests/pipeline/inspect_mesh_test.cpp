@@ -139,7 +139,7 @@ TEST_F(InspectMesh, ABurrMayBeInAnotherUnitAsWell) {
     return obj.str() + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
   }());
   EXPECT_NE(inspected("burr.obj --as-burr --unit m").find("of 6.000 mm"), std::string::npos);
-  scratch_.write("s.toml", test::kBlockAndBurr + "[trajectory]\npoints_mm = [[0, 0, 1.1]]\n");
+  scratch_.write("s.toml", test::block_and_burr() + "[trajectory]\npoints_mm = [[0, 0, 1.1]]\n");
   const std::string set = " --set burr.file=burr.obj --set burr.field=auto --set burr.unit=";
   EXPECT_NE(inspected("s.toml" + set + "m --picture b.png").find("of 6.000 mm"), std::string::npos);
   EXPECT_EQ(command("inspect s.toml" + set + "mm --picture b.png").status, 2);
@@ -222,7 +222,7 @@ TEST_F(InspectMesh, ItsPictureIsTrueToScaleAndMarksTheHighestPlace) {
 }
 
 TEST_F(InspectMesh, OfASceneAllThatIsFeltIsSaid) {
-  scratch_.write("s.toml", test::kBlockAndBurr + R"(
+  scratch_.write("s.toml", test::block_and_burr() + R"(
 [trajectory]
 points_mm = [[0, 0, 2], [0, 0, 1]]
 speed_mm_per_s = 0.5

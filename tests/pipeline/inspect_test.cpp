@@ -277,7 +277,7 @@ TEST(Inspect, DrawsAVolumeInTrueProportion) {
 
 TEST(Inspect, DrawsABurrWhoseZeroLineIsItsSurface) {
   const ScratchFolder scratch;
-  const std::string scene = scratch.write("s.toml", test::kProbeScene);
+  const std::string scene = scratch.write("s.toml", test::probe_scene());
   const std::string file = scratch.path("burr.png");
   const auto result =
       sulcus_command("inspect " + scene + " --picture " + file, scratch.path("err"));
@@ -304,7 +304,7 @@ TEST(Inspect, DrawsABurrWhoseZeroLineIsItsSurface) {
 
 TEST(Inspect, TakesAMeshAsABurr) {
   const ScratchFolder scratch;
-  const std::string scene = scratch.write("s.toml", test::kCutScene);
+  const std::string scene = scratch.write("s.toml", test::cut_scene());
   const auto run =
       sulcus_command("run " + scene + " -o " + scratch.path("out"), scratch.path("err"));
   ASSERT_EQ(run.status, 0) << run.err;
@@ -370,7 +370,7 @@ TEST(Inspect, ShellsTurnedAgainstEachOtherAreToldAndNoWorkpieceNorBurr) {
       std::string::npos)
       << out;
   EXPECT_NEAR(number(out, "over it: ([0-9.]+) mm3 of both would be a hole"), 4.0, 0.3) << out;
-  const std::string scene = scratch.write("s.toml", test::kProbeScene);
+  const std::string scene = scratch.write("s.toml", test::probe_scene());
   for (const std::string& as : {"--set workpiece.file=" + file, "--set burr.file=" + file}) {
     const auto run = sulcus_command("run " + scene + " " + as + " -o " + scratch.path("out"),
                                     scratch.path("err"));
@@ -384,7 +384,7 @@ TEST(Inspect, ShellsTurnedAgainstEachOtherAreToldAndNoWorkpieceNorBurr) {
 TEST(Inspect, RefusesPicturesOfWhatItDoesNotDraw) {
   const ScratchFolder scratch;
   const std::string mesh = scratch.write("m.stl", "x"), recording = scratch.write("r.h5", "x");
-  const std::string scene = scratch.write("s.toml", test::kProbeScene);
+  const std::string scene = scratch.write("s.toml", test::probe_scene());
   for (const std::string& arguments :
        {mesh + " --picture " + scratch.path("p.png"),
         recording + " --picture " + scratch.path("p.png"), scene + " --as-burr"}) {

@@ -138,7 +138,7 @@ TEST_F(Marks, UnderOtherSettingsCountWhatCameBefore) {
 }
 
 TEST_F(Marks, ARecordingCopiedAwayGivesTheSamePage) {
-  const std::string scene = scratch_.write("s.toml", test::kCutScene);
+  const std::string scene = scratch_.write("s.toml", test::cut_scene());
   command("run " + scene + " -o " + scratch_.path("out"));
   const std::string recording = scratch_.path("out/recording.h5");
   const std::string text = test::read_file(scratch_.path("out/summary.json"));
@@ -158,7 +158,7 @@ TEST_F(Marks, ARecordingCopiedAwayGivesTheSamePage) {
 TEST_F(Marks, OfARunThatWasNotEndedAreFromItsRows) {
   const std::string goal =
       "[goal]\nshape = 'box'\nsize_mm = [0.6, 0.4, 0.2]\nposition_mm = [0, 0, 0.9]\n";
-  const std::string scene = scratch_.write("s.toml", test::kCutScene + goal);
+  const std::string scene = scratch_.write("s.toml", test::cut_scene() + goal);
   command("run " + scene + " -o " + scratch_.path("out"));
   const RecordingReader reader(scratch_.path("out/recording.h5"));
   const std::string unended = scratch_.path("unended.h5");
@@ -184,7 +184,7 @@ TEST_F(Marks, OfARunThatWasNotEndedAreFromItsRows) {
 }
 
 TEST_F(Marks, ThePageTellsOfTheWholeAndOfItsPart) {
-  const std::string scene = scratch_.write("s.toml", test::kCutScene);
+  const std::string scene = scratch_.write("s.toml", test::cut_scene());
   command("run " + scene + " -o " + scratch_.path("out"));
   command("replay " + scratch_.path("out/recording.h5") + " --from 0.2 -o " + scratch_.path("on"));
   command("render " + scratch_.path("on/recording.h5") + " --review " + scratch_.path("page.html"));
@@ -199,7 +199,7 @@ TEST_F(Marks, ThePageTellsOfTheWholeAndOfItsPart) {
 
 TEST_F(Marks, RemovedIsTheSumOfItsLinesWhereAPieceCameLoose) {
   const std::string scene =
-      scratch_.write("post.toml", "tissue = [\"enamel\", \"dentine\"]\n" + test::kPostScene);
+      scratch_.write("post.toml", "tissue = [\"enamel\", \"dentine\"]\n" + test::post_scene());
   const auto ran = command("run " + scene + " -o " + scratch_.path("out"));
   const RecordingReader reader(scratch_.path("out/recording.h5"));
   const std::vector<Edit> edits = reader.edits();
@@ -221,7 +221,7 @@ TEST_F(Marks, RemovedIsTheSumOfItsLinesWhereAPieceCameLoose) {
 }
 
 TEST_F(Marks, AtRealPaceMissedTicksAreTold) {
-  const std::string scene = scratch_.write("s.toml", test::kCutScene);
+  const std::string scene = scratch_.write("s.toml", test::cut_scene());
   const auto real = command("run " + scene + " --pace real -o " + scratch_.path("real"));
   const std::string missed =
       std::to_string(summary("real")["missed_ticks"].get<std::uint64_t>()) + " ticks missed";

@@ -67,7 +67,7 @@ TEST_F(Messages, ShippedScenesAreListed) {
 }
 
 TEST_F(Messages, AFileOfAnotherKindIsRecognised) {
-  run(test::kCutScene, "out");
+  run(test::cut_scene(), "out");
   expect_refused("run out/recording.h5",
                  "found a recording, expected a scene, .toml; sulcus replay");
   scratch_.write("tooth.stl", "x");
@@ -84,7 +84,7 @@ TEST_F(Messages, AFileOfAnotherKindIsRecognised) {
 }
 
 TEST_F(Messages, AStartInsideSaysFromWhereOnItIsFree) {
-  scratch_.write("s.toml", test::kBlockAndBurr + "[trajectory]\npoints_mm = [[0.2, 0, 0]]\n");
+  scratch_.write("s.toml", test::block_and_burr() + "[trajectory]\npoints_mm = [[0.2, 0, 0]]\n");
   const auto result = command("run s.toml -o out");
   EXPECT_EQ(result.status, 2);
   // The head's middle is about its radius, 0.4 mm, above the tip; the block's top face at 1 mm.
@@ -94,7 +94,7 @@ TEST_F(Messages, AStartInsideSaysFromWhereOnItIsFree) {
 
 TEST_F(Messages, ARunThatTouchesNothingSaysHowNearItCame) {
   // Its tip comes to 0.3 mm above the top face, which lies at 1 mm.
-  scratch_.write("s.toml", test::kBlockAndBurr + R"(
+  scratch_.write("s.toml", test::block_and_burr() + R"(
 [trajectory]
 points_mm = [[-0.6, 0, 2], [0, 0, 1.3], [0.6, 0, 2]]
 speed_mm_per_s = 4
@@ -104,12 +104,12 @@ speed_mm_per_s = 4
   EXPECT_EQ(result.err_lines(), 1) << result.err;
   EXPECT_NEAR(number(result.err, "no nearer than about ([0-9.]+) mm"), 0.3, 0.06) << result.err;
   EXPECT_NEAR(number(result.err, "at ([0-9.]+) s with its tip"), std::hypot(0.6, 0.7) / 4, 0.01);
-  scratch_.write("t.toml", test::kProbeScene);
+  scratch_.write("t.toml", test::probe_scene());
   EXPECT_EQ(command("run t.toml -o touched").err, "");
 }
 
 TEST_F(Messages, AFaultThatASceneAsksForIsSaidToBeWanted) {
-  scratch_.write("s.toml", "title = \"a hand\"" + test::kBlockAndBurr + R"(
+  scratch_.write("s.toml", "title = \"a hand\"" + test::block_and_burr() + R"(
 [trajectory]
 points_mm = [[0, 0, 1.2], [0, 0, 0.9]]
 speed_mm_per_s = 4
@@ -144,10 +144,10 @@ std::vector<std::map<std::string, double>> rows_of(const std::string& csv) {
 }
 
 TEST_F(Messages, AnExportedTableIsATrajectory) {
-  run(test::kProbeScene + "[record]\n", "out");
+  run(test::probe_scene() + "[record]\n", "out");
   ASSERT_EQ(command("export out --csv ticks.csv").status, 0);
   const auto first = rows_of(test::read_file(scratch_.path("ticks.csv")));
-  std::string again = test::kProbeScene + "[record]\n";
+  std::string again = test::probe_scene() + "[record]\n";
   again.replace(again.find("points_mm"), std::string::npos, "file = 'ticks.csv'\n[record]\n");
   run(again, "again");
   ASSERT_EQ(command("export again --csv again.csv").status, 0);
@@ -166,7 +166,7 @@ TEST_F(Messages, AnExportedTableIsATrajectory) {
 }
 
 TEST_F(Messages, TheTableOfACoupledRunHasWhatWasAskedFor) {
-  scratch_.write("s.toml", test::kBlockAndBurr + R"(
+  scratch_.write("s.toml", test::block_and_burr() + R"(
 [trajectory]
 points_mm = [[0, 0, 1.1], [0, 0, 0.6]]
 speed_mm_per_s = 4
@@ -197,7 +197,7 @@ TEST_F(Messages, ATableThatBeginsLateIsSaid) {
                  "\xef\xbb\xbf# by hand\nt_s, x_mm, y_mm, z_mm, qw, qx, qy, qz, note\n"
                  "0.5, 0, 0, 1.1, 0.70710678, 0.70710678, 0, 0, down\n"
                  "# and on\n0.7, 0, 0, 0.9, 0.70710678, 0.70710678, 0, 0, there\n");
-  scratch_.write("s.toml", test::kBlockAndBurr + "[trajectory]\nfile = 'poses.csv'\n");
+  scratch_.write("s.toml", test::block_and_burr() + "[trajectory]\nfile = 'poses.csv'\n");
   const auto result = command("run s.toml -o out");
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_NE(result.err.find("its first pose is at 0.5 s, which is 0 s of the run"),
@@ -208,7 +208,7 @@ TEST_F(Messages, ATableThatBeginsLateIsSaid) {
 }
 
 TEST_F(Messages, ASummarysNumbersAddUp) {
-  run(test::kCutScene, "out");
+  run(test::cut_scene(), "out");
   const auto j = summary("out");
   double stages_us = 0.0;
   for (const auto& stage : j["stage_us"]) stages_us += stage["mean"].get<double>();
@@ -221,7 +221,7 @@ TEST_F(Messages, ASummarysNumbersAddUp) {
 }
 
 TEST_F(Messages, TheChartHasACurveForEachComponent) {
-  run(test::kCutScene, "out");
+  run(test::cut_scene(), "out");
   const Image image = test::read_png(scratch_.path("out/forces.png"));
   for (const std::array<int, 3> colour :
        {std::array{0xc0, 0x39, 0x2b}, {0x2e, 0x8b, 0x57}, {0x1f, 0x4e, 0x9c}}) {

@@ -156,7 +156,7 @@ TEST(Outcome, BeforeTheRoofIsThroughThePulpIsNotExposed) {
 
 TEST(Outcome, ForcesAreThoseOfTheTicksInContact) {
   const ScratchFolder scratch;
-  const RecordedOutcome run(scratch, scratch.write("s.toml", test::kCutScene));
+  const RecordedOutcome run(scratch, scratch.write("s.toml", test::cut_scene()));
   double sum_N = 0.0, peak_N = 0.0;
   int in_contact = 0;
   for (const TickRecord& tick : run.ticks) {
@@ -179,7 +179,7 @@ TEST(Outcome, AGoalIsComparedWithWhatWent) {
   const ScratchFolder scratch;
   const std::string goal =
       "[goal]\nshape = 'box'\nsize_mm = [0.6, 0.4, 0.2]\nposition_mm = [0, 0, 0.9]\n";
-  const RecordedOutcome run(scratch, scratch.write("s.toml", test::kCutScene + goal));
+  const RecordedOutcome run(scratch, scratch.write("s.toml", test::cut_scene() + goal));
   double both = 0.0, target = 0.0;
   const auto wanted = [&](const Cell& c) {
     const Eigen::Vector3d p = run.start.grid.centre_world(c) - Eigen::Vector3d(0, 0, 0.9e-3);
@@ -208,7 +208,7 @@ TEST(Outcome, AGoalBesideTheToothIsRefusedBeforeAnythingIsWritten) {
   const ScratchFolder scratch;
   const std::string scene = scratch.write(
       "s.toml",
-      test::kCutScene + "[goal]\nshape = 'box'\nsize_mm = [1, 1, 1]\nposition_mm = [0, 0, 9]\n");
+      test::cut_scene() + "[goal]\nshape = 'box'\nsize_mm = [1, 1, 1]\nposition_mm = [0, 0, 9]\n");
   const auto result =
       sulcus_command("run " + scene + " -o " + scratch.path("out"), scratch.path("err"));
   EXPECT_EQ(result.status, 2);

@@ -26,7 +26,7 @@ constexpr const char* kGood = SULCUS_PLUGINS;
 constexpr const char* kBad = SULCUS_BAD_PLUGINS;
 
 /// A hand that presses on a block, through a coupling; [device] comes last and lacks its keys.
-const std::string kPressScene = test::kBlockAndBurr + R"(
+const std::string kPressScene = test::block_and_burr() + R"(
 [trajectory]
 points_mm = [[0, 0, 1.5], [0, 0, -0.4]]
 speed_mm_per_s = 20

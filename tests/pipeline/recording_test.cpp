@@ -32,7 +32,7 @@ class Recording : public ::testing::Test {
     return test::sulcus_command(arguments, scratch_.path("err"), environment);
   }
   std::string record(const std::string& name, const std::string& options = {}) {
-    const std::string scene = scratch_.write("s.toml", test::kCutScene);
+    const std::string scene = scratch_.write("s.toml", test::cut_scene());
     const auto result = command("run " + scene + " " + options + " -o " + scratch_.path(name));
     EXPECT_EQ(result.status, 0) << result.err;
     return scratch_.path(name) + "/recording.h5";
@@ -53,7 +53,7 @@ class Recording : public ::testing::Test {
   }
   /// Starts a run and kills it.
   std::string killed(const std::string& pace, unsigned after_us) {
-    const std::string scene = scratch_.write("s.toml", test::kCutScene);
+    const std::string scene = scratch_.write("s.toml", test::cut_scene());
     const std::string folder = scratch_.path("killed");
     std::filesystem::remove_all(folder);
     const pid_t child = start(scene, pace, folder);
@@ -121,7 +121,7 @@ TEST_F(Recording, RepairWritesOverNothing) {
 }
 
 TEST_F(Recording, RepairedInWholeNothingIsLost) {
-  const std::string scene = scratch_.write("post.toml", test::kPostScene);
+  const std::string scene = scratch_.write("post.toml", test::post_scene());
   ASSERT_EQ(command("run " + scene + " -o " + scratch_.path("out")).status, 0);
   const std::string file = scratch_.path("out/recording.h5"), copy = scratch_.path("copy.h5");
   ASSERT_EQ(command("repair " + file + " -o " + copy).status, 0);
@@ -347,7 +347,7 @@ TEST_F(Recording, RepairSaysWhichStatesAreDamaged) {
 class StallingDisk : public Recording {
  protected:
   void run(const std::string& options, const std::string& stall_s = "0.15,0.3") {
-    const std::string scene = scratch_.write("s.toml", test::kCutScene);
+    const std::string scene = scratch_.write("s.toml", test::cut_scene());
     const auto result =
         command("run " + scene + " --pace real -o " + scratch_.path("out") + " " + options,
                 "SULCUS_CACHE=off SULCUS_STALL=" + stall_s +
@@ -432,7 +432,7 @@ TEST_F(StallingDisk, TheLastRowIsThereWhereTheRunEndsBeforeTheDiskIsBack) {
 }
 
 TEST_F(Recording, AFullDiskEndsTheRecordingNotTheRun) {
-  const std::string scene = scratch_.write("s.toml", test::kCutScene);
+  const std::string scene = scratch_.write("s.toml", test::cut_scene());
   // No file may be longer than 200 KiB: as a full disk, but for the others.
   const std::string limited = "sh -c \"ulimit -f 400; trap '' XFSZ; exec " SULCUS_PROGRAM " run " +
                               scene + " --pace real --set " + kSlowly + " -o " +
@@ -449,7 +449,7 @@ TEST_F(Recording, AFullDiskEndsTheRecordingNotTheRun) {
 }
 
 TEST_F(Recording, ARendererThatDiesLeavesTheRecordingWhole) {
-  const std::string scene = scratch_.write("s.toml", test::kRenderScene);
+  const std::string scene = scratch_.write("s.toml", test::render_scene());
   std::filesystem::create_directories(scratch_.path("out/frames/000001.png"));  // in its way
   const auto result = command("run " + scene + " -o " + scratch_.path("out"));
   EXPECT_EQ(result.status, 1);
@@ -460,7 +460,7 @@ TEST_F(Recording, ARendererThatDiesLeavesTheRecordingWhole) {
 }
 
 TEST_F(Recording, SigtermEndsARunAsCtrlCDoes) {
-  const std::string scene = scratch_.write("s.toml", test::kCutScene);
+  const std::string scene = scratch_.write("s.toml", test::cut_scene());
   for (const int signal : {SIGTERM, SIGINT}) {
     const std::string folder = scratch_.path("out" + std::to_string(signal));
     const pid_t child = start(scene, "real", folder);

@@ -18,7 +18,7 @@ using test::sulcus_command;
 class Replay : public testing::Test {
  protected:
   void SetUp() override {
-    const std::string scene = scratch_.write("s.toml", test::kCutScene);
+    const std::string scene = scratch_.write("s.toml", test::cut_scene());
     const auto result =
         sulcus_command("run " + scene + " -o " + scratch_.path("out"), scratch_.path("err"));
     ASSERT_EQ(result.status, 0) << result.err;

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 class ResultsFolders : public testing::Test {
  protected:
-  ResultsFolders() { scratch_.write("s.toml", test::kCutScene); }
+  ResultsFolders() { scratch_.write("s.toml", test::cut_scene()); }
   /// In the scratch folder, where out/ comes to be.
   test::CommandResult sulcus(const std::string& arguments) {
     return test::sulcus_command(arguments, scratch_.path("err"),
@@ -85,7 +85,7 @@ TEST_F(ResultsFolders, OtherSettingsTakeTheNextFreeName) {
   done("run s.toml --set burr.tangential_ratio=0.4");  // its own again
   EXPECT_FALSE(exists("out/s-4"));
   // The same words, and another scene.
-  std::string changed = test::kCutScene;
+  std::string changed = test::cut_scene();
   changed.replace(changed.find("0.8"), 3, "0.7");
   scratch_.write("s.toml", changed);
   done("run s.toml");

@@ -46,7 +46,7 @@ TEST(Run, MinimalSceneRunsOnlyThePartsItNeeds) {
 
 TEST(Run, TissuesAreMeasuredByWhatIsFilledAndVoxelsCounted) {
   const ScratchFolder scratch;
-  const std::string scene = scratch.write("s.toml", test::kProbeScene + "[cutting]\n");
+  const std::string scene = scratch.write("s.toml", test::probe_scene() + "[cutting]\n");
   const auto summary_with = [&](const std::string& surface) {
     const auto result = sulcus_command("run " + scene + " --set workpiece.surface=" + surface +
                                            " --set 'workpiece.box.size_mm=[1.93, 1.77, 1.91]'"
@@ -79,7 +79,7 @@ TEST(Run, TissuesAreMeasuredByWhatIsFilledAndVoxelsCounted) {
 
 TEST(Run, NamedPartsAreListedWithTheirMemory) {
   const ScratchFolder scratch;
-  const std::string scene = scratch.write("s.toml", test::kRenderScene);
+  const std::string scene = scratch.write("s.toml", test::render_scene());
   const auto result =
       sulcus_command("run " + scene + " -o " + scratch.path("out"), scratch.path("err"));
   ASSERT_EQ(result.status, 0) << result.err;
@@ -98,7 +98,7 @@ TEST(Run, NamedPartsAreListedWithTheirMemory) {
 
 TEST(Run, TheInstructionSetDoesNotChangeTheResult) {
   const ScratchFolder scratch;
-  const std::string scene = scratch.write("s.toml", test::kCutScene);
+  const std::string scene = scratch.write("s.toml", test::cut_scene());
   for (const std::string method : {"ldm", "ldm_fast"}) {
     const auto summary_with = [&](const std::string& set) {
       const std::string folder = scratch.path(method + set);
@@ -121,7 +121,7 @@ TEST(Run, TheInstructionSetDoesNotChangeTheResult) {
 
 TEST(Run, PaceAndThreadsDoNotChangeTheResult) {
   const ScratchFolder scratch;
-  const std::string scene = scratch.write("s.toml", test::kCutScene);
+  const std::string scene = scratch.write("s.toml", test::cut_scene());
   std::set<std::string> volumes, forces;
   int n = 0;
   for (const char* options : {"--pace fast", "--pace real", "--threads 1", "--threads 4"}) {
@@ -139,7 +139,7 @@ TEST(Run, PaceAndThreadsDoNotChangeTheResult) {
 
 TEST(Run, LoadsTheSameFromTheCache) {
   const ScratchFolder scratch;
-  const std::string scene = scratch.write("s.toml", test::kCutScene);
+  const std::string scene = scratch.write("s.toml", test::cut_scene());
   const std::string cache = scratch.path("cache"), own = "SULCUS_CACHE=" + cache;
   std::set<std::string> volumes, forces;
   const auto cached = [&](const std::string& options, const std::string& environment) {
@@ -183,7 +183,7 @@ TEST(Run, LoadsTheSameFromTheCache) {
 
 TEST(Run, StopsCleanlyOnRequest) {
   const ScratchFolder scratch;
-  const std::string scene = scratch.write("s.toml", test::kCutScene);
+  const std::string scene = scratch.write("s.toml", test::cut_scene());
   const std::string out = scratch.path("out");
   // Real pace, so that the run lasts; stopped some time after it has begun to record.
   const std::string command =
@@ -206,7 +206,7 @@ TEST(Run, StopsCleanlyOnRequest) {
 
 TEST(Run, SetChangesTheScene) {
   const ScratchFolder scratch;
-  const std::string scene = scratch.write("s.toml", test::kProbeScene);
+  const std::string scene = scratch.write("s.toml", test::probe_scene());
   const auto result = sulcus_command(
       "run " + scene + " --set haptics.rate_hz=100 --set workpiece.box.size_mm=[1,1,1] -o " +
           scratch.path("out"),

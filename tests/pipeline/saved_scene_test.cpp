@@ -17,7 +17,7 @@ namespace sulcus::saved_scene_test {
 namespace {
 
 /// A hand that presses into a block and cuts it, and rests at the end.
-const std::string kHandScene = test::kBlockAndBurr + R"(
+const std::string kHandScene = test::block_and_burr() + R"(
 [trajectory]
 points_mm = [[0, 0, 1.5], [0, 0, 0.5], [0.3, 0, 0.5]]
 speed_mm_per_s = 10
@@ -77,7 +77,7 @@ TEST_F(SavedScenes, WithoutADeviceItIsTheSameToTheBit) {
 
 TEST_F(SavedScenes, APlugInIsNotNeededAgain) {
   const Scene scene =
-      parse_scene(test::kBlockAndBurr +
+      parse_scene(test::block_and_burr() +
                       "[trajectory]\npoints_mm = [[0, 0, 1.5]]\n[device]\nplugin = 'mine'\n"
                       "stiffness_N_per_mm = 1.3\nforce_limit_N = 4\n[coupling]\n[record]\n",
                   "s.toml");

@@ -55,7 +55,7 @@ class Scrub : public ::testing::Test {
 };
 
 TEST_F(Scrub, BackwardGivesTheHashesOfTheWayOn) {
-  const std::string recording = record(test::kCutScene);
+  const std::string recording = record(test::cut_scene());
   const std::vector<Hashes> all = all_hashes(recording);
   RecordedRun run = open_recorded_run(recording);
   ASSERT_GT(run.reader.keyframes().size(), 1u);
@@ -74,7 +74,7 @@ TEST_F(Scrub, BackwardGivesTheHashesOfTheWayOn) {
 }
 
 TEST_F(Scrub, APieceThatCameLooseGoesBackToItsPlace) {
-  const std::string recording = record(test::kPostScene);
+  const std::string recording = record(test::post_scene());
   const std::vector<Hashes> all = all_hashes(recording);
   RecordedRun run = open_recorded_run(recording);
   ASSERT_FALSE(run.reader.pieces().empty());
@@ -104,7 +104,7 @@ TEST_F(Scrub, ARecordingOfVersion1IsRunFromItsStart) {
 }
 
 TEST_F(Scrub, AShapeGoesOnAndBack) {
-  const RecordingReader reader(record(test::kCutScene));
+  const RecordingReader reader(record(test::cut_scene()));
   RecordedShape shape(reader, reader.workpiece());
   const auto voxels_at = [&](std::size_t row) {
     shape.seek_row(row);
@@ -134,7 +134,7 @@ TEST_F(Scrub, AFilmIsTheSameOnTheWayBack) {
     void set_levels(std::size_t, std::span<const VoxelLevel>) { ADD_FAILURE() << "is binary"; }
     void add_piece(std::span<const std::uint32_t>) { ++pieces; }
   };
-  const std::string recording = record(test::kPostScene);
+  const std::string recording = record(test::post_scene());
   const RecordingReader reader(recording);
   const std::size_t left = reader.pieces().at(0).tick, end = reader.tick_count() - 1;
   const auto told = [](const FrameState& state) {

@@ -45,7 +45,7 @@ struct RecordedSession {
 TEST(SessionThreads, RecorderHasEveryTickAndEdit) {
   const ScratchFolder scratch;
   for (const Pace pace : {Pace::kFast, Pace::kReal}) {
-    const RecordedSession run(test::kCutScene, scratch.path("out"), pace);
+    const RecordedSession run(test::cut_scene(), scratch.path("out"), pace);
     EXPECT_EQ(run.result.statistics.ticks, 400u);
     const RecordingReader reader(scratch.path("out/recording.h5"));
     EXPECT_EQ(reader.tick_count(), 400u);
@@ -61,7 +61,7 @@ TEST(SessionThreads, RecorderHasEveryTickAndEdit) {
 TEST(SessionThreads, PiecesComeLooseBesideThem) {
   const ScratchFolder scratch;
   for (const Pace pace : {Pace::kFast, Pace::kReal}) {
-    const RecordedSession run(test::kPostScene, scratch.path("out"), pace, 900);
+    const RecordedSession run(test::post_scene(), scratch.path("out"), pace, 900);
     EXPECT_EQ(run.result.pieces, 1u);
     const RecordingReader reader(scratch.path("out/recording.h5"));
     EXPECT_EQ(reader.missing(), "");
@@ -86,7 +86,7 @@ TEST(SessionThreads, PiecesComeLooseBesideThem) {
 TEST(SessionThreads, StopRequestEndsTheRunWithAllOnDisk) {
   const ScratchFolder scratch;
   pretend_stop(true);
-  const RecordedSession run(test::kCutScene, scratch.path("out"), Pace::kFast);
+  const RecordedSession run(test::cut_scene(), scratch.path("out"), Pace::kFast);
   pretend_stop(false);
   EXPECT_TRUE(run.result.interrupted);
   EXPECT_EQ(run.result.statistics.ticks, 1u);

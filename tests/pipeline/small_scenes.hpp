@@ -5,7 +5,8 @@
 namespace sulcus::test {
 
 /// A 2 mm block of 64^3 voxels and a small burr.
-inline const std::string kBlockAndBurr = R"(
+inline std::string block_and_burr() {
+  return R"(
 [workpiece]
 shape = "box"
 voxel_mm = 0.05
@@ -17,26 +18,33 @@ diameter_mm = 0.8
 speed_rpm = 100000
 field = [48, 192, 48]
 )";
+}
 
 /// Probing it, done in a fraction of a second.
-inline const std::string kProbeScene = "title = \"small\"" + kBlockAndBurr + R"(
+inline std::string probe_scene() {
+  return "title = \"small\"" + block_and_burr() + R"(
 [trajectory]
 points_mm = [[-0.6, 0, 1.2], [-0.6, 0, 0.92], [0.6, 0, 0.92], [0.6, 0, 1.2]]
 speed_mm_per_s = 4
 )";
+}
 
 /// The same, cutting and recording.
-inline const std::string kCutScene = kProbeScene + R"(
+inline std::string cut_scene() {
+  return probe_scene() + R"(
 [cutting]
 [record]
 )";
+}
 
 /// Drawn as well.
-inline const std::string kRenderScene = kCutScene + R"(
+inline std::string render_scene() {
+  return cut_scene() + R"(
 [render]
 size = [320, 240]
 fps = 4
 )";
+}
 
 /// A block, its size in mm, and a flat fissure burr of 1 mm that is sunk into it as into butter.
 inline std::string block_and_fissure_burr(const std::string& size_mm, const std::string& voxel_mm,
@@ -56,7 +64,8 @@ field = [48, 192, 48]
 }
 
 /// A post that is cut through, so that its upper end falls on its stump.
-inline const std::string kPostScene = R"(
+inline std::string post_scene() {
+  return R"(
 [workpiece]
 shape = "box"
 voxel_mm = 0.05
@@ -79,5 +88,6 @@ normals = "ldm_fast"
 [loose_pieces]
 [record]
 )";
+}
 
 }  // namespace sulcus::test

@@ -102,8 +102,9 @@ TEST_F(Sound, TheSameRecordingGivesTheSameBytes) {
 }
 
 TEST_F(Sound, WhatHasNoSoundIsSaid) {
-  const auto run = command("run " + scratch_.write("probe.toml", test::kProbeScene + "[record]\n") +
-                           " -o " + scratch_.path("probe"));
+  const auto run =
+      command("run " + scratch_.write("probe.toml", test::probe_scene() + "[record]\n") + " -o " +
+              scratch_.path("probe"));
   ASSERT_EQ(run.status, 0) << run.err;
   const auto refused = [&](const std::string& arguments, const std::string& says) {
     const auto result = command(arguments);
@@ -125,8 +126,8 @@ std::string streams_of(const std::string& video, const std::string& scratch) {
 }
 
 TEST_F(Sound, AVideoAndTheReviewPageHaveIt) {
-  const auto run =
-      command("run " + scratch_.write("cut.toml", test::kCutScene) + " -o " + scratch_.path("cut"));
+  const auto run = command("run " + scratch_.write("cut.toml", test::cut_scene()) + " -o " +
+                           scratch_.path("cut"));
   ASSERT_EQ(run.status, 0) << run.err;
   const std::string video = scratch_.path("cut.mp4");
   const auto drawn =

@@ -108,8 +108,8 @@ class Stopping : public testing::TestWithParam<Stopped> {
     const auto write = [](const std::string& name, const std::string& text) {
       std::ofstream(*inputs_ + "/" + name) << text;
     };
-    write("cut.toml", test::kCutScene);
-    write("drawn.toml", test::kCutScene + "[render]\nsize = [640, 480]\nfps = 500\n");
+    write("cut.toml", test::cut_scene());
+    write("drawn.toml", test::cut_scene() + "[render]\nsize = [640, 480]\nfps = 500\n");
     const auto sulcus = [](const std::string& arguments) {
       const auto result = test::sulcus_command(arguments, *inputs_ + "/stderr");
       ASSERT_EQ(result.status, 0) << result.err;

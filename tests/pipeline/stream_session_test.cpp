@@ -40,7 +40,7 @@ constexpr double kRate_hz = 1000.0;
 
 /// The cut of small_scenes.hpp with tissues that are removed, every tick of it sent.
 std::string streamed_scene(int port, const std::string& more = {}) {
-  return test::kCutScene +
+  return test::cut_scene() +
          "[coupling]\nstiffness_N_per_mm = 20\nforce_limit_N = 20\n[stream]\nrate_hz = 1000\nport "
          "= " +
          std::to_string(port) + "\n" + more;
@@ -394,7 +394,7 @@ TEST_F(StreamSession, WhoAsksWithoutEndIsAnsweredInTurn) {
 }
 
 TEST_F(StreamSession, ItSaysThatItIsPaused) {
-  StreamedRun run(test::kCutScene + "[stream]\nport = " + std::to_string(port_) + "\n");
+  StreamedRun run(test::cut_scene() + "[stream]\nport = " + std::to_string(port_) + "\n");
   StreamReader reader(port_);
   std::atomic<bool> paused{true};
   std::thread reads([&] {

@@ -53,7 +53,7 @@ class Stream : public ::testing::Test {
   test::CommandResult run(const std::string& options) const {
     const std::string scene = scratch_.write(
         "s.toml",
-        test::kCutScene + "[stream]\nrate_hz = 500\nport = " + std::to_string(port_) + "\n");
+        test::cut_scene() + "[stream]\nrate_hz = 500\nport = " + std::to_string(port_) + "\n");
     return sulcus_command("run " + scene + " --force -o " + scratch_.path("out") + " " + options,
                           scratch_.path("err"));
   }
@@ -123,7 +123,7 @@ TEST_F(Stream, WithNobodyThereItIsTheSameRun) {
   EXPECT_EQ(run("").status, 0);
   const nlohmann::json with = summary();
   EXPECT_EQ(with["stream"]["samples"], 0);
-  const std::string scene = scratch_.write("s.toml", test::kCutScene);
+  const std::string scene = scratch_.write("s.toml", test::cut_scene());
   EXPECT_EQ(
       sulcus_command("run " + scene + " --force -o " + scratch_.path("out"), scratch_.path("err"))
           .status,

@@ -37,7 +37,7 @@ class Sweep : public testing::Test {
                     "2>/dev/null") != 0) {
       GTEST_SKIP() << "GNU parallel or h5py is not installed";
     }
-    scratch_.write("s.toml", test::kProbeScene + "[cutting]\n");
+    scratch_.write("s.toml", test::probe_scene() + "[cutting]\n");
   }
 
   /// With the scene of the scratch folder, in which all paths lie.
@@ -313,7 +313,7 @@ TEST_F(Sweep, AFolderIsThatOfOnePlan) {
   EXPECT_EQ(other.status, 2);
   EXPECT_EQ(other.err_lines(), 1) << other.err;
   EXPECT_NE(other.err.find("another set"), std::string::npos) << other.err;
-  scratch_.write("s.toml", test::kProbeScene + "[cutting]\n\n");
+  scratch_.write("s.toml", test::probe_scene() + "[cutting]\n\n");
   const auto edited = sweep(planned + "0.7,0.8");
   EXPECT_EQ(edited.status, 2);
   EXPECT_NE(edited.err.find("another scene_sha256"), std::string::npos) << edited.err;

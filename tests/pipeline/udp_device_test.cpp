@@ -121,7 +121,7 @@ class UdpDevice : public ::testing::Test {
  protected:
   test::CommandResult run(int timeout_ms) {
     const std::string scene = scratch_.write(
-        "s.toml", test::kBlockAndBurr +
+        "s.toml", test::block_and_burr() +
                       "[trajectory]\npoints_mm = [[0, 0, 1.5]]\nhold_s = 1\n"
                       "[coupling]\n[record]\n[device]\nplugin = 'udp'\n"
                       "settings = 'port=" +

@@ -38,7 +38,7 @@ class View : public testing::Test {
 };
 
 TEST_F(View, AStoppedSessionOfTheHandKeepsWhatWasDone) {
-  const std::string scene = scratch_.write("s.toml", test::kCutScene), out = scratch_.path("out");
+  const std::string scene = scratch_.write("s.toml", test::cut_scene()), out = scratch_.path("out");
   const CommandResult result = view_and_stop(scene + " -o " + out, out + "/recording.h5", "TERM");
   EXPECT_EQ(result.status, 143) << result.err;
   EXPECT_NE(result.err.find("stopped on request after"), std::string::npos) << result.err;
@@ -50,7 +50,7 @@ TEST_F(View, AStoppedSessionOfTheHandKeepsWhatWasDone) {
 }
 
 TEST_F(View, AWindowOnARecordingIsStoppedAtOnce) {
-  const std::string scene = scratch_.write("s.toml", test::kCutScene), out = scratch_.path("out");
+  const std::string scene = scratch_.write("s.toml", test::cut_scene()), out = scratch_.path("out");
   ASSERT_EQ(test::sulcus_command("run " + scene + " -o " + out, scratch_.path("stderr")).status, 0);
   const CommandResult result = view_and_stop(out + "/recording.h5", out + "/recording.h5", "INT");
   EXPECT_EQ(result.status, 130) << result.err;

@@ -22,7 +22,7 @@ using test::CommandResult;
 
 /// From the side: what is down in the picture is down in the world. (A function: what a header
 /// defines may be initialised after what is defined here.)
-std::string seen_from_buccal() { return test::kCutScene + "[render]\ncamera = \"buccal\"\n"; }
+std::string seen_from_buccal() { return test::cut_scene() + "[render]\ncamera = \"buccal\"\n"; }
 
 class HandInWindow : public testing::Test {
  protected:

@@ -10,14 +10,14 @@
 namespace sulcus::cutting_tables_test {
 namespace {
 
-using test::error_of, test::kLeast, test::parse;
+using test::error_of, test::least_scene, test::parse;
 
 // [cutting] and [spindle], and what they make of the burr.
 
-const std::string kCutting = kLeast + "[cutting]\n";
+const std::string kCutting = least_scene() + "[cutting]\n";
 
 TEST(CuttingTables, TheLawSetsTheTangentialRatioThatABurrDoesNotSay) {
-  EXPECT_EQ(parse(kLeast).burr.tangential_ratio, 0.3);
+  EXPECT_EQ(parse(least_scene()).burr.tangential_ratio, 0.3);
   EXPECT_EQ(parse(kCutting).cutting->law, CuttingLaw::kPaper);
   EXPECT_EQ(parse(kCutting).burr.tangential_ratio, 0.3);
   const std::string saturating = kCutting + "law = 'saturating'\n";
@@ -29,15 +29,17 @@ TEST(CuttingTables, TheLawSetsTheTangentialRatioThatABurrDoesNotSay) {
 }
 
 TEST(CuttingTables, ABurrSaysWhatItCutsWith) {
-  const BurrSettings usual = parse(kLeast).burr;
+  const BurrSettings usual = parse(least_scene()).burr;
   EXPECT_EQ(usual.material, BurrMaterial::kDiamond);
   EXPECT_EQ(usual.grit, Grit::kMedium);
   EXPECT_EQ(usual.worn_m, 0.0);
   const BurrSettings worn =
-      parse(kLeast + "[burr]\nmaterial = 'diamond'\ngrit = 'super_coarse'\nworn_mm = 39\n").burr;
+      parse(least_scene() + "[burr]\nmaterial = 'diamond'\ngrit = 'super_coarse'\nworn_mm = 39\n")
+          .burr;
   EXPECT_EQ(worn.grit, Grit::kSuperCoarse);
   EXPECT_DOUBLE_EQ(worn.worn_m, 39e-3);
-  EXPECT_EQ(parse(kLeast + "[burr]\nmaterial = 'carbide'\n").burr.material, BurrMaterial::kCarbide);
+  EXPECT_EQ(parse(least_scene() + "[burr]\nmaterial = 'carbide'\n").burr.material,
+            BurrMaterial::kCarbide);
 }
 
 TEST(CuttingTables, AHandpieceSetsTheSpindleAndItsSpeed) {

@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 using Eigen::Vector3i;
-using test::error_of, test::kLeast, test::parse;
+using test::error_of, test::least_scene, test::parse;
 namespace fs = std::filesystem;
 
 /// The least scene with `more` keys in its [workpiece].
@@ -25,7 +25,7 @@ Scene parse_workpiece(const std::string& more) {
 }
 
 TEST(SceneFile, DefaultsAreThoseStated) {
-  const Scene s = parse(kLeast);
+  const Scene s = parse(least_scene());
   EXPECT_EQ(s.title, "s") << "the name of the file";
   EXPECT_EQ(s.workpiece.shape, ShapeKind::kMolar);
   EXPECT_EQ(s.workpiece.cells, Vector3i(512, 512, 512));
@@ -56,11 +56,11 @@ TEST(SceneFile, DefaultsAreThoseStated) {
 }
 
 TEST(SceneFile, WhatIsNotNamedIsNotThere) {
-  const Scene s = parse(kLeast);
+  const Scene s = parse(least_scene());
   EXPECT_FALSE(s.cutting);
   EXPECT_FALSE(s.render);
   EXPECT_FALSE(s.record);
-  const Scene all = parse(kLeast + "[cutting]\n[render]\n[record]\n");
+  const Scene all = parse(least_scene() + "[cutting]\n[render]\n[record]\n");
   ASSERT_TRUE(all.cutting && all.render && all.record);
   EXPECT_EQ(all.render->width, 1280);
   EXPECT_EQ(all.render->height, 720);
@@ -70,7 +70,7 @@ TEST(SceneFile, WhatIsNotNamedIsNotThere) {
 }
 
 TEST(SceneFile, TheStructsOwnDefaultsAreTheFilesDefaults) {
-  const Scene s = parse(kLeast + "[burr]\n[haptics]\n");
+  const Scene s = parse(least_scene() + "[burr]\n[haptics]\n");
   const BurrSettings burr;
   EXPECT_DOUBLE_EQ(s.burr.diameter_m, burr.diameter_m);
   EXPECT_DOUBLE_EQ(s.burr.speed_rad_per_s, burr.speed_rad_per_s);
@@ -85,7 +85,7 @@ TEST(SceneFile, TheStructsOwnDefaultsAreTheFilesDefaults) {
 }
 
 TEST(SceneFile, UnitsOfTheOtherTablesAreConverted) {
-  const Scene s = parse(kLeast + R"(axis = [0, 3, 4]
+  const Scene s = parse(least_scene() + R"(axis = [0, 3, 4]
 speed_mm_per_s = 2.5
 [[tissue]]
 name = "putty"
@@ -157,15 +157,15 @@ TEST(SceneFile, EveryShapeAndBurrHasItsName) {
   }
   const std::vector<std::string> burrs{"round", "pear", "fissure", "inverted_cone", "flame"};
   for (std::size_t i = 0; i < burrs.size(); ++i) {
-    EXPECT_EQ(parse(kLeast + "[burr]\nshape = '" + burrs[i] + "'").burr.shape, BurrShape(i));
+    EXPECT_EQ(parse(least_scene() + "[burr]\nshape = '" + burrs[i] + "'").burr.shape, BurrShape(i));
   }
 }
 
 TEST(SceneFile, AFieldMayBeAuto) {
-  EXPECT_FALSE(parse(kLeast + "[burr]\nfield = 'auto'").burr.field_samples);
-  EXPECT_EQ(error_of(kLeast + "[burr]\nfield = 'fine'"),
+  EXPECT_FALSE(parse(least_scene() + "[burr]\nfield = 'auto'").burr.field_samples);
+  EXPECT_EQ(error_of(least_scene() + "[burr]\nfield = 'fine'"),
             "/scenes/s.toml: line 6, column 9, burr.field: found 'fine', expected one of auto");
-  EXPECT_EQ(error_of(kLeast + "[burr]\nfield = [64, 64.5, 64]"),
+  EXPECT_EQ(error_of(least_scene() + "[burr]\nfield = [64, 64.5, 64]"),
             "/scenes/s.toml: line 6, column 9, burr.field: found fractions, expected 3 whole "
             "numbers, or \"auto\"");
 }
@@ -182,10 +182,10 @@ TEST(SceneFile, AMissingTableSaysWhatItShouldHold) {
 }
 
 TEST(SceneFile, AnUnknownKeyNamesTheNearest) {
-  EXPECT_EQ(error_of(kLeast + "[burr]\ndiametre_mm = 1\n"),
+  EXPECT_EQ(error_of(least_scene() + "[burr]\ndiametre_mm = 1\n"),
             "/scenes/s.toml: line 6, column 15, burr.diametre_mm: found the unknown key "
             "'diametre_mm', expected 'diameter_mm'");
-  EXPECT_EQ(error_of(kLeast + "[haptic]\n"),
+  EXPECT_EQ(error_of(least_scene() + "[haptic]\n"),
             "/scenes/s.toml: line 5, column 1, haptic: found the unknown key 'haptic', expected "
             "'haptics'");
   EXPECT_EQ(error_of("[workpiece]\nshape = 'sphere'\nsphere.radius = 3\n"),
@@ -194,43 +194,43 @@ TEST(SceneFile, AnUnknownKeyNamesTheNearest) {
 }
 
 TEST(SceneFile, AWrongTypeOrRangeIsNamedWithItsPlace) {
-  EXPECT_EQ(error_of(kLeast + "[haptics]\nneighbourhood = 17\n"),
+  EXPECT_EQ(error_of(least_scene() + "[haptics]\nneighbourhood = 17\n"),
             "/scenes/s.toml: line 6, column 17, haptics.neighbourhood: found 17, expected 1 to "
             "12");
-  EXPECT_EQ(error_of(kLeast + "[haptics]\nneighbourhood = 6.5\n"),
+  EXPECT_EQ(error_of(least_scene() + "[haptics]\nneighbourhood = 6.5\n"),
             "/scenes/s.toml: line 6, column 17, haptics.neighbourhood: found 6.5, expected a "
             "whole number, 1 to 12");
-  EXPECT_EQ(error_of(kLeast + "[haptics]\nnormals = 'best'\n"),
+  EXPECT_EQ(error_of(least_scene() + "[haptics]\nnormals = 'best'\n"),
             "/scenes/s.toml: line 6, column 11, haptics.normals: found 'best', expected one of "
             "ldm, ldm_fast, ldm_paper, weighted_sum, weighted_sum_d2, exact");
-  EXPECT_EQ(error_of(kLeast + "[burr]\ndiameter_mm = 0\n"),
+  EXPECT_EQ(error_of(least_scene() + "[burr]\ndiameter_mm = 0\n"),
             "/scenes/s.toml: line 6, column 15, burr.diameter_mm: found 0, expected 0.3 to 5");
-  EXPECT_EQ(error_of(kLeast + "axis = [0, 0, 0]\n"),
+  EXPECT_EQ(error_of(least_scene() + "axis = [0, 0, 0]\n"),
             "/scenes/s.toml: line 5, column 8, trajectory.axis: found a vector of no length, "
             "expected a direction");
-  EXPECT_EQ(error_of("title = 3\n" + kLeast),
+  EXPECT_EQ(error_of("title = 3\n" + least_scene()),
             "/scenes/s.toml: line 1, column 9, title: found 3, expected a text in quotes");
-  EXPECT_EQ(error_of("burr = 3\n" + kLeast),
+  EXPECT_EQ(error_of("burr = 3\n" + least_scene()),
             "/scenes/s.toml: line 1, column 8, burr: found 3, expected a table, [burr]");
 }
 
 TEST(SceneFile, ANormalErrorPicksTheNormals) {
   const auto picked = [](const std::string& error) {
-    return parse(kLeast + "[haptics]\nnormal_error_deg = " + error).haptics;
+    return parse(least_scene() + "[haptics]\nnormal_error_deg = " + error).haptics;
   };
   const HapticsSettings coarse = picked("4"), fine = picked("1.5");
   EXPECT_EQ(coarse.normal_error_deg, 4.0);
   EXPECT_EQ(coarse.normals, NormalMethod::kLdmFast);
   EXPECT_LT(coarse.neighbourhood, fine.neighbourhood);
   EXPECT_EQ(fine.trace, 12);
-  EXPECT_FALSE(parse(kLeast).haptics.normal_error_deg);
-  EXPECT_EQ(parse(kLeast, {"haptics.normal_error_deg=4"}).haptics.neighbourhood,
+  EXPECT_FALSE(parse(least_scene()).haptics.normal_error_deg);
+  EXPECT_EQ(parse(least_scene(), {"haptics.normal_error_deg=4"}).haptics.neighbourhood,
             coarse.neighbourhood);
 }
 
 TEST(SceneFile, OnACouplingMapsAreWider) {
   const auto neighbourhood = [](const std::string& more) {
-    return parse(kLeast + more).haptics.neighbourhood;
+    return parse(least_scene() + more).haptics.neighbourhood;
   };
   EXPECT_EQ(neighbourhood("[coupling]\n"), 10);
   EXPECT_EQ(neighbourhood("[coupling]\n[haptics]\nnormals = 'ldm_fast'\n"), 10);
@@ -241,7 +241,7 @@ TEST(SceneFile, OnACouplingMapsAreWider) {
 
 TEST(SceneFile, ANormalErrorStandsAlone) {
   const auto with = [](const std::string& more) {
-    return error_of(kLeast + "[haptics]\nnormal_error_deg = 2\n" + more);
+    return error_of(least_scene() + "[haptics]\nnormal_error_deg = 2\n" + more);
   };
   EXPECT_EQ(with("normals = 'ldm'"),
             "/scenes/s.toml: line 7, column 11, haptics.normals: found normals beside "
@@ -253,20 +253,20 @@ TEST(SceneFile, ANormalErrorStandsAlone) {
 }
 
 TEST(SceneFile, ANormalErrorThatCannotBeMetNamesTheBestThatCan) {
-  const std::string message = error_of(kLeast + "[haptics]\nnormal_error_deg = 0.01\n");
+  const std::string message = error_of(least_scene() + "[haptics]\nnormal_error_deg = 0.01\n");
   EXPECT_EQ(message.find("/scenes/s.toml: line 6, column 20, haptics.normal_error_deg: found "
                          "0.01, expected "),
             0u)
       << message;
   EXPECT_NE(message.find("normals = \"ldm\" with neighbourhood = "), std::string::npos) << message;
   EXPECT_EQ(message.find('\n'), std::string::npos) << "one line";
-  EXPECT_NE(error_of(kLeast + "[haptics]\nnormal_error_deg = -1\n").find("expected 0 to 90"),
+  EXPECT_NE(error_of(least_scene() + "[haptics]\nnormal_error_deg = -1\n").find("expected 0 to 90"),
             std::string::npos);
 }
 
 TEST(SceneFile, AnAxisMustBeFinite) {
   for (const char* axis : {"[inf, 0, 0]", "[0, nan, 1]", "[1e200, 1e200, 0]"}) {
-    EXPECT_NE(error_of(kLeast + "axis = " + axis), "no error") << axis;
+    EXPECT_NE(error_of(least_scene() + "axis = " + axis), "no error") << axis;
   }
 }
 
@@ -304,7 +304,7 @@ TEST(SceneFile, OnlyMethodsThatReadFractionsTakeThem) {
   };
   EXPECT_EQ(with("ldm").workpiece.surface, SurfaceKind::kFractions);
   EXPECT_EQ(with("ldm_fast").haptics.normals, NormalMethod::kLdmFast);
-  EXPECT_EQ(parse(kLeast).workpiece.surface, SurfaceKind::kBinary);
+  EXPECT_EQ(parse(least_scene()).workpiece.surface, SurfaceKind::kBinary);
   for (const char* normals : {"ldm_paper", "weighted_sum", "weighted_sum_d2", "exact"}) {
     EXPECT_THROW(with(normals), InputError) << normals;
   }
@@ -342,7 +342,7 @@ TEST_F(SceneFileOnDisk, AHugeFileIsRefusedBeforeItIsRead) {
 }
 
 TEST(SceneFile, ALoadASpindleAndATimeToHold) {
-  const Scene s = parse(kLeast +
+  const Scene s = parse(least_scene() +
                         "hold_s = 10\nload_N = 1.5\nload_direction = [0, 3, -4]\n[cutting]\n"
                         "[spindle]\nstall_torque_mNm = 2\ninertia_g_mm2 = 7\n");
   EXPECT_EQ(s.trajectory.hold_s, 10.0);
@@ -351,17 +351,17 @@ TEST(SceneFile, ALoadASpindleAndATimeToHold) {
   ASSERT_TRUE(s.spindle);
   EXPECT_DOUBLE_EQ(s.spindle->stall_torque_Nm, 2e-3);
   EXPECT_DOUBLE_EQ(s.spindle->inertia_kg_m2, 7e-9);
-  EXPECT_FALSE(parse(kLeast).spindle);
-  EXPECT_FALSE(parse(kLeast).trajectory.load_N);
+  EXPECT_FALSE(parse(least_scene()).spindle);
+  EXPECT_FALSE(parse(least_scene()).trajectory.load_N);
 }
 
 TEST(SceneFile, ADirectionNeedsItsLoadAndASpindleItsCutting) {
   EXPECT_EQ(
-      error_of(kLeast + "load_direction = [0, 0, -1]\n"),
+      error_of(least_scene() + "load_direction = [0, 0, -1]\n"),
       "/scenes/s.toml: line 5, column 18, trajectory.load_direction: found a direction without "
       "load_N, expected both of them");
   EXPECT_EQ(
-      error_of(kLeast + "[spindle]\n"),
+      error_of(least_scene() + "[spindle]\n"),
       "/scenes/s.toml: line 5, column 1, spindle: found [spindle] without [cutting], expected "
       "both, or neither");
 }

@@ -9,13 +9,15 @@ namespace sulcus::scene_goal_test {
 namespace {
 
 using Eigen::Vector3d;
-using test::error_of, test::kLeast, test::parse;
+using test::error_of, test::least_scene, test::parse;
 
 /// The least scene with a [goal] of these keys, on lines from 7 on.
-std::string with_goal(const std::string& keys) { return kLeast + "[cutting]\n[goal]\n" + keys; }
+std::string with_goal(const std::string& keys) {
+  return least_scene() + "[cutting]\n[goal]\n" + keys;
+}
 
 TEST(GoalOfAScene, AGoalIsABoxOrACylinder) {
-  EXPECT_FALSE(parse(kLeast + "[cutting]\n").goal);
+  EXPECT_FALSE(parse(least_scene() + "[cutting]\n").goal);
   const GoalSettings box = *parse(with_goal("shape = 'box'\nsize_mm = [4, 2, 6]\ntaper_deg = -3\n"
                                             "position_mm = [1, -2, 3]\n"
                                             "rotation_deg = [0, 90, 180]\n"))
@@ -104,7 +106,7 @@ TEST(GoalOfAScene, TheWallsOfAGoalDoNotMeet) {
 }
 
 TEST(GoalOfAScene, AGoalIsForACut) {
-  EXPECT_EQ(error_of(kLeast + "[goal]\nshape = 'box'\nsize_mm = [1, 1, 1]\n"),
+  EXPECT_EQ(error_of(least_scene() + "[goal]\nshape = 'box'\nsize_mm = [1, 1, 1]\n"),
             "/scenes/s.toml: line 5, column 1, goal: found [goal] without [cutting], expected "
             "both of them");
 }

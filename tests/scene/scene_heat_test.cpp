@@ -7,12 +7,12 @@
 namespace sulcus::scene_heat_test {
 namespace {
 
-using test::error_of, test::kLeast, test::parse;
+using test::error_of, test::least_scene, test::parse;
 
 TEST(HeatOfAScene, ItIsInSiUnits) {
-  EXPECT_FALSE(parse(kLeast + "[cutting]\n").heat);
+  EXPECT_FALSE(parse(least_scene() + "[cutting]\n").heat);
   const HeatSettings heat =
-      *parse(kLeast +
+      *parse(least_scene() +
              "[cutting]\n[heat]\ncell_mm = 0.25\nstart_C = 36\ntooth_share = 0.5\nwater_ml_min = "
              "30\nwater_C = 10\nspray = 'mist'\nair_C = 20\ngum_mm = -1.5\n")
            .heat;
@@ -27,7 +27,7 @@ TEST(HeatOfAScene, ItIsInSiUnits) {
 }
 
 TEST(HeatOfAScene, WithoutWordsItIsDryAndInNoGum) {
-  const HeatSettings heat = *parse(kLeast + "[cutting]\n[heat]\n").heat;
+  const HeatSettings heat = *parse(least_scene() + "[cutting]\n[heat]\n").heat;
   EXPECT_EQ(heat.water_m3_per_s, 0.0);
   EXPECT_EQ(heat.start_C, 37.0);
   EXPECT_FALSE(heat.gum_m);
@@ -37,8 +37,9 @@ TEST(HeatOfAScene, WithoutWordsItIsDryAndInNoGum) {
 }
 
 TEST(HeatOfAScene, ItNeedsCutting) {
-  EXPECT_NE(error_of(kLeast + "[heat]\n").find("found [heat] without [cutting], expected both"),
-            std::string::npos);
+  EXPECT_NE(
+      error_of(least_scene() + "[heat]\n").find("found [heat] without [cutting], expected both"),
+      std::string::npos);
 }
 
 // 264^3 voxels of 0.1 mm in cells of one.

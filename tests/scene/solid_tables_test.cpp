@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3d;
 using Eigen::Vector3i;
-using test::error_of, test::kLeast, test::parse;
+using test::error_of, test::least_scene, test::parse;
 
 /// The least scene with `more` keys in its [workpiece].
 Scene parse_workpiece(const std::string& more) {
@@ -84,9 +84,9 @@ TEST(SolidTables, APartOfAVolume) {
 }
 
 TEST(SolidTables, BodiesHaveAShapeOrAFileAndAPlace) {
-  EXPECT_TRUE(parse(kLeast).bodies.empty());
+  EXPECT_TRUE(parse(least_scene()).bodies.empty());
   const Scene s =
-      parse("tissue = ['enamel', 'dentine']\n" + kLeast +
+      parse("tissue = ['enamel', 'dentine']\n" + least_scene() +
             "[[body]]\nname = 'mesial'\nshape = 'molar'\nvoxel_mm = 0.05\ncells = [208, 208, 408]\n"
             "position_mm = [10, 0, -1]\nrotation_deg = [0, 0, 180]\ncuttable = true\n"
             "[[body]]\nfile = 'jaw.stl'\ntissue = 'dentine'\n[cutting]\n");
@@ -111,7 +111,7 @@ TEST(SolidTables, BodiesHaveAShapeOrAFileAndAPlace) {
 }
 
 TEST(SolidTables, ABodyThatIsNoneIsRefused) {
-  const auto with = [](const std::string& keys) { return kLeast + "[[body]]\n" + keys; };
+  const auto with = [](const std::string& keys) { return least_scene() + "[[body]]\n" + keys; };
   EXPECT_EQ(error_of(with("name = 'a'\n")),
             "/scenes/s.toml: line 5, column 1, body.shape: found neither a shape nor a file, "
             "expected one of them");
@@ -126,7 +126,7 @@ TEST(SolidTables, ABodyThatIsNoneIsRefused) {
             "[cutting], expected both of them");
   EXPECT_NE(error_of(with("shape = 'box'\ncutable = true\n")).find("expected 'cuttable'"),
             std::string::npos);
-  std::string many = kLeast;
+  std::string many = least_scene();
   for (int i = 0; i < 16; ++i) many += "[[body]]\nshape = 'box'\n";
   EXPECT_NE(error_of(many).find("found 16, expected at most 15"), std::string::npos);
 }
@@ -140,10 +140,10 @@ TEST(SolidTables, ShapeAndFileExcludeEachOther) {
   EXPECT_EQ(error_of("[workpiece]\nshape = 'box'\nfile = 'a.stl'\n"),
             "/scenes/s.toml: line 2, column 9, workpiece.shape: found both a shape and a file, "
             "expected one of them");
-  EXPECT_EQ(error_of(kLeast + "file = 'p.csv'\n"),
+  EXPECT_EQ(error_of(least_scene() + "file = 'p.csv'\n"),
             "/scenes/s.toml: line 4, column 13, trajectory.points_mm: found both points and a "
             "file, expected one of them");
-  EXPECT_NE(error_of(kLeast + "[burr]\nshape = 'round'\nfile = 'b.stl'\n")
+  EXPECT_NE(error_of(least_scene() + "[burr]\nshape = 'round'\nfile = 'b.stl'\n")
                 .find("burr.shape: found both a shape and a file"),
             std::string::npos);
 }

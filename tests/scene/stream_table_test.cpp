@@ -8,13 +8,13 @@
 namespace sulcus::stream_table_test {
 namespace {
 
-using test::error_of, test::kLeast, test::parse;
+using test::error_of, test::least_scene, test::parse;
 
-TEST(StreamOfAScene, WithoutItThereIsNone) { EXPECT_FALSE(parse(kLeast).stream); }
+TEST(StreamOfAScene, WithoutItThereIsNone) { EXPECT_FALSE(parse(least_scene()).stream); }
 
 TEST(StreamOfAScene, ItIsReadAsItIs) {
   const StreamSettings stream =
-      *parse(kLeast +
+      *parse(least_scene() +
              "[stream]\naddress = '0.0.0.0'\nport = 20000\nrate_hz = 12.5\ntool = 'Burr'\n"
              "force = ''\n")
            .stream;
@@ -27,7 +27,7 @@ TEST(StreamOfAScene, ItIsReadAsItIs) {
 
 // What `sulcus help scene` prints is what is taken.
 TEST(StreamOfAScene, DefaultsAreThoseOfTheHelp) {
-  const StreamSettings stream = *parse(kLeast + "[stream]\n").stream;
+  const StreamSettings stream = *parse(least_scene() + "[stream]\n").stream;
   const auto expect_text = [](std::string_view key, const std::string& taken) {
     EXPECT_EQ(find_scene_key("stream", key)->default_toml, '"' + taken + '"') << key;
   };
@@ -46,7 +46,7 @@ TEST(StreamOfAScene, DefaultsAreThoseOfTheHelp) {
 }
 
 TEST(StreamOfAScene, NamesHaveToFitAHeader) {
-  const std::string stream = kLeast + "[stream]\n";
+  const std::string stream = least_scene() + "[stream]\n";
   EXPECT_EQ(error_of(stream + "tool = 'abcdefghijklmnopqrst'\n"), "no error");
   for (const char* name : {"abcdefghijklmnopqrstu", "the burr", "Fr\xc3\xa4ser"}) {
     EXPECT_NE(error_of(stream + "tool = '" + name + "'\n")
@@ -57,7 +57,7 @@ TEST(StreamOfAScene, NamesHaveToFitAHeader) {
 }
 
 TEST(StreamOfAScene, NoTwoHaveOneName) {
-  const std::string stream = kLeast + "[stream]\n";
+  const std::string stream = least_scene() + "[stream]\n";
   EXPECT_NE(
       error_of(stream + "torque = 'Force'\n")
           .find("stream.torque: found 'Force', the name of force, expected a name of its own"),

@@ -12,7 +12,7 @@
 namespace sulcus::tissue_tables_test {
 namespace {
 
-using test::error_of, test::kLeast, test::parse;
+using test::error_of, test::least_scene, test::parse;
 
 TEST(TissueTables, IsTheFileOfTheAssets) {
   std::ifstream in(SULCUS_SOURCE_DIR "/assets/tissues.toml", std::ios::binary);
@@ -23,7 +23,7 @@ TEST(TissueTables, IsTheFileOfTheAssets) {
 }
 
 TEST(TissueTables, KnownTissuesBringTheirConstants) {
-  const Scene s = parse("tissue = ['enamel', 'dentine', 'pulp', 'caries']\n" + kLeast);
+  const Scene s = parse("tissue = ['enamel', 'dentine', 'pulp', 'caries']\n" + least_scene());
   ASSERT_EQ(s.tissues.size(), 4u);
   EXPECT_EQ(s.tissues[1].name, "dentine");
   EXPECT_DOUBLE_EQ(s.tissues[0].specific_energy_J_per_m3, 3.5e9);
@@ -34,20 +34,20 @@ TEST(TissueTables, KnownTissuesBringTheirConstants) {
 }
 
 TEST(TissueTables, ATissueTableKeepsTheConstantsItDoesNotName) {
-  const Scene s = parse(kLeast + "[[tissue]]\nname = 'dentine'\nstiffness_N_per_mm = 3\n");
+  const Scene s = parse(least_scene() + "[[tissue]]\nname = 'dentine'\nstiffness_N_per_mm = 3\n");
   ASSERT_EQ(s.tissues.size(), 1u);
   EXPECT_DOUBLE_EQ(s.tissues[0].stiffness_N_per_m, 3e3);
   EXPECT_DOUBLE_EQ(s.tissues[0].specific_energy_J_per_m3, 0.65e9);
 }
 
 TEST(TissueTables, TissueErrorsNameTheTissue) {
-  EXPECT_EQ(error_of("tissue = ['enamel', 'bone']\n" + kLeast),
+  EXPECT_EQ(error_of("tissue = ['enamel', 'bone']\n" + least_scene()),
             "/scenes/s.toml: line 1, column 10, tissue: found 'bone', expected enamel, dentine, "
             "pulp or caries, or a [[tissue]]");
-  EXPECT_EQ(error_of(kLeast + "[[tissue]]\nname = 'a'\n[[tissue]]\nname = 'a'\n"),
+  EXPECT_EQ(error_of(least_scene() + "[[tissue]]\nname = 'a'\n[[tissue]]\nname = 'a'\n"),
             "/scenes/s.toml: line 5, column 1, tissue: found 'a' twice, expected names that "
             "differ");
-  EXPECT_NE(error_of(kLeast + "[[tissue]]\nabove = 3\n").find("expected a name"),
+  EXPECT_NE(error_of(least_scene() + "[[tissue]]\nabove = 3\n").find("expected a name"),
             std::string::npos);
 }
 

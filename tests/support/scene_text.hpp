@@ -9,8 +9,9 @@
 namespace sulcus::test {
 
 /// The least a scene must say, to which a test adds its own.
-inline const std::string kLeast =
-    "[workpiece]\nshape = 'molar'\n[trajectory]\npoints_mm = [[0, 0, 9]]\n";
+inline std::string least_scene() {
+  return "[workpiece]\nshape = 'molar'\n[trajectory]\npoints_mm = [[0, 0, 9]]\n";
+}
 
 inline Scene parse(const std::string& text, const std::vector<std::string>& overrides = {}) {
   return parse_scene(text, "/scenes/s.toml", overrides);
