@@ -77,6 +77,31 @@ TEST(TruthShapes, TruthPointsAwayFromTheSolidsOwnCentreOfMass) {
   }
 }
 
+TEST(TruthShapes, RoughBallsAreAsRoughAsTheySay) {
+  const std::vector<TruthShape> balls = truth_shapes("rough");
+  ASSERT_EQ(balls.size(), 2u);
+  for (const auto& [ball, roughness] : {std::pair(&balls[0], 0.4), std::pair(&balls[1], 0.7)}) {
+    ASSERT_GT(ball->voxels.size(), 20000u);
+    const Vector3d centre = Vector3d(0.13, -0.29, 0.37).array() + 55.5;
+    int strays = 0;  // within the shell that noise reaches, on the wrong side
+    for (std::uint32_t v = 0; v < ball->model.grid.cell_count(); ++v) {
+      const Cell c = ball->model.grid.cell_of_linear(v);
+      const double out = (c.cast<double>() - centre).norm() - 48.0;
+      if (ball->model.solid(c) == (out <= 0.0)) continue;
+      ASSERT_LE(std::abs(out), roughness);
+      ++strays;
+    }
+    // A quarter of the shell's volume: even noise passes a distance d with (1 - d / roughness) / 2.
+    const double shell = 4.0 * M_PI * 48.0 * 48.0 * 2.0 * roughness;
+    EXPECT_NEAR(strays, 0.25 * shell, 0.03 * shell);
+    for (const TruthVoxel& voxel : ball->voxels) {
+      const Vector3d out = voxel.cell.cast<double>() - centre;
+      ASSERT_NEAR(out.norm(), 48.0, 2.0 + roughness);
+      ASSERT_LT((voxel.normal - out.normalized()).norm(), 1e-12);
+    }
+  }
+}
+
 TEST(TruthShapes, FacesOfSolidsMeetAtTheirAngles) {
   struct Solid {
     const char* name;

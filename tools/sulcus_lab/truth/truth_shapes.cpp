@@ -309,6 +309,32 @@ std::vector<TruthShape> planes(SurfaceKind surface) {
   return all;
 }
 
+/// Balls, each voxel in or out as its centre is beside the surface, or up to so far from it.
+std::vector<TruthShape> rough_balls() {
+  constexpr double kRadius = 48.0;
+  std::mt19937 random(9);
+  std::vector<TruthShape> all;
+  for (const char* roughness : {"0.4", "0.7"}) {
+    TruthShape ball = make_shape("rough", whole(SphereShape(kRadius)), grid_of(112, 1.0), tilted(),
+                                 4, SurfaceKind::kBinary);
+    const Vector3d centre = tilted().position.array() + 0.5 * (112 - 1);
+    for (std::uint32_t v = 0; v < ball.model.grid.cell_count(); ++v) {
+      const Cell c = ball.model.grid.cell_of_linear(v);
+      const double out = (c.cast<double>() - centre).norm() - kRadius;
+      if (std::abs(out) > 1.0) continue;
+      const double even = 2.0 * (static_cast<double>(random()) / 4294967296.0) - 1.0;
+      ball.model.set(c, out + std::stod(roughness) * even <= 0.0);
+    }
+    ball.zones = {std::string("by_") + roughness};
+    ball.voxels.clear();
+    for (const Cell& c : surface_cells(Workpiece{VoxelModel(ball.model)}, 4)) {
+      ball.voxels.push_back({c, (c.cast<double>() - centre).normalized()});
+    }
+    all.push_back(std::move(ball));
+  }
+  return all;
+}
+
 std::string listed_names() {
   std::string list;
   for (const std::string_view name : kShapeNames)
@@ -321,6 +347,7 @@ std::string listed_names() {
 std::vector<TruthShape> truth_shapes(std::string_view name, SurfaceKind surface) {
   if (name == "plate") return plates(surface);
   if (name == "planes") return planes(surface);
+  if (name == "rough") return rough_balls();
   const auto one = [&](const ComposedShape& shape, int cells, const Pose& pose, int margin) {
     std::vector<TruthShape> shapes;
     shapes.push_back(
