@@ -74,7 +74,8 @@ inline constexpr float kNearEdge = 3.0f;
 /// by no more than so many voxels up to its rim, and its residuals scatter by no more than that,
 /// voxels^2. Least NS of a map that tells. [m: a sphere in 0.4 voxels of noise 6.2 -> 0.7 degrees,
 /// rims of a cavity in the molar 3.021 -> 3.032; with a variance of 3, 3.035.]
-inline constexpr int kFewestOutOfLine = 5, kOutOfLine = 2, kLeastForRough = 5;
+inline constexpr int kFewestOutOfLine = 5, kLeastForRough = 5;
+inline constexpr std::int16_t kOutOfLine = 2;
 inline constexpr std::int64_t kLeastSpread = 4;
 inline constexpr float kMostRoughSagitta = 2.0f, kMostRoughScatter = 0.6f;
 /// Fewest points in a ball, and share of them that a face which grows from it must have.

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
+#include <cstring>
 
 #include "engine/normals/ldm_tuning.hpp"
 
@@ -11,48 +11,105 @@ namespace sulcus {
 
 namespace {
 
-using Flags = std::array<unsigned char, HeightMap::kMaxLanes>;
+using Short = std::int16_t;
+/// In place of kNone: with it among three heights, second differences are beyond kFar, or all are
+/// it.
+constexpr Short kAbsent = 0x4000, kFar = 0x1000;
 
-/// Flags of a row's columns that are out of line with those `step` before and after them, where all
-/// three have heights.
-void flag_out_of_line(const signed char* row, std::ptrdiff_t step, int lanes, Flags& flags) {
-  for (int lane = 1; lane < lanes; ++lane) {
-    const int before = row[lane - step], here = row[lane], after = row[lane + step];
-    const bool found =
-        (before != HeightMap::kNone) & (here != HeightMap::kNone) & (after != HeightMap::kNone);
-    flags[static_cast<std::size_t>(lane)] |=
-        static_cast<unsigned char>(found & (std::abs(before - 2 * here + after) >= kOutOfLine));
-  }
+/// Of eight columns side by side; masks are -1 and 0.
+using EightHeights = Short __attribute__((vector_size(16)));
+using EightStored = signed char __attribute__((vector_size(8)));
+constexpr int kTogether = 8;
+
+EightHeights load(const Short* from) {
+  EightHeights row;
+  std::memcpy(&row, from, sizeof row);
+  return row;
 }
+
+/// The heights of a map, with a row and a column of none around.
+class Heights {
+ public:
+  explicit Heights(const HeightMap& map) {
+    for (int row = -1; row <= 2 * map.ns + 1; ++row) {
+      Short* const to = at(row, 0);
+      to[-1] = to[map.lanes] = kAbsent;
+      const bool is_there = row >= 0 && row <= 2 * map.ns;
+      for (int lane = 0; lane < map.lanes; lane += kTogether) {
+        EightHeights found = EightHeights{} + kAbsent;
+        if (is_there) {
+          EightStored bytes;
+          std::memcpy(&bytes, map.height.data() + row * map.lanes + lane, sizeof bytes);
+          found = __builtin_convertvector(bytes, EightHeights);
+          const EightHeights none = found == Short{HeightMap::kNone};
+          found = (found & ~none) | (none & kAbsent);
+        }
+        std::memcpy(to + lane, &found, sizeof found);
+      }
+    }
+  }
+
+  /// Which of the eight columns from there on are out of line.
+  EightHeights out_of_line(int row, int lane) const {
+    const Short* const here = at(row, lane);
+    const EightHeights middle = load(here), twice = middle + middle;
+    const auto is_beyond = [](const EightHeights& difference) {
+      const EightHeights sign = difference >> 15, size = (difference ^ sign) - sign;
+      return EightHeights((size >= kOutOfLine) & (size < kFar));
+    };
+    return is_beyond(load(here - 1) + load(here + 1) - twice) |
+           is_beyond(load(here - kPitch) + load(here + kPitch) - twice);
+  }
+
+ private:
+  static constexpr int kPitch = HeightMap::kMaxLanes + kTogether;
+
+  Short* at(int row, int lane) { return heights_.data() + (row + 1) * kPitch + lane + 1; }
+  const Short* at(int row, int lane) const {
+    return heights_.data() + (row + 1) * kPitch + lane + 1;
+  }
+
+  std::array<Short, (HeightMap::kMaxRows + 2) * kPitch> heights_;
+};
+
+/// Of places: how many, and their sums.
+struct Places {
+  std::int64_t n = 0, i = 0, j = 0, ii = 0, ij = 0, jj = 0;
+
+  /// Whether their principal variances are no less than that.
+  bool spread_at_least(std::int64_t variance) const {
+    // n^2 times the covariance, less the least along every direction.
+    const std::int64_t along_i = n * ii - i * i - variance * n * n,
+                       along_j = n * jj - j * j - variance * n * n, both = n * ij - i * j;
+    return along_i >= 0 && along_j >= 0 && along_i * along_j >= both * both;
+  }
+};
 
 }  // namespace
 
 bool has_rough_columns(const HeightMap& map) noexcept {
-  std::int64_t n = 0, i = 0, j = 0, ii = 0, ij = 0, jj = 0;
-  for (int row = -map.ns; row <= map.ns; ++row) {
-    const signed char* const heights = map.middle_row() + row * map.lanes;
-    Flags flags{};
-    flag_out_of_line(heights, 1, map.lanes, flags);
-    if (std::abs(row) < map.ns) flag_out_of_line(heights, map.lanes, map.lanes, flags);
-    int of_row = 0, i_of_row = 0, ii_of_row = 0;
-    for (int lane = 1; lane < map.lanes; ++lane) {
-      const int flag = flags[static_cast<std::size_t>(lane)], x = lane - map.lanes / 2;
-      of_row += flag;
-      i_of_row += flag * x;
-      ii_of_row += flag * x * x;
+  const Heights heights(map);
+  Places places;
+  for (int lane = 0; lane < map.lanes; lane += kTogether) {
+    EightHeights count{}, sum_j{}, sum_jj{};
+    for (int row = 0; row <= 2 * map.ns; ++row) {
+      const EightHeights is_out = heights.out_of_line(row, lane);
+      const auto j = static_cast<Short>(row - map.ns);
+      count -= is_out;
+      sum_j += is_out & j;
+      sum_jj += is_out & static_cast<Short>(j * j);
     }
-    n += of_row;
-    i += i_of_row;
-    ii += ii_of_row;
-    j += of_row * row;
-    ij += i_of_row * row;
-    jj += of_row * row * row;
+    for (int l = 0; l < kTogether; ++l) {
+      const int i = lane + l - map.lanes / 2, n = count[l];
+      places.n += n;
+      places.i += n * i;
+      places.ii += n * i * i;
+      places.j += sum_j[l];
+      places.ij += sum_j[l] * i;
+      places.jj += sum_jj[l];
+    }
   }
-  if (n < kFewestOutOfLine) return false;
-  // n^2 times the covariance, less the least spread along every direction.
-  const std::int64_t along_i = n * ii - i * i - kLeastSpread * n * n,
-                     along_j = n * jj - j * j - kLeastSpread * n * n, both = n * ij - i * j;
-  return along_i >= 0 && along_j >= 0 && along_i * along_j >= both * both;
+  return places.n >= kFewestOutOfLine && places.spread_at_least(kLeastSpread);
 }
 
 }  // namespace sulcus
