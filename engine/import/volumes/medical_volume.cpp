@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <limits>
 #include <new>
+#include <sstream>
 
 #include <Eigen/LU>
 
@@ -65,8 +66,14 @@ MedicalVolume read_file(const std::string& path, const InputLimits& limits) {
 MedicalVolume read_folder(const std::string& folder, const InputLimits& limits) {
   std::vector<std::string> tiffs, pngs, others;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    if (!entry.is_regular_file()) continue;
     const std::string file = entry.path().string();
+    std::error_code gone;
+    // Hidden ones are editors' notes that a file is open.
+    if (entry.is_symlink() && !fs::exists(file, gone) &&
+        !entry.path().filename().string().starts_with('.')) {
+      throw InputError(file, "", "a link to nothing", "a slice, or another file");
+    }
+    if (!entry.is_regular_file(gone)) continue;
     (is_tiff(file) ? tiffs : lower_extension(file) == ".png" ? pngs : others).push_back(file);
   }
   std::ranges::sort(others);  // a folder has no order of its own
@@ -101,22 +108,33 @@ void check_placement(const MedicalVolume& volume) {
   }
 }
 
-/// A value that is not a number would spread along whole lines when the grid is interpolated.
+/// Values that are not finite would spread along whole lines when the grid is interpolated.
 void replace_non_finite(MedicalVolume& volume) {
-  float least = std::numeric_limits<float>::infinity();
-  bool all = true;
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  float least = kInfinity, most = -kInfinity;
+  std::size_t above = 0, others = 0;
   for (const float v : volume.values) {
     if (std::isfinite(v)) {
       least = std::min(least, v);
+      most = std::max(most, v);
     } else {
-      all = false;
+      ++(v == kInfinity ? above : others);
     }
   }
-  if (all) return;
-  if (!std::isfinite(least)) {
-    throw InputError(volume.file, "data", "no finite grey value", "grey values");
+  if (above + others == 0) return;
+  if (least > most) throw InputError(volume.file, "data", "no finite grey value", "grey values");
+  for (float& v : volume.values) {
+    if (!std::isfinite(v)) v = v == kInfinity ? most : least;
   }
-  for (float& v : volume.values) v = std::isfinite(v) ? v : least;
+  const auto warn = [&](std::size_t count, const char* of, const char* end, float value) {
+    if (count == 0) return;
+    std::ostringstream text;
+    text << count << (count == 1 ? " value is " : " values are ") << of << ": taken as the " << end
+         << ", " << value;
+    volume.warnings.push_back(text.str());
+  };
+  warn(above, "infinite, or too large", "largest", most);
+  warn(others, "no number, or below all", "smallest", least);
 }
 
 }  // namespace

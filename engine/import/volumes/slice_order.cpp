@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <filesystem>
 #include <limits>
+#include <map>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -20,6 +22,7 @@ bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z')
 /// A number as a name writes it.
 struct Decimal {
   std::string whole, fraction;  // without zeros ahead and behind
+  std::string digits;           // of the fraction, all that are written
   bool minus = false;
 
   double value() const {
@@ -33,8 +36,14 @@ struct Decimal {
     std::string result = (minus ? "-" : "") + (whole.empty() ? std::string("0") : whole);
     return fraction.empty() ? result : result + "." + fraction;
   }
-  bool operator==(const Decimal&) const = default;
+  bool operator==(const Decimal& other) const {
+    return whole == other.whole && fraction == other.fraction && minus == other.minus;
+  }
 };
+
+std::string without_zeros_ahead(std::string digits) {
+  return digits.erase(0, std::min(digits.find_first_not_of('0'), digits.size()));
+}
 
 bool less(const Decimal& a, const Decimal& b) {
   if (a.minus != b.minus) return a.minus;
@@ -72,11 +81,12 @@ NamedSlice parsed(const std::string& file) {
                                is_digit(stem[fraction_end + 1]);
     if (end < stem.size() && stem[end] == '.' && fraction_end > end + 1 && !dotted_before &&
         !dotted_behind) {
-      number.fraction = stem.substr(end + 1, fraction_end - end - 1);
+      number.digits = stem.substr(end + 1, fraction_end - end - 1);
+      number.fraction = number.digits;
       while (!number.fraction.empty() && number.fraction.back() == '0') number.fraction.pop_back();
       end = fraction_end;
     }
-    number.whole.erase(0, std::min(number.whole.find_first_not_of('0'), number.whole.size()));
+    number.whole = without_zeros_ahead(number.whole);
     slice.numbers.push_back(std::move(number));
     slice.texts.emplace_back();
     at = end;
@@ -104,12 +114,75 @@ void take_signs(std::vector<NamedSlice>& slices) {
   }
 }
 
-void warn_of_gaps(const std::vector<NamedSlice>& slices, std::size_t varying,
-                  std::vector<std::string>& warnings) {
+/// Whether there are three or more numbers, in steps that are the same but for `rounding`.
+bool are_even(std::vector<double> numbers, double rounding) {
+  std::ranges::sort(numbers);
+  double least = std::numeric_limits<double>::infinity(), most = 0.0;
+  for (std::size_t n = 0; n + 1 < numbers.size(); ++n) {
+    least = std::min(least, numbers[n + 1] - numbers[n]);
+    most = std::max(most, numbers[n + 1] - numbers[n]);
+  }
+  return numbers.size() > 2 && least > 0.0 && most <= (1.0 + rounding) * least;
+}
+
+/// What the numbers at place `n` may be. Nobody writes 1.8, 1.9, 1.10 of decimal numbers, nor 0.75,
+/// 1.00, 1.25 of parts: what goes in even steps is meant.
+enum class DotMeaning { kDecimal, kPart, kUnknown };
+DotMeaning meaning_of_dot(const std::vector<NamedSlice>& slices, std::size_t n) {
+  std::map<std::string, double> decimals;  // by how they are written
+  std::map<double, int> parts;
+  std::set<std::size_t> lengths;
+  bool padded = false, all_dotted = true;
+  for (const NamedSlice& slice : slices) {
+    const Decimal& number = slice.numbers[n];
+    const std::size_t length = number.digits.size();
+    if (length == 0) all_dotted = false;
+    if (length > 0) lengths.insert(length);
+    padded = padded || (length > 1 && number.digits.back() == '0');
+    decimals[number.whole + "." + number.digits] = number.value();
+    double part = 0.0;
+    std::from_chars(number.digits.data(), number.digits.data() + length, part);
+    ++parts[part];
+  }
+  if (!padded || lengths.size() < 2) return DotMeaning::kDecimal;
+  std::vector<double> values, whole;
+  for (const auto& [text, value] : decimals) values.push_back(value);
+  for (const auto& [part, count] : parts) whole.push_back(part);
+  constexpr double kDigits = 0.5, kNone = 1e-9;  // digits of a decimal number may be rounded
+  const bool as_decimals = are_even(values, kDigits);
+  const bool as_parts = all_dotted && are_even(whole, kNone);
+  if (as_decimals == as_parts) return DotMeaning::kUnknown;
+  return as_decimals ? DotMeaning::kDecimal : DotMeaning::kPart;
+}
+
+/// Where what stands behind a dot is a number of its own, as in v1.9 and v1.10, it becomes one.
+/// @throws InputError: it may be one or the digits of a decimal number.
+void part_at_dots(const std::string& folder, std::vector<NamedSlice>& slices) {
+  for (std::size_t n = slices.front().numbers.size(); n-- > 0;) {
+    const DotMeaning meaning = meaning_of_dot(slices, n);
+    if (meaning == DotMeaning::kDecimal) continue;
+    const auto at = static_cast<std::ptrdiff_t>(n) + 1;
+    for (NamedSlice& slice : slices) {
+      const std::string digits = std::exchange(slice.numbers[n].digits, {});
+      slice.numbers[n].fraction.clear();
+      if (meaning == DotMeaning::kPart) {
+        slice.texts.insert(slice.texts.begin() + at, ".");
+        slice.numbers.insert(slice.numbers.begin() + at,
+                             {.whole = without_zeros_ahead(digits), .fraction = {}, .digits = {}});
+      } else if (digits.size() > 1 && digits.back() == '0') {
+        throw InputError(folder, "",
+                         slice.name + ", where " + digits + " may be a number or a fraction",
+                         "numbers with as many digits in each name");
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void warn_of_gaps(std::span<const SliceNumber> slices, std::vector<std::string>& warnings) {
   double least = std::numeric_limits<double>::infinity();
-  const auto step = [&](std::size_t s) {
-    return slices[s + 1].numbers[varying].value() - slices[s].numbers[varying].value();
-  };
+  const auto step = [&](std::size_t s) { return slices[s + 1].value - slices[s].value; };
   for (std::size_t s = 0; s + 1 < slices.size(); ++s) least = std::min(least, step(s));
   constexpr std::size_t kMostTold = 3;
   std::size_t gaps = 0;
@@ -117,16 +190,14 @@ void warn_of_gaps(const std::vector<NamedSlice>& slices, std::size_t varying,
     constexpr double kSame = 1.5;  // digits of a decimal number may be rounded
     if (step(s) < kSame * least) continue;
     if (++gaps > kMostTold) continue;
-    warnings.push_back("the slices' numbers go from " + slices[s].numbers[varying].text() + " to " +
-                       slices[s + 1].numbers[varying].text() + " (" + slices[s].name + ", " +
-                       slices[s + 1].name + "): what is absent there is not made up for");
+    warnings.push_back("the slices' numbers go from " + slices[s].text + " to " +
+                       slices[s + 1].text + " (" + slices[s].name + ", " + slices[s + 1].name +
+                       "): what is absent there is not made up for");
   }
   if (gaps > kMostTold) {
     warnings.push_back("and " + std::to_string(gaps - kMostTold) + " more such gaps");
   }
 }
-
-}  // namespace
 
 SliceOrder slice_order(const std::string& folder, std::vector<std::string> files) {
   std::ranges::sort(files);
@@ -157,6 +228,7 @@ SliceOrder slice_order(const std::string& folder, std::vector<std::string> files
   for (const NamedSlice& slice : slices) {
     if (slice.texts != slices.front().texts) refuse(slice);
   }
+  part_at_dots(folder, slices);
   std::ranges::stable_sort(slices, [](const NamedSlice& a, const NamedSlice& b) {
     return std::ranges::lexicographical_compare(a.numbers, b.numbers, less);
   });
@@ -172,7 +244,12 @@ SliceOrder slice_order(const std::string& folder, std::vector<std::string> files
     throw InputError(folder, "", slices[s].name + " and " + slices[s + 1].name, "each number once");
   }
   if (varying.size() == 1) {
-    warn_of_gaps(slices, varying.front(), order.warnings);
+    std::vector<SliceNumber> numbers;
+    for (const NamedSlice& slice : slices) {
+      const Decimal& number = slice.numbers[varying.front()];
+      numbers.push_back({number.value(), number.text(), slice.name});
+    }
+    warn_of_gaps(numbers, order.warnings);
   } else {
     order.warnings.emplace_back(
         "the slices' names differ in several numbers: they go by the first, then by the next");

@@ -1,6 +1,8 @@
 #include "engine/import/volumes/medical_volume.hpp"
 
+#include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <iterator>
@@ -245,16 +247,22 @@ TEST(MedicalVolume, ReadsDicomSeries) {
   }
 }
 
-TEST(MedicalVolume, NonFiniteValuesBecomeTheSmallest) {
+TEST(MedicalVolume, ValuesThatAreNotFiniteBecomeTheLeastOrTheMost) {
   const ScratchFolder folder;
-  std::string data;
-  for (const float v : {3.0f, std::numeric_limits<float>::quiet_NaN(), 2.0f,
-                        std::numeric_limits<float>::infinity()}) {
-    data += bytes_of(v);
-  }
-  const MedicalVolume volume = read_medical_volume(
-      folder.write("a.nrrd", nrrd("2 2 1", "spacings: 1 1 1\n", data, "raw", "3", "float")));
-  EXPECT_EQ(volume.values, (std::vector<float>{3, 2, 2, 2}));
+  const auto read = [&](const std::vector<double>& values) {
+    std::string data;
+    for (const double v : values) data += bytes_of(v);
+    return read_medical_volume(
+        folder.write("a.nrrd", nrrd("2 3 1", "spacings: 1 1 1\n", data, "raw", "3", "double")));
+  };
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const MedicalVolume volume = read({3, std::nan(""), 2, kInfinity, -kInfinity, 1e300});
+  EXPECT_EQ(volume.values, (std::vector<float>{3, 2, 2, 3, 2, 3}));
+  EXPECT_EQ(
+      volume.warnings,
+      (std::vector<std::string>{"2 values are infinite, or too large: taken as the largest, 3",
+                                "2 values are no number, or below all: taken as the smallest, 2"}));
+  EXPECT_TRUE(read({3, 1, 2, 3, 4, 5}).warnings.empty());
 }
 
 TEST(MedicalVolume, WrittenVolumesComeBack) {
@@ -444,6 +452,13 @@ TEST(MedicalVolume, MissingFilesAndEmptyFolders) {
   EXPECT_NE(error_of(folder.path("none.nrrd")).find("no such file"), std::string::npos);
   folder.write("series/readme", "no slice");
   EXPECT_NE(error_of(folder.path("series")).find("no DICOM series"), std::string::npos);
+  folder.write("linked/s0.tif", tiff(1));
+  std::filesystem::create_symlink("nothing", folder.path("linked/.#s0.tif"));
+  EXPECT_EQ(error_of(folder.path("linked")), "no error");
+  std::filesystem::create_symlink("nothing", folder.path("linked/s1.tif"));
+  EXPECT_EQ(error_of(folder.path("linked")),
+            folder.path("linked/s1.tif") +
+                ": found a link to nothing, expected a slice, or another file");
 }
 
 TEST(MedicalVolume, TruncatedExportIsRefused) {

@@ -35,7 +35,14 @@ TEST(SliceOrder, IsThatOfTheNumbers) {
       {"scan-1.tif", "scan-2.tif", "scan-11.tif"},  // a hyphen, and no sign
       {"1.2.840.9.1.tif", "1.2.840.9.2.tif", "1.2.840.9.10.tif"},
       {"99999999999999999999998.png", "99999999999999999999999.png"},
-      {"tooth2_z1.tif", "tooth2_z2.tif", "tooth2_z10.tif"}};
+      {"tooth2_z1.tif", "tooth2_z2.tif", "tooth2_z10.tif"},
+      // Numbers on either side of a dot, and decimal numbers whose zeros some names have.
+      {"v1.1.tif", "v1.2.tif", "v1.3.tif", "v1.4.tif", "v1.5.tif", "v1.6.tif", "v1.7.tif",
+       "v1.8.tif", "v1.9.tif", "v1.10.tif", "v1.11.tif"},
+      {"v1.8.tif", "v1.9.tif", "v1.10.tif", "v1.11.tif"},
+      {"v1.8.tif", "v1.9.tif", "v1.10.tif", "v2.8.tif", "v2.9.tif", "v2.10.tif"},
+      {"z0.5.tif", "z0.75.tif", "z1.0.tif", "z1.25.tif"},
+      {"z0.5.tif", "z0.75.tif", "z1.00.tif", "z1.25.tif"}};
   for (const auto& names : series) EXPECT_EQ(ordered(names), names) << names.front();
 }
 
@@ -69,6 +76,13 @@ TEST(SliceOrder, RefusesNamesThatSayTwoThings) {
   EXPECT_EQ(error_of({"s_1.tif", "s_01.tif"}),
             "folder: found s_01.tif and s_1.tif, expected each number once");
   EXPECT_NE(error_of({"s_1.tif", "s_2.tif", "mask_2.tif"}).find("differ in their numbers alone"),
+            std::string::npos);
+  // 1.9 and then 1.10, or the other way round?
+  EXPECT_EQ(error_of({"v1.9.tif", "v1.10.tif"}),
+            "folder: found v1.10.tif, where 10 may be a number or a fraction, expected numbers "
+            "with as many digits in each name");
+  EXPECT_NE(error_of({"v1.8.tif", "v1.9.tif", "v1.10.tif", "v1.12.tif"})
+                .find("10 may be a number or a fraction"),
             std::string::npos);
   EXPECT_NE(error_of({"s_1.tif", "preview.tif"}).find("differ in their numbers alone"),
             std::string::npos);
