@@ -196,6 +196,17 @@ class Parser {
   bool implicit_, big_endian_;
 };
 
+/// Whether a data set that may go on is there up to the end of its pixels.
+bool holds_pixels(const std::string& path, std::span<const std::byte> bytes) {
+  try {
+    std::size_t at = 0;
+    return Parser(path, bytes, {}).data_set(at, bytes.size(), false, 0).find(kPixelData) != nullptr;
+  } catch (const InputError&) {
+    return false;  // it breaks off, or is damaged, which is told of the whole
+  }
+}
+
+/// As far as its pixels: what follows them is not read, and may be without end.
 std::vector<std::byte> inflated_data_set(const std::string& path, std::span<const std::byte> packed,
                                          std::uint64_t most_bytes) {
   z_stream stream{};
@@ -204,7 +215,9 @@ std::vector<std::byte> inflated_data_set(const std::string& path, std::span<cons
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(packed.data()));
   stream.avail_in = static_cast<uInt>(packed.size());
   int status = Z_OK;
-  while (status == Z_OK && out.size() < most_bytes) {
+  bool pixels = false;
+  std::size_t looked_at_next = 0;
+  while (status == Z_OK && !pixels && out.size() < most_bytes) {
     constexpr std::size_t kBlock = std::size_t{1} << 20;
     const std::size_t held = out.size();
     out.resize(held + kBlock);
@@ -212,9 +225,13 @@ std::vector<std::byte> inflated_data_set(const std::string& path, std::span<cons
     stream.avail_out = static_cast<uInt>(kBlock);
     status = inflate(&stream, Z_NO_FLUSH);
     out.resize(held + kBlock - stream.avail_out);
+    if (out.size() < looked_at_next) continue;
+    pixels = holds_pixels(path, out);
+    looked_at_next = 2 * out.size();  // so that looking stays the smaller part
   }
   inflateEnd(&stream);
-  if (status == Z_STREAM_END) return out;
+  if (status == Z_OK && !pixels) pixels = holds_pixels(path, out);
+  if (pixels || status == Z_STREAM_END) return out;
   throw InputError(path, "data set", "a deflate stream that is damaged, or too long",
                    "a whole one");
 }

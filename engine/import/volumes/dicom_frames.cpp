@@ -19,6 +19,8 @@ constexpr DicomTag kPlanePosition = dicom_tag(0x0020, 0x9113),
                    kPixelMeasures = dicom_tag(0x0028, 0x9110),
                    kValueTransformation = dicom_tag(0x0028, 0x9145);
 
+constexpr double kMostNumber = 1e9;
+
 /// Where a number of DICOM is said, and what it is called.
 struct Attribute {
   DicomTag group;  // the sequence that holds it in enhanced files
@@ -40,7 +42,7 @@ std::vector<double> numbers_in(const std::string& path, const DicomDataSet& data
   if (!element || element->value.empty()) return {};
   const std::vector<double> numbers = data.decimals(attribute.tag);
   const bool fine = numbers.size() == attribute.count && std::ranges::all_of(numbers, [](double n) {
-                      return std::isfinite(n) && std::abs(n) < 1e9;
+                      return std::isfinite(n) && std::abs(n) < kMostNumber;
                     });
   if (!fine) {
     throw InputError(path, attribute.name, "\"" + data.text(attribute.tag) + "\"",
@@ -91,6 +93,13 @@ DicomPlane plane_of(const DicomFile& file, std::uint32_t index) {
 void spread(const DicomFile& file, DicomFrames& slices) {
   constexpr Attribute kOffsets{0, dicom_tag(0x3004, 0x0c), "GridFrameOffsetVector", 0};
   std::vector<double> offsets = file.data.decimals(kOffsets.tag);
+  const DicomElement* said = file.data.find(kOffsets.tag);
+  const bool finite = std::ranges::all_of(
+      offsets, [](double n) { return std::isfinite(n) && std::abs(n) < kMostNumber; });
+  if (said && !said->value.empty() && (offsets.empty() || !finite)) {
+    throw InputError(file.path, kOffsets.name, "\"" + file.data.text(kOffsets.tag) + "\"",
+                     "finite numbers");
+  }
   if (!offsets.empty() && offsets.size() != slices.frames.size()) {
     throw InputError(file.path, kOffsets.name, std::to_string(offsets.size()) + " numbers",
                      std::to_string(slices.frames.size()) + ", one for each frame");
@@ -148,6 +157,7 @@ DicomFrames frames_of(const DicomFile& file, std::size_t number) {
     if (const auto n = numbers_of(file, f, kIntercept); !n.empty()) frame.intercept = n[0];
     if (frame.slope == 0.0) throw InputError(file.path, kSlope.name, "0", "another number");
     if (!dose.empty()) frame.slope *= dose[0];
+    if (frame.slope == 0.0) throw InputError(file.path, kDoseScale.name, "0", "another number");
     frame.instance = instance.empty() ? std::nan("") : instance[0];
     const DicomPlane plane = plane_of(file, f);
     if (f == 0) slices.plane = plane;

@@ -96,6 +96,31 @@ bool is_unpacked_here(const std::string& syntax) {
          syntax == kJpeg2000Lossless || syntax == kJpeg2000 || syntax == kPlain;
 }
 
+/// Refuses packed pixels that cannot be of the size which is said, before memory is taken for it.
+void check_packed_size(const DicomFile& file, const DicomElement& pixels,
+                       const DicomPixelForm& form) {
+  const std::string& syntax = file.transfer_syntax;
+  if (syntax == kRle || syntax == kPlain) {
+    std::uint64_t held = 0;
+    for (const auto& fragment : std::span(pixels.fragments).subspan(1)) held += fragment.size();
+    const std::uint64_t announced = form.frame_bytes() * form.frames;
+    if (syntax == kPlain && held < announced) refuse_length(file, held, announced);
+    if (held >= announced / kMostRleRatio) return;
+    throw InputError(
+        file.path, "PixelData", std::to_string(held) + " bytes of run lengths",
+        "at least " + std::to_string(announced / kMostRleRatio) + " for rows, columns and frames");
+  }
+  const auto coded = coded_size(packed_frame(file, pixels, form, 0));
+  if (coded && coded->columns == form.columns && coded->rows == form.rows) return;
+  const auto text = [](std::uint32_t columns, std::uint32_t rows) {
+    return std::to_string(columns) + " x " + std::to_string(rows);
+  };
+  throw InputError(file.path, "PixelData",
+                   coded ? "a picture of " + text(coded->columns, coded->rows)
+                         : "packed pixels that are damaged",
+                   "a whole picture of " + text(form.columns, form.rows));
+}
+
 /// A stored word as the number that its bits from `high_bit` down say.
 float value_of(std::uint32_t word, const DicomPixelForm& form) {
   word >>= form.high_bit + 1 - form.stored;
@@ -186,6 +211,7 @@ DicomPixelForm dicom_pixel_form(const DicomFile& file) {
             " fragments",
         "at least one for each of " + std::to_string(form.frames) + " frames");
   }
+  if (!is_native(syntax)) check_packed_size(file, *pixels, form);
   return form;
 }
 

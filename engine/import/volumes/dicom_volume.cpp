@@ -10,6 +10,7 @@
 #include "engine/core/file_kind.hpp"
 #include "engine/import/volumes/dicom_data_set.hpp"
 #include "engine/import/volumes/dicom_frames.hpp"
+#include "engine/import/volumes/slice_order.hpp"
 #include "engine/import/volumes/volume_checks.hpp"
 #include "engine/import/volumes/volume_readers.hpp"
 
@@ -130,7 +131,7 @@ std::optional<Row> order_by_place(const std::string& name, std::span<const std::
 }
 
 void order_by_number(const std::string& name, std::span<const std::string> files,
-                     std::vector<DicomFrame>& frames) {
+                     std::vector<DicomFrame>& frames, std::vector<std::string>& warnings) {
   const bool one_file =
       std::ranges::all_of(frames, [&](const DicomFrame& f) { return f.file == frames[0].file; });
   if (one_file) return;
@@ -144,6 +145,11 @@ void order_by_number(const std::string& name, std::span<const std::string> files
                      name_of(frames[f], files, false) + " without one of its own",
                      "one for each slice, where no position puts them in order");
   }
+  std::vector<SliceNumber> numbers;
+  for (const DicomFrame& frame : frames) {
+    numbers.push_back({frame.instance, text_of(frame.instance), name_of(frame, files, false)});
+  }
+  warn_of_gaps(numbers, warnings);
 }
 
 /// Where the frames lie, in the order that they then have.
@@ -192,7 +198,7 @@ void place(const std::string& name, std::span<const std::string> files, const Di
       steps.col(2) = row->step_mm.normalized();
     }
   } else {
-    order_by_number(name, files, frames);
+    order_by_number(name, files, frames, volume.warnings);
     if (frames.size() > 1) {
       volume.warnings.push_back(std::string("ImagePositionPatient is not said: slices go by ") +
                                 (many_frames ? "the order of frames" : "InstanceNumber"));

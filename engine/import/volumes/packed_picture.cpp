@@ -15,7 +15,13 @@
 namespace sulcus {
 namespace {
 
-/// One plane of run lengths, PackBits; false: it ends too soon.
+/// Whether more stands behind a plane than fills its segment up: its picture is a larger one.
+bool has_more_runs(std::span<const std::byte> rest) {
+  constexpr auto kNothing = std::byte{0x80};  // a code that says so
+  return std::ranges::count_if(rest, [](std::byte b) { return b != kNothing; }) > 1;
+}
+
+/// One plane of run lengths, PackBits; false: it ends too soon or too late.
 bool unpack_runs(std::span<const std::byte> packed, std::span<std::byte> plane) {
   std::size_t at = 0, done = 0;
   while (done < plane.size()) {
@@ -34,7 +40,7 @@ bool unpack_runs(std::span<const std::byte> packed, std::span<std::byte> plane) 
     at += taken;
     done += count;
   }
-  return true;
+  return !has_more_runs(packed.subspan(at));
 }
 
 /// Whether a stream of JPEG's kind ends with its marker, up to the zeros that fill a fragment up.
@@ -118,6 +124,8 @@ std::vector<std::int32_t> unpack_rle(std::span<const std::byte> packed, std::uin
     return value;
   };
   if (packed.size() < kHeader || word(0) != bytes_each) return {};
+  const std::uint64_t plane_bytes = std::uint64_t{columns} * rows * bytes_each;
+  if (packed.size() * kMostRleRatio < plane_bytes) return {};
   std::vector<std::int32_t> values(std::size_t{columns} * rows, 0);
   std::vector<std::byte> plane(values.size());
   for (std::size_t p = 0; p < bytes_each; ++p) {
@@ -131,6 +139,40 @@ std::vector<std::int32_t> unpack_rle(std::span<const std::byte> packed, std::uin
     }
   }
   return values;
+}
+
+std::optional<PictureSize> coded_size(std::span<const std::byte> packed) {
+  const auto number = [&](std::size_t at, std::size_t digits) {
+    std::uint32_t value = 0;
+    for (std::size_t d = 0; d < digits; ++d) {
+      value = value << 8u | static_cast<std::uint32_t>(packed[at + d]);
+    }
+    return value;
+  };
+  constexpr std::size_t kSizeEnd = 24;
+  if (packed.size() < kSizeEnd) return std::nullopt;
+  if (number(0, 4) == 0xff4fff51) {  // JPEG 2000: its size comes first [T.800, annex A.5.1]
+    const std::uint32_t right = number(8, 4), bottom = number(12, 4);
+    const std::uint32_t left = number(16, 4), top = number(20, 4);
+    if (left > right || top > bottom) return std::nullopt;
+    return PictureSize{right - left, bottom - top};
+  }
+  if (number(0, 2) != 0xffd8) return std::nullopt;
+  for (std::size_t at = 2; at + 9 <= packed.size();) {
+    if (number(at, 1) != 0xff) return std::nullopt;
+    const std::uint32_t marker = number(at + 1, 1);
+    if (marker == 0xff) {
+      ++at;
+      continue;
+    }
+    // Frames of JPEG [T.81, annex B.2.2], of which some numbers are other markers; of JPEG-LS.
+    const bool other = marker == 0xc4 || marker == 0xc8 || marker == 0xcc;
+    if ((marker >= 0xc0 && marker <= 0xcf && !other) || marker == 0xf7) {
+      return PictureSize{number(at + 7, 2), number(at + 5, 2)};
+    }
+    at += 2 + number(at + 2, 2);
+  }
+  return std::nullopt;
 }
 
 std::vector<std::int32_t> unpack_jpeg(std::span<const std::byte> packed, std::uint32_t columns,

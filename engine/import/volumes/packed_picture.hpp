@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -10,6 +11,16 @@ namespace sulcus {
 // Grey pictures as DICOM packs them, unpacked to one number of 32 bits a pixel, row by row. Each
 // gives an empty vector where the bytes are damaged, or are of another size than `columns` times
 // `rows`, which is looked at before memory is taken.
+
+/// What one byte of run lengths makes at most: 128 of 2.
+inline constexpr std::uint64_t kMostRleRatio = 64;
+
+struct PictureSize {
+  std::uint32_t columns = 0, rows = 0;
+};
+/// Of the picture that a stream of JPEG, JPEG-LS or JPEG 2000 begins, as that says; none: no such
+/// stream.
+std::optional<PictureSize> coded_size(std::span<const std::byte> packed);
 
 /// DICOM's run lengths, a plane of bytes each [DICOM PS3.5, annex G].
 std::vector<std::int32_t> unpack_rle(std::span<const std::byte> packed, std::uint32_t columns,
