@@ -35,8 +35,8 @@ MedicalVolume read_nifti_volume(const std::string& path, const InputLimits& limi
 /// grey, of up to 64 bits, in strips or tiles, packed without loss, turned by their orientation.
 /// Values stay as they are stored where 0 is white, which is a matter of display. Only ImageJ and
 /// OME write how large a voxel is; what else a TIFF has is the size of a print.
-/// @throws InputError: damaged or of another form, pages that are not alike, larger than the limits
-/// allow.
+/// @throws InputError: damaged or of another form, pages that are not alike or no slices in order,
+/// as ImageJ, OME and tifffile say it, larger than the limits allow.
 MedicalVolume read_tiff_volume(std::span<const std::string> files, const InputLimits& limits);
 
 /// PNG files, a slice each, as a volume of unknown spacing: grey values of 1 to 16 bits as they
