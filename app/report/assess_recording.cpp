@@ -333,7 +333,7 @@ std::optional<Assessment> assessment_if_cut(const RecordingReader& reader, const
 Assessment assess_recording(const RecordingReader& reader, const std::string& path,
                             const AssessmentSettings& settings) {
   std::optional<Assessment> assessment = assessment_if_cut(reader, path, settings);
-  if (!assessment) throw InputError(path, "/edits", "nothing removed", "a preparation to assess");
+  if (!assessment) throw InputError(path, "/edits", nothing_removed(), "a preparation to assess");
   return *std::move(assessment);
 }
 

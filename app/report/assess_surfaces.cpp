@@ -18,10 +18,16 @@ namespace {
 void check_it_overlies(const ScannedTooth& tooth, const ScannedTooth::Surface& other,
                        const std::string& option, const AssessmentSettings& settings) {
   constexpr double kMostOutside = 0.02;
-  const double outside = share_outside(tooth.before.mesh, other.mesh, settings.insertion);
-  if (outside <= kMostOutside) return;
+  const std::optional<double> outside =
+      share_outside(tooth.before.mesh, other.mesh, settings.insertion);
+  if (!outside) {
+    throw InputError(other.file, option,
+                     formatted("hardly any tooth, less than %g mm wide", kCoarsePitch_mm),
+                     "what is left of that of --before");
+  }
+  if (*outside <= kMostOutside) return;
   throw InputError(other.file, option,
-                   formatted("%.0f %% of it outside of --before", 100.0 * outside),
+                   formatted("%.0f %% of it outside of --before", 100.0 * *outside),
                    "the same tooth in the same place");
 }
 
@@ -34,8 +40,7 @@ void add_plan(const ScannedTooth& tooth, MeasureList& all) {
                   .tolerance_mm = settings.tolerance_mm,
                   .pitch_mm = settings.voxel_mm});
   if (!match) {
-    throw InputError(tooth.plan->file, "--plan", "nothing to be removed",
-                     "less tooth than --before");
+    throw InputError(tooth.plan->file, "--plan", nothing_removed(), "less tooth than --before");
   }
   const auto add_reach = [&](std::string_view name, const PlacedFigure& reach) {
     AssessedMeasure& measure = all.add(name, reach.value);
@@ -56,7 +61,7 @@ Assessment assess_scanned(const ScannedTooth& tooth, const AssessmentSettings& s
   const std::optional<PreparationShape> shape =
       preparation_shape(tooth.before.mesh, tooth.after.mesh, shape_settings(settings));
   if (!shape) {
-    throw InputError(tooth.after.file, "--after", "nothing removed", "less tooth than --before");
+    throw InputError(tooth.after.file, "--after", nothing_removed(), "less tooth than --before");
   }
   std::string subject = tooth.before.file + ", " + tooth.after.file;
   if (tooth.plan) subject += ", " + tooth.plan->file;

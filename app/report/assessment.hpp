@@ -40,13 +40,13 @@ struct Assessment {
   std::vector<AssessedMeasure> measures;  // in the order of measure_names()
   std::vector<std::string> not_measured;  // of the limits: the preparation has no such thing
   // 0 to 100: the share of the weights that is met. Of what was not measured only depth, a cavity's
-  // isthmus and a crown's margin count, as not met.
+  // isthmus and walls and a crown's margin count, as not met.
   std::optional<double> mark;
 };
 
 /// Of a recording, from the first tooth on, also where it goes on from another: what the hand did
-/// there needs that other one. None where nothing was removed that can be measured. InputError
-/// where the recording does not hold its run.
+/// there needs that other one. None where nothing was removed that is deeper than 0.05 mm.
+/// InputError where the recording does not hold its run.
 std::optional<Assessment> assessment_if_cut(const RecordingReader& reader, const std::string& path,
                                             const AssessmentSettings& settings);
 /// The same; InputError also where nothing was removed.

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <utility>
 
+#include "app/terminal/terminal.hpp"
+#include "engine/assessment/insertion_frame.hpp"
+
 namespace sulcus {
 
 namespace {
@@ -12,10 +15,15 @@ namespace {
 /// What every preparation of a kind has: one in which it is not to be found has not met its limit.
 bool is_of_every(AssessedKind kind, std::string_view name) {
   if (name == "depth_mm") return true;
-  return kind == AssessedKind::kCavity ? name == "isthmus_mm" : name == "margin_mm";
+  if (kind == AssessedKind::kCrown) return name == "margin_mm";
+  return name == "isthmus_mm" || name == "wall_left_mm";
 }
 
 }  // namespace
+
+std::string nothing_removed() {
+  return formatted("nothing removed that is deeper than %g mm", kSame_mm);
+}
 
 AssessedMeasure& MeasureList::add(std::string_view name, double value) {
   AssessedMeasure measure;

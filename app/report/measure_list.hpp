@@ -11,6 +11,9 @@
 
 namespace sulcus {
 
+/// What is found where a surface does not differ from the one before it, in words.
+std::string nothing_removed();
+
 /// The measures of one preparation, while they are gathered.
 class MeasureList {
  public:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "engine/core/units.hpp"
@@ -55,7 +56,8 @@ double quantile(std::vector<double>& values, double part) {
 }
 
 /// -ln(D^3 / v_peak^2 * integral of |jerk|^2), by differences of means over kSmoothOver_s. None of
-/// a stroke that is too short for it, or that stays where it is.
+/// a stroke that is too short for it, that stays where it is, or that is straight and even: of that
+/// the third differences are how the places were rounded.
 std::optional<double> log_jerk(std::span<const HandTick> stroke, double rate_hz) {
   const auto per = std::max<std::size_t>(1, static_cast<std::size_t>(kSmoothOver_s * rate_hz));
   const std::size_t count = stroke.size() / per;
@@ -66,18 +68,24 @@ std::optional<double> log_jerk(std::span<const HandTick> stroke, double rate_hz)
     for (std::size_t j = 0; j < per; ++j) places[i] += stroke[i * per + j].tip_m;
     places[i] /= static_cast<double>(per);
   }
-  double fastest = 0.0, jerk_squared = 0.0;
+  double fastest = 0.0, jerk_squared = 0.0, furthest_m = 0.0, greatest_third_m = 0.0;
   for (std::size_t i = 1; i < count; ++i) {
     fastest = std::max(fastest, (places[i] - places[i - 1]).norm() / h);
+    furthest_m = std::max(furthest_m, places[i].cwiseAbs().maxCoeff());
   }
   for (std::size_t i = 3; i < count; ++i) {
     const Eigen::Vector3d third =
         places[i] - 3.0 * places[i - 1] + 3.0 * places[i - 2] - places[i - 3];
     const double stands_for = i == 3 || i + 1 == count ? 2.5 : 1.0;  // intervals, to the ends
+    greatest_third_m = std::max(greatest_third_m, third.norm());
     jerk_squared += stands_for * third.squaredNorm() / (h * h * h * h * h);  // (third / h^3)^2 h
   }
   const double lasts = h * static_cast<double>(count);
-  if (fastest == 0.0 || jerk_squared == 0.0) return {};
+  // Of sums of `per` rounded places, eight of which make a difference, with room for how they were
+  // come by. The slowest hand is far above it.
+  constexpr double kRoundings = 1024.0;
+  const double rounding_m = kRoundings * std::numeric_limits<double>::epsilon() * furthest_m;
+  if (fastest == 0.0 || greatest_third_m <= rounding_m) return {};
   return -std::log(lasts * lasts * lasts / (fastest * fastest) * jerk_squared);
 }
 

@@ -108,8 +108,8 @@ RayMask cut_rays(const RayStack& before, const RayStack& after, const RayLattice
   return cut;
 }
 
-double share_outside(const TriangleMesh& before, const TriangleMesh& after,
-                     const Eigen::Vector3d& insertion) {
+std::optional<double> share_outside(const TriangleMesh& before, const TriangleMesh& after,
+                                    const Eigen::Vector3d& insertion) {
   const Eigen::Affine3d frame = insertion_frame_from_m(insertion);
   const TriangleMesh was = moved(before, frame), is = moved(after, frame);
   const RayLattice lattice = lattice_over(box_of(was).merged(box_of(is)), kCoarsePitch_mm);
@@ -121,7 +121,8 @@ double share_outside(const TriangleMesh& before, const TriangleMesh& after,
       outside += s.top_mm - s.bottom_mm;
     }
   }
-  return all > 0.0 ? outside / all : 1.0;
+  if (all == 0.0) return {};
+  return outside / all;
 }
 
 }  // namespace sulcus

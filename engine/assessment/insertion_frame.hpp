@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 
 #include <Eigen/Geometry>
 
@@ -46,8 +47,9 @@ bool is_thick(const RayStack& before, const RayStack& after, const RayLattice& l
               std::size_t place, const RayStack::Span& removed);
 
 /// Whether two meshes are of one tooth in one place: the share of the second's volume that lies
-/// outside of the first. What was cut lies in what was there. 1 where the second encloses nothing.
-double share_outside(const TriangleMesh& before, const TriangleMesh& after,
-                     const Eigen::Vector3d& insertion);
+/// outside of the first, by rays kCoarsePitch_mm apart. What was cut lies in what was there. None
+/// where the second encloses so little that it lies between them.
+std::optional<double> share_outside(const TriangleMesh& before, const TriangleMesh& after,
+                                    const Eigen::Vector3d& insertion);
 
 }  // namespace sulcus

@@ -12,7 +12,7 @@
 #include "engine/assessment/insertion_frame.hpp"
 #include "engine/assessment/ray_mask.hpp"
 #include "engine/assessment/ray_stack.hpp"
-#include "engine/assessment/surface_pieces.hpp"
+#include "engine/assessment/wall_samples.hpp"
 #include "engine/core/units.hpp"
 
 namespace sulcus {
@@ -26,6 +26,11 @@ constexpr double kFloorSlope = 0.84;   // tan 40 degrees
 constexpr double kSlopeOver_mm = 0.1;  // to each side
 constexpr double kLeastFloor_mm2 = 0.1;
 constexpr double kAboveMargin_mm = 0.25;
+
+/// An upright wall hides a ray here and there, which is a pitch from those that can be seen.
+double least_overhang_mm(const ShapeSettings& settings, double pitch_mm) {
+  return std::max(settings.least_overhang_mm, 2.0 * pitch_mm);
+}
 
 class ShapeMeter {
  public:
@@ -253,37 +258,8 @@ class ShapeMeter {
             world(worst, top_[worst])};
   }
 
-  /// Pieces of the walls, without what lies near their foot and their upper edge. A large triangle
-  /// counts where each of its pieces lies.
-  std::vector<WallSample> wall_samples() const {
-    constexpr double kSteep = 0.6;  // of the normal's part along the path
-    constexpr double kBeside_mm = 0.3;
-    constexpr double kPiece_mm = 0.1;
-    std::vector<WallSample> samples;
-    for (const auto& triangle : after_mesh_.triangles) {
-      const auto corner = corners_of(after_mesh_, triangle);
-      const Eigen::Vector3d twice = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
-      if (twice.isZero(0.0) || std::abs(twice.z()) > kSteep * twice.norm()) continue;
-      for_each_piece(corner, kPiece_mm, [&](const SurfacePiece& piece) {
-        const WallSample sample{piece.middle(), piece.normal(), piece.area()};
-        if (is_of_wall(sample, kBeside_mm)) samples.push_back(sample);
-      });
-    }
-    return samples;
-  }
-  bool is_of_wall(const WallSample& sample, double beside_mm) const {
-    const Eigen::Vector2d facing = sample.normal.head<2>().normalized();
-    const Eigen::Vector2d at = sample.at_mm.head<2>();
-    if (!lattice_.covers(at)) return false;  // what is known there is of other places
-    const double low = top_[lattice_.nearest(at + beside_mm * facing)];
-    const double high = top_[lattice_.nearest(at - beside_mm * facing)];
-    const double edge = std::max(0.1, 0.15 * (high - low));
-    return sample.at_mm.z() > low + edge && sample.at_mm.z() < high - edge &&
-           is_deep_in(before_, lattice_, sample.at_mm);
-  }
-
   void measure_walls(PreparationShape& result) {
-    patches_ = wall_patches(wall_samples());
+    patches_ = wall_patches(WallFinder(lattice_, before_, top_).samples(after_mesh_));
     const std::vector<WallPatch>& patches = patches_;
     if (patches.empty()) return;
     const Convergence convergence = convergence_of(patches);
@@ -332,7 +308,7 @@ class ShapeMeter {
     }
     return least;
   }
-  /// None where it stands further than the rays do.
+  /// Where it stands further than the rays do: as far as these. None where there is none at all.
   std::optional<double> tooth_behind(const WallPatch& patch) const {
     constexpr double kToTooth_mm = 0.15;  // by which a fit may lie before the wall itself
     const double step = 0.5 * lattice_.pitch_mm;
@@ -340,7 +316,7 @@ class ShapeMeter {
     std::optional<double> left_at;
     for (double way = 0.0;; way += step) {
       const Eigen::Vector2d at = patch.at_mm.head<2>() - way * patch.facing;
-      if (!lattice_.covers(at)) return {};
+      if (!lattice_.covers(at)) return entered ? way : left_at;
       const bool tooth = after_.contains(lattice_.nearest(at), patch.at_mm.z());
       if (entered && !tooth) {
         left_at = way;
@@ -353,6 +329,7 @@ class ShapeMeter {
   }
 
   PlacedFigure undercut() const {
+    const double least_mm = least_overhang_mm(settings_, lattice_.pitch_mm);
     // What reaches out from what can be seen; further in than that, it is hidden for sure.
     RayMask seen(cut_.size());
     for (std::size_t i = 0; i < cut_.size(); ++i) seen[i] = open_[i] && !hidden_[i];
@@ -361,14 +338,14 @@ class ShapeMeter {
     double furthest = 0.0;
     std::optional<std::size_t> worst;
     for (std::size_t i = 0; i < cut_.size(); ++i) {
-      deep[i] = hidden_[i] && from_seen[i] >= settings_.least_overhang_mm;
+      deep[i] = hidden_[i] && from_seen[i] >= least_mm;
       if (deep[i] && (!worst || from_seen[i] > furthest)) furthest = from_seen[i], worst = i;
     }
     if (!worst) return {};
     const std::vector<double> from_deep = distances_to(deep, lattice_);
     std::size_t rays = 0;
     for (std::size_t i = 0; i < cut_.size(); ++i) {
-      rays += hidden_[i] && from_deep[i] <= 1.5 * settings_.least_overhang_mm ? 1u : 0u;
+      rays += hidden_[i] && from_deep[i] <= 1.5 * least_mm ? 1u : 0u;
     }
     const RayStack::Span gone = hidden_span(*worst).value();
     return {area_mm2(rays), world(*worst, 0.5 * (gone.bottom_mm + gone.top_mm))};

@@ -40,7 +40,8 @@ struct PreparationShape {
   /// How steeply the finish line falls away from the wall, the median, at its steepest place. 0: a
   /// shoulder across the path.
   std::optional<PlacedFigure> margin_slope_deg;
-  /// From a cavity's walls through the tooth to its outside, across the path: the least.
+  /// From a cavity's walls through the tooth to its outside, across the path: the least. Where they
+  /// are thicker than is looked at, 6 mm and more: that.
   std::optional<PlacedFigure> wall_left_mm;
 };
 
@@ -49,7 +50,7 @@ struct ShapeSettings {
   Eigen::Vector3d insertion{0, 0, 1};  // out of the tooth, a unit vector
   /// Out of the tooth to these sides, unit vectors.
   Eigen::Vector3d mesial{1, 0, 0}, buccal{0, -1, 0};
-  /// Overhangs that reach out less are roughness.
+  /// Overhangs that reach out less are roughness; so are those of less than two rays.
   double least_overhang_mm = 0.08;
   double pitch_mm = 0.02;  // between rays
 };

@@ -117,12 +117,27 @@ TEST(Roughness, OfGroovesIsAQuarterOfTheirDepth) {
 TEST(WallLeft, IsWhatStandsBehindTheWall) {
   const test::Profile block{{0, -3}, {3.5, -3}, {3.5, 3}, {0, 3}};
   const Eigen::Affine3d upright = Eigen::Affine3d::Identity();
-  for (const double radius : {1.0, 2.5, 3.2}) {
+  for (const double radius : {1.0, 2.5, 3.2, 3.3, 3.4, 3.45}) {
     const test::Profile hole{{0, -3}, {3.5, -3}, {3.5, 3}, {radius, 3}, {radius, 1}, {0, 1}};
     const auto found = preparation_shape(test::turned_mesh(block, 200, upright),
                                          test::turned_mesh(hole, 331, upright), {});
+    ASSERT_TRUE(found && found->wall_left_mm) << radius;
     EXPECT_NEAR(found->wall_left_mm->value, 3.5 - radius, 0.03) << radius;
   }
+}
+
+/// A hole of 1.1 mm, as a burr makes that went through the floor.
+TEST(WallLeft, IsThatOfWhatWasCutRightThrough) {
+  const auto block_with = [](bool hole) {
+    return closed_surface(test::make_model({96, 64, 48}, 1e-3 * kVoxel_mm, [&](const Cell& c) {
+      if ((c.array() < 4).any() || c.x() >= 92 || c.y() >= 60 || c.z() >= 44) return false;
+      return !(hole && std::hypot(c.x() - 47.5, c.y() - 31.5) < 11.0);
+    }));
+  };
+  const auto found = preparation_shape(block_with(false), block_with(true), {});
+  ASSERT_TRUE(found && found->wall_left_mm);
+  EXPECT_NEAR(found->wall_left_mm->value, 17 * kVoxel_mm, 0.08);
+  EXPECT_FALSE(found->depth_mm) << "there is no floor";
 }
 
 }  // namespace

@@ -91,6 +91,20 @@ TEST(HandProcess, TheReachOfLeastJerkIsTheSmoothest) {
   EXPECT_LT(process(ticks).smoothness.value(), best - 3.0);  // with a tremor of 10 Hz
 }
 
+TEST(HandProcess, AStraightEvenStrokeHasNoSmoothness) {
+  std::vector<HandTick> ticks = at_rest(1000);
+  touch(ticks, 0, 1000);
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    ticks[i].tip_m = Eigen::Vector3d(-1.1e-3, 0.7e-3, 6.3e-3) +
+                     static_cast<double>(i) / 1000.0 * Eigen::Vector3d(2.1e-3, -0.3e-3, 0.0);
+  }
+  EXPECT_FALSE(process(ticks).smoothness) << "of how places are rounded";
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    ticks[i].tip_m.z() += 1e-9 * std::sin(2.0 * std::numbers::pi * static_cast<double>(i) / 100.0);
+  }
+  EXPECT_TRUE(process(ticks).smoothness) << "of a tremor of a nanometre";
+}
+
 TEST(HandProcess, OfAHandThatTouchesNothingThereIsNoStroke) {
   const HandProcess found = process(at_rest(100));
   EXPECT_EQ(found.strokes, 0u);

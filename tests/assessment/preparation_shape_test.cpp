@@ -258,6 +258,27 @@ TEST_F(ShapeOfMeshes, AToothThatIsALittleOffHasNoUndercutAtItsRoot) {
   EXPECT_NEAR(found->isthmus_mm->value, 2.3, 0.03);
 }
 
+/// Which rays far apart hit between those that can be seen.
+TEST_F(ShapeOfMeshes, ARoughWallIsNoUndercutHoweverFarApartTheRaysAre) {
+  const Eigen::Affine3d here = Eigen::Affine3d::Identity();
+  const TriangleMesh before = test::turned_mesh(block(), 200, here);
+  const auto undercut_mm2 = [&](double overhang_mm, double pitch_mm) {
+    const double wide = 1.2 + overhang_mm;
+    const Profile ledge{{0, -3},  {3.5, -3}, {3.5, 3},  {1.2, 3},
+                        {1.2, 2}, {wide, 2}, {wide, 1}, {0, 1}};
+    return preparation_shape(before, test::turned_mesh(ledge, 331, here), {.pitch_mm = pitch_mm})
+        .value()
+        .undercut_mm2.value;
+  };
+  for (const double pitch_mm : {0.02, 0.08, 0.1, 0.2, 0.5}) {
+    EXPECT_EQ(undercut_mm2(0.06, pitch_mm), 0.0) << pitch_mm;
+  }
+  const double area = std::numbers::pi * (1.7 * 1.7 - 1.2 * 1.2);
+  for (const double pitch_mm : {0.02, 0.1, 0.2}) {
+    EXPECT_NEAR(undercut_mm2(0.5, pitch_mm), area, 0.15 * area) << pitch_mm;
+  }
+}
+
 TEST_F(ShapeOfMeshes, NothingIsRemovedWhereOnlyTheTrianglesDiffer) {
   const auto none =
       preparation_shape(test::turned_mesh(block(), 90, Eigen::Affine3d::Identity()),
@@ -269,8 +290,12 @@ TEST_F(ShapeOfMeshes, WhatDoesNotOverlieIsTold) {
   const Eigen::Affine3d here = Eigen::Affine3d::Identity();
   const Eigen::Affine3d there(Eigen::Translation3d(0.4e-3, 0, 0));
   const TriangleMesh before = test::turned_mesh(block(), 200, here);
-  EXPECT_LT(share_outside(before, test::turned_mesh(cavity(1, 1, 3), 331, here), {0, 0, 1}), 0.005);
-  EXPECT_GT(share_outside(before, test::turned_mesh(cavity(1, 1, 3), 331, there), {0, 0, 1}), 0.03);
+  const auto outside = [&](const TriangleMesh& after) {
+    return share_outside(before, after, {0, 0, 1});
+  };
+  EXPECT_LT(outside(test::turned_mesh(cavity(1, 1, 3), 331, here)).value(), 0.005);
+  EXPECT_GT(outside(test::turned_mesh(cavity(1, 1, 3), 331, there)).value(), 0.03);
+  EXPECT_FALSE(outside({})) << "nothing is left";
 }
 
 }  // namespace

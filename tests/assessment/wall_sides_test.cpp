@@ -129,6 +129,36 @@ TEST(WallSides, ThatWereNotCutHaveNone) {
   EXPECT_NEAR(found->wall_deg[3]->value, 6.0, 0.05);
 }
 
+/// Thinner than what was looked at behind a wall once: it was none, and the others were what is
+/// left.
+TEST(WallSides, OfAThinWallAreKnownAndWhatIsLeftOfIt) {
+  const Eigen::Affine3d here = Eigen::Affine3d::Identity();
+  for (const double left_mm : {0.05, 0.1, 0.2, 0.28}) {
+    const Rectangle floor{-1.5, 3.6 - left_mm, -1.1, 0.9, 1.2};
+    const std::vector<Rectangle> thin{kBottom, raised(kBottom, 6.0, {}), raised(floor, 1.8, {}),
+                                      floor};
+    const auto found =
+        preparation_shape(lofted_mesh(block(), 3, here), lofted_mesh(thin, 12, here), {});
+    ASSERT_TRUE(found && found->wall_left_mm) << left_mm;
+    EXPECT_NEAR(found->wall_left_mm->value, left_mm, 0.03);
+    EXPECT_NEAR(1e3 * found->wall_left_mm->at_m.x(), 3.6 - left_mm, 0.03);
+    expect_tapers(*found, {}, 0.05);
+  }
+}
+
+/// Of a tooth as wide as none is.
+TEST(WallSides, ThatAreThickerThanIsLookedAtAreAtLeastThatThick) {
+  const Eigen::Affine3d here = Eigen::Affine3d::Identity();
+  const Rectangle wide{-9.0, 9.0, -9.0, 9.0, -3.0}, floor{-1.0, 1.0, -1.0, 1.0, 1.2};
+  const std::vector<Rectangle> before{wide, raised(wide, 6.0, {})};
+  const std::vector<Rectangle> cut{wide, before.back(), raised(floor, 1.8, {}), floor};
+  const auto found =
+      preparation_shape(lofted_mesh(before, 3, here), lofted_mesh(cut, 12, here), {});
+  ASSERT_TRUE(found && found->wall_left_mm);
+  EXPECT_GT(found->wall_left_mm->value, 5.9);
+  EXPECT_LT(found->wall_left_mm->value, 8.0);
+}
+
 TEST(WallSides, AreNotKnownAlongThePathOfInsertion) {
   const Eigen::Affine3d placed = turned(75, {0, 1, 0});  // z to mesial
   const auto found =
