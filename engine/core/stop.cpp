@@ -32,11 +32,15 @@ Lists& lists() {
 }
 
 sigset_t stop_signals() {
-  sigset_t both;
-  sigemptyset(&both);
-  sigaddset(&both, SIGINT);
-  sigaddset(&both, SIGTERM);
-  return both;
+  sigset_t all;
+  sigemptyset(&all);
+  sigaddset(&all, SIGINT);
+  sigaddset(&all, SIGTERM);
+  struct sigaction on_hangup {};
+  const bool outlives_terminal =
+      sigaction(SIGHUP, nullptr, &on_hangup) == 0 && on_hangup.sa_handler == SIG_IGN;
+  if (!outlives_terminal) sigaddset(&all, SIGHUP);
+  return all;
 }
 
 [[noreturn]] void end_process(Lists& held) {
@@ -52,11 +56,14 @@ sigset_t stop_signals() {
 }
 
 void* watch(void*) {
-  const sigset_t both = stop_signals();
+  const sigset_t all = stop_signals();
   for (;;) {
     int signal = 0;
-    if (sigwait(&both, &signal) != 0) continue;
-    const bool again = signal_come.exchange(signal) != 0;
+    if (sigwait(&all, &signal) != 0) continue;
+    const bool again = stop_requested();
+    // A terminal that goes away says so twice: through its shell, and when that has ended.
+    if (again && signal == SIGHUP) continue;
+    signal_come = signal;
     Lists& found = lists();
     found.mutex.lock();
     if (again || found.ending_themselves == 0) end_process(found);
@@ -67,8 +74,8 @@ void* watch(void*) {
 }  // namespace
 
 void watch_for_stop() {
-  const sigset_t both = stop_signals();
-  pthread_sigmask(SIG_BLOCK, &both, nullptr);
+  const sigset_t all = stop_signals();
+  pthread_sigmask(SIG_BLOCK, &all, nullptr);
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);
   // It needs little, and what it has is locked into memory with the rest at real pace.

@@ -6,7 +6,8 @@
 
 namespace sulcus {
 
-// How a command is stopped by SIGINT (Ctrl-C) or SIGTERM. There is one way:
+// How a command is stopped by SIGINT (Ctrl-C), SIGTERM or SIGHUP (its terminal went away). There is
+// one way:
 //
 //   signal --> watching thread --+-- a command that ends itself (EndsItself): it sees
 //                                |   stop_requested(), keeps its results and returns
@@ -15,16 +16,16 @@ namespace sulcus {
 //
 // Either way the exit status is 128 and the signal's number. No code outside has to look at
 // anything between its steps, so that a command stops as soon inside a library as in ours. A
-// second signal ends also what ends itself.
+// second signal but SIGHUP ends also what ends itself.
 
-/// Takes the two signals over for the rest of the process: blocks them in the calling thread, so
-/// that every later thread has them blocked too, and starts the watching thread. Once, at the start
-/// of main, before any other thread.
+/// Takes the signals over for the rest of the process: blocks them in the calling thread, so that
+/// every later thread has them blocked too, and starts the watching thread. SIGHUP stays ignored
+/// where it is (nohup). Once, at the start of main, before any other thread.
 void watch_for_stop();
 
 /// Whether the process was asked to stop. Any thread.
 bool stop_requested() noexcept;
-/// The exit status of a command that was stopped: 130 or 143.
+/// The exit status of a command that was stopped: 129, 130 or 143.
 int stop_status() noexcept;
 /// As if SIGINT had come to what ends itself, or none: for tests.
 void pretend_stop(bool requested) noexcept;

@@ -50,6 +50,39 @@ TEST_F(Stop, EndsAtOnceWithTheSignalsStatusAndWithoutWhatIsNotWhole) {
         wait_for_the_end();
       },
       testing::ExitedWithCode(130), "sulcus: stopped");
+  EXPECT_EXIT(
+      {
+        std::signal(SIGHUP, SIG_DFL);
+        watch_for_stop();
+        kill(getpid(), SIGHUP);
+        wait_for_the_end();
+      },
+      testing::ExitedWithCode(129), "sulcus: stopped");
+}
+
+/// A terminal that goes away tells it through its shell, and again when that has ended.
+TEST_F(Stop, AHangUpIsOneHoweverOftenItIsToldAndNoneUnderNohup) {
+  EXPECT_EXIT(
+      {
+        std::signal(SIGHUP, SIG_DFL);
+        watch_for_stop();
+        const EndsItself ends_itself;
+        kill(getpid(), SIGHUP);
+        while (!stop_requested()) std::this_thread::yield();
+        kill(getpid(), SIGHUP);
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        std::_Exit(stop_status() == 129 ? 7 : 8);
+      },
+      testing::ExitedWithCode(7), "^$");
+  EXPECT_EXIT(
+      {
+        std::signal(SIGHUP, SIG_IGN);
+        watch_for_stop();
+        kill(getpid(), SIGHUP);
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        std::_Exit(stop_requested() ? 8 : 7);
+      },
+      testing::ExitedWithCode(7), "^$");
 }
 
 TEST_F(Stop, WaitsForWhatEndsItselfButNotAfterASecondSignal) {
