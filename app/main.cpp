@@ -1,10 +1,12 @@
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <new>
 #include <string>
 #include <vector>
 
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -71,6 +73,15 @@ int run(int argc, char** argv) {
   return sulcus::stop_requested() ? sulcus::stop_status() : 0;
 }
 
+/// A standard stream that is closed would be the next file that is opened, and what is said would
+/// go into that.
+void open_closed_streams() {
+  for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
+    // The lowest that is closed: this one.
+    if (::fcntl(stream, F_GETFD) < 0 && ::open("/dev/null", O_RDWR) != stream) std::_Exit(1);
+  }
+}
+
 /// Whether all that was said is where standard output goes. Who closes a pipe wants no more of it.
 bool has_said_all() {
   const bool failed = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
@@ -82,6 +93,7 @@ bool has_said_all() {
 }  // namespace
 
 int main(int argc, char** argv) {
+  open_closed_streams();
   sulcus::watch_for_stop();
   // A chart or video program that goes away, and a file that may not grow, are errors, not ends.
   std::signal(SIGPIPE, SIG_IGN);

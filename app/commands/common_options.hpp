@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <tbb/global_control.h>
@@ -20,11 +21,25 @@ inline constexpr const char* kSceneArgument =
     "Scene, .toml, or the name of one that came with the program";
 inline constexpr const char* kRecordingArgument = "Recording, .h5, or the folder of a run with one";
 
+/// A name of a file or folder that is empty, as of a variable of a script that was not set, is not
+/// taken for none.
+inline CLI::Validator some_name() {
+  return CLI::Validator(
+      [](std::string& given) {
+        return given.empty() ? std::string("found no name, expected one") : std::string();
+      },
+      "");
+}
+
 /// An option with a value; `type` names that in the help.
 template <class Value>
 CLI::Option* add_option(CLI::App& command, const char* name, Value& value, const char* type,
                         const std::string& what) {
-  return command.add_option(name, value, what)->type_name(type);
+  CLI::Option* option = command.add_option(name, value, what)->type_name(type);
+  if (std::string_view(type) == "FILE" || std::string_view(type) == "DIR") {
+    option->check(some_name());
+  }
+  return option;
 }
 
 /// Numbers from `least` to `most`. CLI::Range alone takes NaN.

@@ -9,6 +9,7 @@
 #include <fcntl.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "app/build_info.hpp"
@@ -23,17 +24,33 @@ namespace {
   throw std::runtime_error(path + ": cannot be written: " + std::strerror(error));
 }
 
+[[noreturn]] void refuse_kind(const std::string& path) {
+  throw InputError(path, "", "no regular file", "one that can be written");
+}
+
+/// An empty one. Nobody waits for the reader of a pipe, and no link leads elsewhere.
+int open_log_file(const std::string& path) {
+  const int file =
+      ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
+  if (file < 0) {
+    if (errno == ENOSPC || errno == EDQUOT) fail(path, errno);
+    if (errno == ELOOP || errno == ENXIO || errno == EISDIR) refuse_kind(path);
+    throw InputError(path, "",
+                     std::string("a file that cannot be written (") + std::strerror(errno) + ")",
+                     "one that can");
+  }
+  struct stat kind {};
+  const bool is_regular = ::fstat(file, &kind) == 0 && S_ISREG(kind.st_mode);
+  if (is_regular && ::ftruncate(file, 0) == 0) return file;
+  const int error = errno;
+  ::close(file);
+  if (is_regular) fail(path, error);
+  refuse_kind(path);
+}
+
 }  // namespace
 
-LogFile::LogFile(std::string path)
-    : path_(std::move(path)),
-      file_(::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)) {
-  if (file_ >= 0) return;
-  if (errno == ENOSPC || errno == EDQUOT) fail(path_, errno);
-  throw InputError(path_, "",
-                   std::string("a file that cannot be written (") + std::strerror(errno) + ")",
-                   "one that can");
-}
+LogFile::LogFile(std::string path) : path_(std::move(path)), file_(open_log_file(path_)) {}
 
 LogFile::~LogFile() { ::close(file_); }
 

@@ -11,8 +11,8 @@ namespace sulcus {
 /// process is killed. Where the disk is full it ends with the last whole line.
 class LogFile : public spdlog::sinks::base_sink<std::mutex> {
  public:
-  /// Begins it anew. @throws InputError where it cannot be written; std::runtime_error where the
-  /// disk is full.
+  /// Begins it anew. @throws InputError where it cannot be written, or is no regular file: a link
+  /// or a pipe; std::runtime_error where the disk is full.
   explicit LogFile(std::string path);
   ~LogFile() override;
 

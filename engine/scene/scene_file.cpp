@@ -262,6 +262,9 @@ std::string read_scene_text(const std::string& file) {
   // Never more than may be: a pipe or a device has no size to ask for.
   std::string text(InputLimits::kSceneBytes + 1, '\0');
   in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (in.bad()) {
+    throw InputError(file, "", "a file that cannot be read to its end", "a scene file, .toml");
+  }
   text.resize(static_cast<std::size_t>(in.gcount()));
   if (text.size() > InputLimits::kSceneBytes) {
     throw InputError(file, "", "more than 16 MiB", "a scene of at most 16 MiB");

@@ -14,6 +14,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "engine/recording/recording_reader.hpp"
 #include "tests/pipeline/small_scenes.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/png_file.hpp"
@@ -46,6 +47,27 @@ class CommandLine : public testing::Test {
   ScratchFolder scratch_;
 };
 
+TEST_F(CommandLine, WhatIsSaidGoesIntoNoFileWhereTheStreamsAreClosed) {
+  scratch_.write("s.toml", test::cut_scene());
+  // It is warned of that nothing is touched.
+  const std::string run = std::string(SULCUS_PROGRAM) + " run s.toml --duration 0.01 -o ";
+  ASSERT_EQ(command("run s.toml --duration 0.01 -o open").status, 0);
+  const std::string key = test::read_file(scratch_.path("open/.sulcus-run"));
+  ASSERT_NE(test::read_file(scratch_.path("open/log.txt")).find("[warning]"), std::string::npos);
+  int number = 0;
+  for (const char* closed : {"2>&-", "1>&- 2>&-", "0<&- 1>&- 2>&-"}) {
+    const std::string folder = "closed_" + std::to_string(++number);
+    const auto result = test::program_command("sh", "-c 'exec " + run + folder + " " + closed + "'",
+                                              scratch_.path("err"),
+                                              "-C " + scratch_.path("") + " SULCUS_CACHE=off");
+    EXPECT_EQ(result.status, 0) << closed;
+    EXPECT_EQ(test::read_file(scratch_.path(folder + "/.sulcus-run")), key) << closed;
+    const std::string recording = scratch_.path(folder + "/recording.h5");
+    EXPECT_EQ(RecordingReader(recording).missing(), "") << closed;
+    EXPECT_EQ(test::read_file(recording).find("sulcus: "), std::string::npos) << closed;
+  }
+}
+
 TEST_F(CommandLine, NamesAreLookedAtBeforeTheRecordingIs) {
   for (const auto& [command, option, endings] :
        {std::tuple{"render", "--video", ".mp4, .mov, .mkv or .avi"},
@@ -73,6 +95,17 @@ TEST_F(CommandLine, NamesAreLookedAtBeforeTheRecordingIs) {
         "render nothing.h5 -o file/out", "view nothing.h5 -o file/out", "help --write file/out"}) {
     expect_refused(arguments, "no folder that can be written");
   }
+}
+
+/// As of a variable of a script that was not set.
+TEST_F(CommandLine, AnEmptyNameIsNotTakenForNone) {
+  scratch_.write("s.toml", test::cut_scene());
+  for (const char* arguments :
+       {"run s.toml -o ''", "replay nothing.h5 -o ''", "render nothing.h5 -o ''",
+        "assess nothing.h5 -o ''", "export nothing.h5 --csv x.csv --mesh ''"}) {
+    expect_refused(arguments, "found no name");
+  }
+  EXPECT_FALSE(fs::exists(scratch_.path("out")));
 }
 
 TEST_F(CommandLine, NoTwoOutputsAreOneFile) {

@@ -210,9 +210,11 @@ TEST_F(FullDiskOfARun, WhatIsSaidIsWhole) {
 }
 
 TEST_F(FullDiskOfARun, ALogThatCannotBeWrittenIsTold) {
-  fs::create_directories(scratch_.path("out"));
-  fs::create_symlink("/dev/full", scratch_.path("out/log.txt"));
-  const CommandResult result = run(test::probe_scene(), 1 << 20);
+  const std::string scene = scratch_.write("scene.toml", test::probe_scene());
+  const CommandResult result = test::sulcus_command(
+      "run " + scene + " -o " + scratch_.path("out"), scratch_.path("stderr"),
+      "SULCUS_CACHE=off SULCUS_FULL=log.txt ASAN_OPTIONS=verify_asan_link_order=0"
+      " LD_PRELOAD=" SULCUS_STALLING_DISK);
   EXPECT_EQ(result.status, 1);
   EXPECT_EQ(result.err_lines(), 1) << result.err;
   EXPECT_NE(result.err.find("log.txt"), std::string::npos) << result.err;

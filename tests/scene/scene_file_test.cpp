@@ -332,6 +332,10 @@ TEST_F(SceneFileOnDisk, AMissingFileOrAFolderIsBadInput) {
       message(folder_ / "no.toml"),
       (folder_ / "no.toml").string() + ": found no readable file, expected a scene file, .toml");
   EXPECT_EQ(message(folder_), folder_.string() + ": found a folder, expected a scene file, .toml");
+  // A disk that fails within it; here a process's memory, of which the first page is none.
+  EXPECT_EQ(message("/proc/self/mem"),
+            "/proc/self/mem: found a file that cannot be read to its end, expected a scene file, "
+            ".toml");
 }
 
 TEST_F(SceneFileOnDisk, AHugeFileIsRefusedBeforeItIsRead) {

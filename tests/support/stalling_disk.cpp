@@ -1,7 +1,8 @@
 // Loaded before a program (LD_PRELOAD): one write to a file named recording.h5 takes very long, as
 // on a disk that stalls. SULCUS_STALL="AFTER,FOR": seconds since the first such write, and how
-// long.
+// long. SULCUS_FULL=NAME: there is no room for what is written to a file of that name.
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -15,13 +16,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-bool is_recording(int file) {
+bool is_named(int file, std::string_view name) {
   std::array<char, 32> link{};
   std::array<char, 4096> path{};
   std::snprintf(link.data(), link.size(), "/proc/self/fd/%d", file);
   const ssize_t length = readlink(link.data(), path.data(), path.size());
   return length > 0 &&
-         std::string_view(path.data(), static_cast<std::size_t>(length)).ends_with("recording.h5");
+         std::string_view(path.data(), static_cast<std::size_t>(length)).ends_with(name);
 }
 
 /// Called by the one thread that writes the recording.
@@ -29,7 +30,7 @@ void stall(int file) {
   static const char* const said = std::getenv("SULCUS_STALL");
   static bool stalled = false;
   static Clock::time_point first;
-  if (!said || stalled || !is_recording(file)) return;
+  if (!said || stalled || !is_named(file, "recording.h5")) return;
   if (first == Clock::time_point{}) first = Clock::now();
   char* rest = nullptr;
   const double after_s = std::strtod(said, &rest);
@@ -37,6 +38,11 @@ void stall(int file) {
   if (std::chrono::duration<double>(Clock::now() - first).count() < after_s) return;
   stalled = true;
   std::this_thread::sleep_for(std::chrono::duration<double>(for_s));
+}
+
+bool is_full(int file) {
+  static const char* const said = std::getenv("SULCUS_FULL");
+  return said && is_named(file, said);
 }
 
 template <class Call>
@@ -51,6 +57,10 @@ extern "C" {
 ssize_t write(int file, const void* bytes, size_t count) {
   static const auto next = next_of<ssize_t (*)(int, const void*, size_t)>("write");
   stall(file);
+  if (is_full(file)) {
+    errno = ENOSPC;
+    return -1;
+  }
   return next(file, bytes, count);
 }
 
