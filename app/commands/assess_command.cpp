@@ -15,6 +15,8 @@
 #include "app/report/output_file.hpp"
 #include "app/report/page/page_html.hpp"
 #include "app/report/results.hpp"
+#include "app/report/results_folder.hpp"
+#include "app/report/run_key.hpp"
 #include "app/terminal/progress.hpp"
 #include "app/terminal/terminal.hpp"
 #include "engine/core/error.hpp"
@@ -29,7 +31,7 @@ struct AssessOptions {
   std::vector<std::string> recordings;
   std::string assessment, before, after, plan, folder;
   std::optional<double> solid_above;
-  bool no_render = false;
+  bool no_render = false, force = false;
 };
 
 AssessmentSettings settings_of(const std::string& text, const std::string& file) {
@@ -53,11 +55,36 @@ void say_assessment(const Assessment& assessment) {
   for (const std::string& line : assessment_lines(assessment)) say("%s\n", line.c_str());
 }
 
-void write_json(const std::string& folder, const Assessment& assessment) {
-  const std::string file = folder + "/assessment.json";
-  write_whole_file(file, assessment_json(assessment));
-  say("%s\n", file.c_str());
-}
+/// Where an assessment is written, and the names of its files there.
+class AssessmentFolder {
+ public:
+  /// `first`: what gives it its name without -o.
+  AssessmentFolder(const AssessOptions& options, const std::string& first, std::string key)
+      : folder_({.given = options.folder,
+                 .otherwise = folder_of_recording(first, "-assessment"),
+                 .force = options.force,
+                 .key = std::move(key),
+                 .kind = ResultsKind::kAssessment}) {}
+
+  /// Of a name in it; of none its own.
+  std::string path(const std::string& name) const {
+    return name.empty() ? folder_.at() : folder_.at() + "/" + name;
+  }
+  void add(const std::string& name) { names_.push_back(name); }
+  void write(const std::string& name, const std::string& text) {
+    write_whole_file(path(name), text);
+    add(name);
+  }
+  /// Puts all where it belongs, and says which files there are.
+  void finish() {
+    folder_.finish(true);
+    for (const std::string& name : names_) say("%s/%s\n", folder_.path().c_str(), name.c_str());
+  }
+
+ private:
+  ResultsFolder folder_;
+  std::vector<std::string> names_;
+};
 
 std::string csv_text(const std::string& text) {
   std::string cell = "\"";
@@ -66,7 +93,7 @@ std::string csv_text(const std::string& text) {
 }
 
 /// One row an attempt, a column for each measure that any of them has.
-void write_table(const std::string& folder, const std::vector<Assessment>& attempts) {
+std::string table_of(const std::vector<Assessment>& attempts) {
   std::string table = "attempt,subject,mark";
   std::vector<std::string_view> names;
   for (const MeasureName& measure : measure_names()) {
@@ -87,14 +114,11 @@ void write_table(const std::string& folder, const std::vector<Assessment>& attem
     for (const std::string_view name : names) table += cell(value_of(attempts[i], name));
     table += '\n';
   }
-  const std::string file = folder + "/assessment.csv";
-  write_whole_file(file, table);
-  say("%s\n", file.c_str());
+  return table;
 }
 
 /// Side by side, where there is room for all of them and what draws it is installed.
-void write_comparison(const std::string& folder, const std::vector<ComparedAttempt>& attempts) {
-  const std::string file = folder + "/comparison.html";
+void write_comparison(AssessmentFolder& folder, const std::vector<ComparedAttempt>& attempts) {
   if (attempts.size() > kMostCompared) {
     say_error("comparison.html was not written: it shows %zu attempts at most\n", kMostCompared);
     return;
@@ -106,8 +130,8 @@ void write_comparison(const std::string& folder, const std::vector<ComparedAttem
     return;
   }
   const Progress progress("drawing");
-  write_comparison_page(attempts, file);
-  say("%s\n", file.c_str());
+  write_comparison_page(attempts, folder.path("comparison.html"));
+  folder.add("comparison.html");
 }
 
 void assess_pair(const AssessOptions& options) {
@@ -122,6 +146,7 @@ void assess_pair(const AssessOptions& options) {
   }
   const AssessmentSettings settings =
       settings_of(read_scene_text(options.assessment), options.assessment);
+  std::string key;
   const Assessment result = [&] {
     const Progress progress("assessing");
     const auto surface = [&](const std::string& file, const std::string& option) {
@@ -129,13 +154,13 @@ void assess_pair(const AssessOptions& options) {
     };
     ScannedTooth tooth{surface(options.before, "--before"), surface(options.after, "--after"), {}};
     if (!options.plan.empty()) tooth.plan = surface(options.plan, "--plan");
+    key = key_of_assessment(tooth, settings);
     return assess_scanned(tooth, settings);
   }();
   say_assessment(result);
-  const std::string folder =
-      options.folder.empty() ? folder_of_recording(options.after, "-assessment") : options.folder;
-  make_output_folder("-o", folder);
-  write_json(folder, result);
+  AssessmentFolder folder(options, options.after, std::move(key));
+  folder.write("assessment.json", assessment_json(result));
+  folder.finish();
 }
 
 void assess(AssessOptions options) {
@@ -154,31 +179,38 @@ void assess(AssessOptions options) {
   for (std::string& recording : options.recordings) recording = recording_file_of(recording);
   std::vector<Assessment> attempts;
   std::vector<ComparedAttempt> compared;
+  std::vector<std::string> keys;
   for (const std::string& recording : options.recordings) {
     const Progress progress("assessing");
     const RecordingReader reader(recording);
     say_what_is_missing(reader);
     AssessmentSettings settings = settings_for(options, reader, recording);
     attempts.push_back(assess_recording(reader, recording, settings));
+    keys.push_back(key_of_assessment(reader, settings));
     compared.push_back({recording, attempts.back(), std::move(settings)});
   }
   for (const Assessment& attempt : attempts) say_assessment(attempt);
-  const std::string folder = options.folder.empty()
-                                 ? folder_of_recording(options.recordings.front(), "-assessment")
-                                 : options.folder;
+  AssessmentFolder folder(options, options.recordings.front(), key_of_assessments(keys));
   for (std::size_t i = 0; i < attempts.size(); ++i) {
-    const std::string own = attempts.size() == 1 ? folder : folder + "/" + std::to_string(i + 1);
-    make_output_folder("-o", own);
+    const std::string own = attempts.size() == 1 ? "" : std::to_string(i + 1);
+    const std::string in_own = own.empty() ? own : own + "/";
+    make_output_folder("-o", folder.path(own));
     if (!options.no_render) {
       const Progress progress("drawing");
-      const RecordingReader reader(options.recordings[i]);
-      draw_moments(reader, options.recordings[i], own, attempts[i]);
+      const std::string& recording = options.recordings[i];
+      const RecordingReader reader(recording);
+      for (const std::string& name :
+           draw_moments(reader, recording, folder.path(own), attempts[i])) {
+        folder.add(in_own + name);
+      }
     }
-    write_json(own, attempts[i]);
+    folder.write(in_own + "assessment.json", assessment_json(attempts[i]));
   }
-  if (attempts.size() == 1) return;
-  write_table(folder, attempts);
-  write_comparison(folder, compared);
+  if (attempts.size() > 1) {
+    folder.write("assessment.csv", table_of(attempts));
+    write_comparison(folder, compared);
+  }
+  folder.finish();
 }
 
 }  // namespace
@@ -202,6 +234,7 @@ void add_assess_command(CLI::App& program) {
              "limit that is not met (out/NAME-assessment); of several in 1/, 2/, ..., with\n"
              "a table of all, assessment.csv, and a page that shows them side by side,\n"
              "comparison.html");
+  command->add_flag("--force", options->force, "Replace another assessment in the folder of -o");
   command->add_flag("--no-render", options->no_render,
                     "Draw no pictures and films of what is not met");
   command->callback([options] { assess(*options); });

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "app/playback/recorded_film.hpp"
 #include "app/report/video_writer.hpp"
-#include "app/terminal/terminal.hpp"
 #include "engine/graphics/renderer.hpp"
 
 namespace sulcus {
@@ -49,8 +49,6 @@ class MomentPictures {
     video.close();
     measure.picture = measure.name + ".png";
     write_png(picture_at(*measure.time_s), folder + "/" + measure.picture);
-    say("%s\n", (folder + "/" + measure.picture).c_str());
-    say("%s\n", (folder + "/" + measure.film).c_str());
   }
 
  private:
@@ -73,18 +71,22 @@ class MomentPictures {
 
 }  // namespace
 
-void draw_moments(const RecordingReader& reader, const std::string& recording,
-                  const std::string& folder, Assessment& assessment) {
+std::vector<std::string> draw_moments(const RecordingReader& reader, const std::string& recording,
+                                      const std::string& folder, Assessment& assessment) {
   std::vector<AssessedMeasure*> missed;
   for (AssessedMeasure& measure : assessment.measures) {
     if (!measure.met() && measure.tick) missed.push_back(&measure);
   }
-  if (missed.empty()) return;
+  if (missed.empty()) return {};
   std::ranges::sort(missed, {}, [](const AssessedMeasure* measure) { return *measure->tick; });
   MomentPictures pictures(reader, recording);
+  std::vector<std::string> files;
   for (AssessedMeasure* const measure : missed) {
-    if (pictures.has(*measure)) pictures.draw(folder, *measure);
+    if (!pictures.has(*measure)) continue;
+    pictures.draw(folder, *measure);
+    files.insert(files.end(), {measure->picture, measure->film});
   }
+  return files;
 }
 
 }  // namespace sulcus

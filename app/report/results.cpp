@@ -73,15 +73,26 @@ std::string asked_for(const Scene& scene, std::string_view fault) {
 
 }  // namespace
 
+namespace {
+
+/// In out/, where a stem that is only dots would be another folder.
+std::string folder_in_out(const std::filesystem::path& stem, const char* otherwise,
+                          const std::string& suffix) {
+  const bool is_place = stem.empty() || stem == "." || stem == "..";
+  return "out/" + (is_place ? otherwise : stem.string()) + suffix;
+}
+
+}  // namespace
+
 std::string folder_of_scene(const std::string& file, const std::string& suffix) {
-  return "out/" + std::filesystem::path(file).stem().string() + suffix;
+  return folder_in_out(std::filesystem::path(file).stem(), "scene", suffix);
 }
 
 std::string folder_of_recording(const std::string& file, const std::string& suffix) {
   const std::filesystem::path path = std::filesystem::absolute(file).lexically_normal();
   const std::filesystem::path folder = path.parent_path().filename();
   const bool by_folder = path.stem() == "recording" && !folder.empty();
-  return "out/" + (by_folder ? folder : path.stem()).string() + suffix;
+  return folder_in_out(by_folder ? folder : path.stem(), "recording", suffix);
 }
 
 namespace {

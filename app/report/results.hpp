@@ -8,7 +8,8 @@
 
 namespace sulcus {
 
-/// Where the results of a scene go without -o: out/NAME, by its file.
+/// Where the results of a scene go without -o: out/NAME, by its file; by none of dots alone
+/// (...toml) out/scene.
 std::string folder_of_scene(const std::string& file, const std::string& suffix = "");
 /// The same of a recording: by its file, or by its folder where the file has the name that all
 /// have.

@@ -5,7 +5,9 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <iterator>
 #include <regex>
+#include <span>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -17,6 +19,7 @@
 
 #include "app/report/output_file.hpp"
 #include "engine/core/error.hpp"
+#include "engine/scene/assessment_table.hpp"
 
 namespace sulcus {
 
@@ -24,23 +27,64 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kMarkName = ".sulcus-run";        // its text: the key of the run
-constexpr const char* kUnfinishedName = ".unfinished";  // what is to replace the results
-constexpr std::array kResultNames{"summary.json", "forces.png",        "log.txt",
-                                  "recording.h5", "recording.h5.part", "scene.toml"};
+/// What bears which name in a folder, by ResultsKind.
+struct KindNames {
+  const char* another;
+  const char* mark;        // its text: the key of the run
+  const char* unfinished;  // what is to replace the results
+  std::span<const char* const> files;
+};
+constexpr std::array kRunFiles{"summary.json", "forces.png",        "log.txt",
+                               "recording.h5", "recording.h5.part", "scene.toml"};
+constexpr std::array kAssessmentFiles{"assessment.json", "assessment.csv", "comparison.html"};
+constexpr std::array<KindNames, 2> kKinds{
+    {{"another run", ".sulcus-run", ".unfinished", kRunFiles},
+     {"another assessment", ".sulcus-assessment", ".unfinished-assessment", kAssessmentFiles}}};
+
+const KindNames& kind_names(ResultsKind kind) { return kKinds[static_cast<std::size_t>(kind)]; }
 
 [[noreturn]] void refuse_folder(const std::string& folder) {
   throw InputError(folder, "", "no folder that can be written", "one for the results, -o DIR");
 }
 
-/// The files of a run's results that lie in a folder; not what a user has put there.
-std::vector<fs::path> results_in(const std::string& folder) {
+/// The files of such names that lie in a folder.
+std::vector<fs::path> named_in(const fs::path& folder, ResultsKind kind) {
   std::vector<fs::path> found;
   std::error_code ignored;
-  for (const char* name : kResultNames) {
-    const fs::path file = fs::path(folder) / name;
-    if (fs::is_regular_file(file, ignored)) found.push_back(file);
+  for (const char* name : kind_names(kind).files) {
+    if (fs::is_regular_file(folder / name, ignored)) found.push_back(folder / name);
   }
+  return found;
+}
+
+/// With the pictures and films of what was not met.
+void add_assessment_in(const fs::path& folder, std::vector<fs::path>& found) {
+  std::ranges::copy(named_in(folder, ResultsKind::kAssessment), std::back_inserter(found));
+  std::error_code ignored;
+  for (const MeasureName& measure : measure_names()) {
+    for (const char* ending : {".png", ".mp4"}) {
+      const fs::path file = folder / (std::string(measure.name) + ending);
+      if (fs::is_regular_file(file, ignored)) found.push_back(file);
+    }
+  }
+}
+
+/// The files of results that lie in a folder; not what a user has put there.
+std::vector<fs::path> results_in(const std::string& folder, ResultsKind kind) {
+  std::vector<fs::path> found;
+  std::error_code ignored;
+  if (kind == ResultsKind::kAssessment) {
+    add_assessment_in(folder, found);
+    static const std::regex attempt("[1-9][0-9]*");
+    for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+      if (entry.is_directory(ignored) &&
+          std::regex_match(entry.path().filename().string(), attempt)) {
+        add_assessment_in(entry.path(), found);
+      }
+    }
+    return found;
+  }
+  found = named_in(folder, kind);
   static const std::regex frame("[0-9]{6,}\\.png"), tooth("tooth_[0-9]+\\.[0-9]+_s\\.stl");
   // Pictures of its recording (render), which would be another's.
   static const std::regex drawn(".+_[0-9]+\\.[0-9]+s.*\\.png");
@@ -54,6 +98,46 @@ std::vector<fs::path> results_in(const std::string& folder) {
     }
   }
   return found;
+}
+
+/// What bears a result's name and is no file cannot be replaced by one.
+void check_names(const std::string& folder, ResultsKind kind) {
+  std::error_code ignored;
+  for (const char* name : kind_names(kind).files) {
+    const fs::path file = fs::path(folder) / name;
+    if (!fs::is_directory(fs::symlink_status(file, ignored))) continue;
+    throw InputError(file.string(), "", "a folder of a result's name",
+                     "a file, or another folder for the results, -o DIR");
+  }
+  const fs::path frames = fs::path(folder) / "frames";
+  if (kind != ResultsKind::kRun || !fs::exists(frames, ignored)) return;
+  if (fs::is_directory(frames, ignored)) return;
+  throw InputError(frames.string(), "", "a file of the name of the pictures' folder",
+                   "a folder, or another one for the results, -o DIR");
+}
+
+/// The files below a folder, by their way from it. All of them can be moved to where they belong
+/// below another, whose folders are made. @throws std::runtime_error where one cannot.
+std::vector<fs::path> files_to_move(const std::string& from, const std::string& to) {
+  std::vector<fs::path> files, folders;
+  const auto refuse = [](const fs::path& there, const char* what) {
+    throw std::runtime_error(there.string() + ": cannot be replaced: " + what);
+  };
+  std::error_code ignored;
+  for (const auto& entry : fs::recursive_directory_iterator(from)) {
+    const fs::path name = entry.path().lexically_relative(from), there = fs::path(to) / name;
+    if (entry.is_directory()) {
+      if (fs::exists(fs::symlink_status(there, ignored)) && !fs::is_directory(there, ignored)) {
+        refuse(there, "it is no folder");
+      }
+      folders.push_back(there);
+    } else {
+      if (fs::is_directory(fs::symlink_status(there, ignored))) refuse(there, "it is a folder");
+      files.push_back(name);
+    }
+  }
+  for (const fs::path& folder : folders) fs::create_directories(folder);
+  return files;
 }
 
 /// A name that is not taken, beside a folder.
@@ -73,9 +157,9 @@ std::string next_free_name(const std::string& folder) {
 /// The hidden file of a folder whose text is the key of the run there; locked.
 class ResultsFolder::Mark {
  public:
-  explicit Mark(const std::string& folder)
-      : file_(::open((folder + "/" + kMarkName).c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW,
-                     0666)) {
+  Mark(const std::string& folder, ResultsKind kind)
+      : file_(::open((folder + "/" + kind_names(kind).mark).c_str(),
+                     O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666)) {
     if (file_ < 0 && (errno == ENOSPC || errno == EDQUOT)) {
       throw std::runtime_error(folder + ": cannot be written: " + strerror(errno));
     }
@@ -107,7 +191,7 @@ class ResultsFolder::Mark {
   bool is_ours_ = false;
 };
 
-ResultsFolder::ResultsFolder(const ResultsPlace& place) : key_(place.key) {
+ResultsFolder::ResultsFolder(const ResultsPlace& place) : key_(place.key), kind_(place.kind) {
   if (!place.given.empty()) {
     take(place.given, place);
     return;
@@ -129,20 +213,22 @@ bool ResultsFolder::take(const std::string& folder, const ResultsPlace& place) {
   std::error_code error;
   const auto is_anothers = [&] {
     if (!given) return true;
-    throw InputError(folder, "-o", "another run", "another folder, or --force to replace it");
+    throw InputError(folder, "-o", kind_names(kind_).another,
+                     "another folder, or --force to replace it");
   };
   const bool force = given && place.force;
   // What bears no mark is not marked by us either.
-  const bool is_marked = fs::exists(fs::path(folder) / kMarkName, error);
-  if (!is_marked && !force && !results_in(folder).empty() && is_anothers()) return false;
-  auto mark = std::make_unique<Mark>(folder);
+  const bool is_marked = fs::exists(fs::path(folder) / kind_names(kind_).mark, error);
+  if (!is_marked && !force && !results_in(folder, kind_).empty() && is_anothers()) return false;
+  auto mark = std::make_unique<Mark>(folder, kind_);
   if (!mark->is_ours()) {
     if (!given) return false;
     throw InputError(folder, "-o", "a folder that another process writes into", "another one");
   }
-  const bool holds_a_run = !results_in(folder).empty();
+  const bool holds_a_run = !results_in(folder, kind_).empty();
   const bool same = !key_.empty() && mark->key() == key_;
   if (holds_a_run && !same && !force && is_anothers()) return false;
+  check_names(folder, kind_);
   mark_ = std::move(mark);
   path_ = at_ = folder;
   if (holds_a_run && !(same && place.adds)) {
@@ -154,11 +240,11 @@ bool ResultsFolder::take(const std::string& folder, const ResultsPlace& place) {
 }
 
 void ResultsFolder::begin_beside() {
-  at_ = path_ + "/" + kUnfinishedName;
+  at_ = path_ + "/" + kind_names(kind_).unfinished;
   std::error_code error;
   // A run that was killed left it: what is in the folder already goes, what is not is kept.
   if (fs::exists(at_, error)) {
-    const std::string before = Mark(at_).key();
+    const std::string before = Mark(at_, kind_).key();
     const bool is_there_whole = !before.empty() && before == mark_->key();
     if (is_there_whole || !fs::exists(at_ + "/recording.h5", error)) {
       fs::remove_all(at_, error);
@@ -168,7 +254,7 @@ void ResultsFolder::begin_beside() {
   }
   if (error) refuse_folder(path_);
   make_output_folder("-o", at_);
-  Mark(at_).set_key(key_);
+  Mark(at_, kind_).set_key(key_);
 }
 
 void ResultsFolder::finish(bool whole) {
@@ -179,27 +265,25 @@ void ResultsFolder::finish(bool whole) {
     path_ = at_ = name;
     return;
   }
-  const std::vector<fs::path> before = results_in(path_);
+  const std::vector<fs::path> before = results_in(path_, kind_);
+  fs::remove(fs::path(at_) / kind_names(kind_).mark);
   std::vector<fs::path> now;
-  fs::remove(fs::path(at_) / kMarkName);
-  for (const auto& entry : fs::recursive_directory_iterator(at_)) {
-    const fs::path to = fs::path(path_) / entry.path().lexically_relative(at_);
-    if (entry.is_directory()) {
-      fs::create_directories(to);
-    } else {
-      now.push_back(to);
-    }
-  }
-  for (const fs::path& to : now) {
-    fs::rename(fs::path(at_) / to.lexically_relative(path_), to);
+  const std::vector<fs::path> names = files_to_move(at_, path_);
+  // Who ends in between leaves a folder that is of no run.
+  const bool same = mark_->key() == key_;
+  mark_->set_key("");
+  for (const fs::path& name : names) {
+    now.push_back(fs::path(path_) / name);
+    fs::rename(fs::path(at_) / name, now.back());
   }
   // Its pictures show the same run, unless it was another.
-  const bool same = mark_->key() == key_;
   for (const fs::path& file : before) {
     const bool is_drawn = file.parent_path().filename() == "render";
-    if (std::ranges::find(now, file) == now.end() && !(same && is_drawn)) {
-      fs::remove(file);
-    }
+    if (std::ranges::find(now, file) != now.end() || (same && is_drawn)) continue;
+    fs::remove(file);
+    // An attempt's folder that is empty now was of the results, too.
+    std::error_code ignored;
+    if (kind_ == ResultsKind::kAssessment) fs::remove(file.parent_path(), ignored);
   }
   fs::remove_all(at_);
   mark_->set_key(key_);

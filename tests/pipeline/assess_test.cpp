@@ -50,7 +50,7 @@ class Assess : public ::testing::Test {
   nlohmann::json assessment(const std::string& arguments,
                             const std::string& drawn = "--no-render") {
     const auto result =
-        command("assess " + arguments + " " + drawn + " -o " + scratch_.path("assessed"));
+        command("assess " + arguments + " " + drawn + " --force -o " + scratch_.path("assessed"));
     EXPECT_EQ(result.status, 0) << result.err;
     return nlohmann::json::parse(test::read_file(scratch_.path("assessed/assessment.json")));
   }
@@ -235,7 +235,8 @@ TEST_F(Assess, APlanThatIsNotOfTheToothIsRefused) {
   };
   const std::string plan = " --plan " + scratch_.path("moved.stl");
   refused(pair + plan, "moved.stl: --plan: found 11 % of it outside of --before");
-  refused(pair + " --plan " + scratch_.path("before.stl"), "--plan: found nothing to be removed");
+  refused(pair + " --plan " + scratch_.path("before.stl"),
+          "--plan: found nothing removed that is deeper");
   refused(recording + plan, "expected both; what a recording was to become");
   refused(plan, "--plan: found no --before and --after");
   refused("--before " + scratch_.path("before.stl") + plan, "one of --before and --after");
@@ -375,8 +376,14 @@ TEST_F(Assess, WhatCannotBeAssessedIsSaidInALine) {
   };
   refused("", "nothing to assess");
   refused(recording, "--assessment FILE.toml");
-  refused(recording + " --assessment " + limits, "nothing removed");
+  refused(recording + " --assessment " + limits, "nothing removed that is deeper than 0.05 mm");
   refused(recording + " --assessment " + scratch_.path("absent.toml"), "no readable file");
+  const std::string before = scratch_.path("before.stl"), scratched = scratch_.path("after.stl");
+  write_mesh(before, test::lofted_mesh({{-2, 2, -2, 2, -1}, {-2, 2, -2, 2, 1}}, 3,
+                                       Eigen::Affine3d::Identity()));
+  write_mesh(scratched, planned_block(0.97));
+  refused("--before " + before + " --after " + scratched + " --assessment " + limits,
+          "nothing removed that is deeper than 0.05 mm");
   refused("--before a.stl --assessment " + limits, "one of --before and --after");
   refused("--before a.stl --after b.stl", "no --assessment");
 }

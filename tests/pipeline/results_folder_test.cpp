@@ -2,9 +2,11 @@
 #include <csignal>
 #include <filesystem>
 #include <string>
+#include <utility>
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -93,6 +95,13 @@ TEST_F(ResultsFolders, OtherSettingsTakeTheNextFreeName) {
   EXPECT_EQ(read("out/s/summary.json"), before);
 }
 
+TEST_F(ResultsFolders, ASceneNamedByDotsAloneStaysInOut) {
+  scratch_.write("...toml", test::cut_scene());
+  done("run ./...toml");
+  EXPECT_TRUE(exists("out/scene/summary.json"));
+  EXPECT_FALSE(exists("summary.json"));
+}
+
 TEST_F(ResultsFolders, OneThatIsGivenAndHoldsAnotherRunIsRefusedWithoutForce) {
   done("run s.toml -o mine");
   const std::string before = read("mine/summary.json"), recording = read("mine/recording.h5");
@@ -161,6 +170,111 @@ TEST_F(ResultsFolders, AReplayIsNamedByItsRecording) {
   fs::copy_file(scratch_.path("out/s/recording.h5"), scratch_.path("patient.h5"));
   done("replay patient.h5");
   EXPECT_TRUE(exists("out/patient_replay/summary.json"));
+}
+
+TEST_F(ResultsFolders, WhatCannotBeReplacedIsSaidBeforeTheRun) {
+  done("run s.toml");
+  const std::string recording = read("out/s/recording.h5"), key = read("out/s/.sulcus-run");
+  const auto expect_refused = [&](const std::string& name) {
+    const auto refused = sulcus("run s.toml");
+    EXPECT_EQ(refused.status, 2) << name;
+    EXPECT_EQ(refused.err_lines(), 1) << refused.err;
+    EXPECT_NE(refused.err.find("out/s/" + name + ": "), std::string::npos) << refused.err;
+    EXPECT_EQ(read("out/s/recording.h5"), recording);
+    EXPECT_EQ(read("out/s/.sulcus-run"), key);
+    EXPECT_FALSE(exists("out/s/.unfinished"));
+    fs::remove_all(scratch_.path("out/s/" + name));
+  };
+  for (const std::string name : {"forces.png", "summary.json"}) {
+    fs::remove(scratch_.path("out/s/" + name));
+    scratch_.write("out/s/" + name + "/notes.txt", "mine");
+    expect_refused(name);
+  }
+  scratch_.write("out/s/frames", "mine");
+  expect_refused("frames");
+  done("run s.toml");
+  EXPECT_TRUE(exists("out/s/summary.json"));
+}
+
+TEST_F(ResultsFolders, ALogThatIsNoRegularFileIsRefused) {
+  const auto expect_refused = [&](const std::string& what) {
+    const auto refused = sulcus("run s.toml -o mine");
+    EXPECT_EQ(refused.status, 2) << what;
+    EXPECT_EQ(refused.err_lines(), 1) << refused.err;
+    EXPECT_NE(refused.err.find("mine/log.txt: found no regular file"), std::string::npos)
+        << refused.err;
+    fs::remove(scratch_.path("mine/log.txt"));
+  };
+  const std::string log = scratch_.path("mine/log.txt");
+  fs::create_directory(scratch_.path("mine"));
+  ASSERT_EQ(mkfifo(log.c_str(), 0600), 0);
+  expect_refused("a pipe that nobody reads");
+  ASSERT_EQ(mkfifo(log.c_str(), 0600), 0);
+  const int reader = open(log.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  expect_refused("a pipe");
+  close(reader);
+  fs::create_symlink(scratch_.path("elsewhere"), log);
+  expect_refused("a link to nothing");
+  EXPECT_FALSE(exists("elsewhere"));
+  scratch_.write("elsewhere", "mine");
+  fs::create_symlink(scratch_.path("elsewhere"), log);
+  done("run s.toml -o mine");  // the link is a result of the same run, and replaced
+  EXPECT_EQ(read("elsewhere"), "mine");
+}
+
+TEST_F(ResultsFolders, AnAssessmentReplacesItsOwnAlone) {
+  for (const auto& [who, deep] : {std::pair{"anna", "0.7"}, {"bert", "0.6"}}) {
+    std::string scene = test::cut_scene() + "[assessment]\ndepth_mm = 5\n";
+    for (auto at = scene.find("0.92"); at != std::string::npos; at = scene.find("0.92")) {
+      scene.replace(at, 4, deep);
+    }
+    scratch_.write("deep.toml", scene);
+    done(std::string("run deep.toml -o ") + who + "/prep");
+  }
+  const std::string file = "out/prep-assessment/assessment.json";
+  done("assess anna/prep --no-render");
+  const std::string of_anna = read(file);
+  scratch_.write("out/prep-assessment/depth_mm.png", "of that");
+  const auto other = done("assess bert/prep --no-render");
+  EXPECT_NE(other.out.find("out/prep-assessment-2/assessment.json\n"), std::string::npos);
+  EXPECT_EQ(read(file), of_anna);
+  EXPECT_TRUE(exists("out/prep-assessment/depth_mm.png"));
+  done("assess anna/prep --no-render");
+  EXPECT_EQ(read(file), of_anna);
+  EXPECT_FALSE(exists("out/prep-assessment/depth_mm.png")) << "of the one that is replaced";
+  EXPECT_FALSE(exists("out/prep-assessment/.unfinished-assessment"));
+  EXPECT_FALSE(exists("out/prep-assessment-3"));
+  scratch_.write("other.toml", "[assessment]\ndepth_mm = 4\n");
+  done("assess anna/prep --no-render --assessment other.toml");  // by other limits
+  EXPECT_TRUE(exists("out/prep-assessment-3/assessment.json"));
+
+  const std::string given = "assess bert/prep --no-render -o out/prep-assessment";
+  const auto refused = sulcus(given);
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_EQ(refused.err_lines(), 1) << refused.err;
+  EXPECT_NE(refused.err.find("another assessment"), std::string::npos) << refused.err;
+  EXPECT_EQ(read(file), of_anna);
+  done(given + " --force");
+  EXPECT_NE(read(file), of_anna);
+}
+
+TEST_F(ResultsFolders, AnAssessmentLeavesTheRunBesideItAlone) {
+  std::string scene = test::cut_scene() + "[assessment]\ndepth_mm = 5\n";
+  for (auto at = scene.find("0.92"); at != std::string::npos; at = scene.find("0.92")) {
+    scene.replace(at, 4, "0.7");
+  }
+  scratch_.write("deep.toml", scene);
+  done("run deep.toml -o mine");
+  const std::string recording = read("mine/recording.h5");
+  done("assess mine mine --no-render -o mine");
+  EXPECT_TRUE(exists("mine/2/assessment.json"));
+  done("assess mine --no-render --force -o mine");
+  EXPECT_TRUE(exists("mine/assessment.json"));
+  EXPECT_FALSE(exists("mine/assessment.csv"));
+  EXPECT_FALSE(exists("mine/2")) << "of the one that is replaced";
+  EXPECT_EQ(read("mine/recording.h5"), recording);
+  done("run deep.toml -o mine");
+  EXPECT_TRUE(exists("mine/assessment.json"));
 }
 
 TEST_F(ResultsFolders, PicturesAreNamedByWhatTheyShow) {
