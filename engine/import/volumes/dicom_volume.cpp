@@ -146,6 +146,7 @@ void order_by_number(const std::string& name, std::span<const std::string> files
                      "one for each slice, where no position puts them in order");
   }
   std::vector<SliceNumber> numbers;
+  numbers.reserve(frames.size());
   for (const DicomFrame& frame : frames) {
     numbers.push_back({frame.instance, text_of(frame.instance), name_of(frame, files, false)});
   }

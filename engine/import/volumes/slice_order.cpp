@@ -146,6 +146,8 @@ DotMeaning meaning_of_dot(const std::vector<NamedSlice>& slices, std::size_t n) 
   }
   if (!padded || lengths.size() < 2) return DotMeaning::kDecimal;
   std::vector<double> values, whole;
+  values.reserve(decimals.size());
+  whole.reserve(parts.size());
   for (const auto& [text, value] : decimals) values.push_back(value);
   for (const auto& [part, count] : parts) whole.push_back(part);
   constexpr double kDigits = 0.5, kNone = 1e-9;  // digits of a decimal number may be rounded
@@ -245,6 +247,7 @@ SliceOrder slice_order(const std::string& folder, std::vector<std::string> files
   }
   if (varying.size() == 1) {
     std::vector<SliceNumber> numbers;
+    numbers.reserve(slices.size());
     for (const NamedSlice& slice : slices) {
       const Decimal& number = slice.numbers[varying.front()];
       numbers.push_back({number.value(), number.text(), slice.name});
