@@ -8,24 +8,12 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
+#include "tests/support/height_maps.hpp"
+
 namespace sulcus::rough_columns_test {
 namespace {
 
-/// A map of whole heights, kNone among them, as `height(i, j)` gives them.
-template <class Height>
-HeightMap map_of(int ns, const Height& height) {
-  HeightMap map;
-  map.ns = ns;
-  map.lanes = lanes_of(ns);
-  map.height.fill(HeightMap::kNone);
-  for (int j = -ns; j <= ns; ++j) {
-    for (int i = -ns; i <= ns; ++i) {
-      map.height[static_cast<std::size_t>(map.place(i, j))] =
-          static_cast<signed char>(height(i, j));
-    }
-  }
-  return map;
-}
+using test::map_of;
 
 /// Five columns and more that are two off their neighbours' mean line, by their places one after
 /// the other: the smaller principal variance of these.
@@ -69,12 +57,12 @@ TEST(RoughColumns, AreThoseCountedOneByOneInEveryTurn) {
     const auto at = [&](int i, int j) {
       return heights[static_cast<std::size_t>((j + ns) * (2 * ns + 1) + i + ns)];
     };
-    const HeightMap map = map_of(ns, at);
+    const HeightMap map = map_of(ns, 1, at);
     const bool found = has_rough_columns(map);
     ASSERT_EQ(found, rough_by_hand(map)) << n;
-    ASSERT_EQ(found, has_rough_columns(map_of(ns, [&](int i, int j) { return at(j, i); })));
-    ASSERT_EQ(found, has_rough_columns(map_of(ns, [&](int i, int j) { return at(-i, j); })));
-    ASSERT_EQ(found, has_rough_columns(map_of(ns, [&](int i, int j) {
+    ASSERT_EQ(found, has_rough_columns(map_of(ns, 1, [&](int i, int j) { return at(j, i); })));
+    ASSERT_EQ(found, has_rough_columns(map_of(ns, 1, [&](int i, int j) { return at(-i, j); })));
+    ASSERT_EQ(found, has_rough_columns(map_of(ns, 1, [&](int i, int j) {
                 const int h = at(i, -j);
                 return h == HeightMap::kNone ? h : -h;
               })));
@@ -90,15 +78,15 @@ TEST(RoughColumns, AreNotThoseOfPlanesBallsAndEdges) {
   for (int n = 0; n < 3000; ++n) {
     const double a = 1.5 * any(random), b = 1.5 * any(random), c = any(random);
     const auto plane = [&](int i, int j) { return a * i + b * j + c; };
-    ASSERT_FALSE(has_rough_columns(map_of(6, [&](int i, int j) {
+    ASSERT_FALSE(has_rough_columns(map_of(6, 1, [&](int i, int j) {
       return std::floor(plane(i, j));
     }))) << n;
     const double bend = 0.02 * any(random);  // balls of 25 voxels and more
-    ASSERT_FALSE(has_rough_columns(map_of(6, [&](int i, int j) {
+    ASSERT_FALSE(has_rough_columns(map_of(6, 1, [&](int i, int j) {
       return std::floor(0.4 * plane(i, j) + bend * (i * i + j * j));
     }))) << n;
     const double turn = M_PI * any(random), steep = 2.0 * any(random), where = 6.0 * any(random);
-    ASSERT_FALSE(has_rough_columns(map_of(6, [&](int i, int j) {
+    ASSERT_FALSE(has_rough_columns(map_of(6, 1, [&](int i, int j) {
       const double past = std::cos(turn) * i + std::sin(turn) * j - where;
       return std::floor(0.3 * plane(i, j) + steep * std::max(past, 0.0));
     }))) << n;
@@ -113,7 +101,7 @@ TEST(RoughColumns, AreThoseOfNoise) {
   for (int n = 0; n < kMaps; ++n) {
     const double a = any(random), b = any(random);
     rough += has_rough_columns(map_of(
-                 6, [&](int i, int j) { return std::floor(a * i + b * j + 0.7 * any(random)); }))
+                 6, 1, [&](int i, int j) { return std::floor(a * i + b * j + 0.7 * any(random)); }))
                  ? 1
                  : 0;
   }
