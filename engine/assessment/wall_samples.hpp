@@ -46,7 +46,7 @@ class WallFinder {
 
   bool is_of_wall(const WallSample& sample) const {
     const Eigen::Vector2d facing = sample.normal.head<2>().normalized();
-    if (!lattice_.covers(sample.at_mm.head<2>())) return false;  // known there is other places'
+    if (!lattice_.covers(sample.at_mm.head<2>())) return false;  // no ray is near
     const double low = foot(sample, facing), high = upper_edge(sample, facing);
     const double edge = std::max(0.1, 0.15 * (high - low));
     return sample.at_mm.z() > low + edge && sample.at_mm.z() < high - edge &&

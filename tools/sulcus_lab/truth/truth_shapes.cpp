@@ -309,7 +309,7 @@ std::vector<TruthShape> planes(SurfaceKind surface) {
   return all;
 }
 
-/// Balls, each voxel in or out as its centre is beside the surface, or up to so far from it.
+/// Balls in which a voxel is solid where its centre, moved in or out at random, is inside.
 std::vector<TruthShape> rough_balls() {
   constexpr double kRadius = 48.0;
   std::mt19937 random(9);

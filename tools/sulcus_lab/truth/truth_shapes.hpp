@@ -63,10 +63,8 @@ inline constexpr std::string_view kShapeNames[] = {
 /// edges
 /// - quartic: x^4 + y^4 + z^4 <= 50^4, tilted: flat, and bent ever more from there on
 /// - planes: 200 of random attitudes, the same every time
-/// - rough: balls of 48, each voxel in or out as its centre, moved by up to 0.4 and 0.7 at random,
-/// is;
-///   each roughness a zone. As a burr leaves a surface. Voxels are full or empty, with fractions
-///   too
+/// - rough: balls of 48 with a surface as a burr leaves it: a voxel is solid where its centre,
+///   moved by up to 0.4 or 0.7 at random, is inside. Each roughness a zone; full voxels alone
 /// With fractions the model carries them; the voxels are those of the binary shape all the same.
 /// Voxels near the grid's faces, where a shape goes on beyond them, are left out. InputError for
 /// another name. Runs on oneTBB; the result does not depend on the number of threads.
