@@ -179,6 +179,13 @@ double step_fraction_in_cone(const Eigen::Vector3d& stretch_m, const Eigen::Vect
   return last > 1.0 ? 1.0 : std::max(0.0, last);
 }
 
+double ForceLimits::fraction_within(const CouplingSprings& springs,
+                                    const Eigen::Vector3d& stretch_m,
+                                    const Eigen::Vector3d& step_m) const noexcept {
+  const double change = step_fraction_of_change(springs, stretch_m, step_m, before_N, most_N);
+  return change * step_fraction_in_cone(stretch_m, change * step_m, turn.felt, turn.cosine);
+}
+
 Pose moved(const Pose& tool, const Eigen::Vector3d& middle_tool, const Vector6d& step) noexcept {
   const Eigen::Vector3d half = 0.5 * step.tail<3>();
   Pose to;

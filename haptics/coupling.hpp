@@ -100,6 +100,17 @@ struct ForceTurn {
 double step_fraction_in_cone(const Eigen::Vector3d& stretch_m, const Eigen::Vector3d& step_m,
                              const Eigen::Vector3d& axis, double cosine) noexcept;
 
+/// How far the springs' force may go from what it was, `before_N`, in one tick.
+struct ForceLimits {
+  Eigen::Vector3d before_N;
+  double most_N;
+  ForceTurn turn;
+
+  /// The longest part of a step of the tool's middle, all of it at most, within both limits.
+  double fraction_within(const CouplingSprings& springs, const Eigen::Vector3d& stretch_m,
+                         const Eigen::Vector3d& step_m) const noexcept;
+};
+
 /// Takes the tool towards where springs and contact balance: a quasi-static virtual coupling [Wan
 /// and McNeely 2003; Barbic and James 2008]. We iterate where they take one linear step, so that a
 /// contact hundreds of times as stiff as the springs is met without crossing it:
@@ -114,6 +125,9 @@ double step_fraction_in_cone(const Eigen::Vector3d& stretch_m, const Eigen::Vect
 ///    kLargestChange_N: when the tool slips off an edge the force falls over ticks, not in one.
 ///  - Nor does it turn the force further than `ForceTurn` has it: from one row of an edge's voxels
 ///    to the next the force goes steadily.
+///  - Where these two shorten a step, its part through the surface still goes on, as far as they
+///    allow. Else a tool that slides, a little in each tick, would hang above the surface
+///    meanwhile, and the hand would feel a press on nothing.
 ///  - If the residual reverses and grows after a step, one secant iteration shortens that step.
 ///  - Ends within kClose_m of where it would go and kForceTolerance of its force, or when the
 ///  evaluations
@@ -161,6 +175,9 @@ class Coupling {
   bool is_balanced(const Look& at, const Vector6d& step) const noexcept;
   /// What of a step the surfaces allow.
   Vector6d allowed(const Look& at, const Vector6d& step) noexcept;
+  /// What of a step the limits of the springs' force allow.
+  Vector6d limited(const Look& at, const Eigen::Vector3d& target, const Vector6d& step,
+                   const ForceLimits& limits) const noexcept;
   /// The parts of the last step that it should have been: what it may go where it met what rises
   /// from the surface; and a secant, where the residual has reversed and grown. 1 where it was
   /// well.
@@ -236,6 +253,21 @@ Vector6d Coupling<Evaluate, FreeDistance>::allowed(const Look& at, const Vector6
 }
 
 template <class Evaluate, class FreeDistance>
+Vector6d Coupling<Evaluate, FreeDistance>::limited(const Look& at, const Eigen::Vector3d& target,
+                                                   const Vector6d& step,
+                                                   const ForceLimits& limits) const noexcept {
+  const Eigen::Vector3d stretch_m = target - at.tool.point(springs_.middle_tool);
+  const double whole = limits.fraction_within(springs_, stretch_m, step.template head<3>());
+  if (whole == 1.0 || at.normal.isZero(0.0)) return whole * step;
+  const Vector6d first = whole * step;
+  Vector6d through = step - first;
+  through.template head<3>() = at.normal.dot(through.template head<3>()) * at.normal;
+  return first + limits.fraction_within(springs_, stretch_m - first.template head<3>(),
+                                        through.template head<3>()) *
+                     through;
+}
+
+template <class Evaluate, class FreeDistance>
 double Coupling<Evaluate, FreeDistance>::part_to_what_it_met(const Look& before, const Look& at,
                                                              const Vector6d& step) const noexcept {
   const double along_m = ways_of(step, before.normal, springs_.reach_m).along_m;
@@ -254,12 +286,11 @@ double Coupling<Evaluate, FreeDistance>::secant(const Look& before, const Look& 
 template <class Evaluate, class FreeDistance>
 CoupledResult Coupling<Evaluate, FreeDistance>::couple(const Pose& device_before,
                                                        const Pose& device, Pose& tool) noexcept {
-  const ForceTurn turn(springs_, device_before, device, tool);
   const Eigen::Vector3d target = device.point(springs_.middle_tool);
-  const Eigen::Vector3d before_N = pull(springs_, device_before, tool).wrench.force_N;
-  const Eigen::Vector3d target_before = device_before.point(springs_.middle_tool);
-  const double device_way_m = (target - target_before).norm();
-  const double most_N = kLargestChange_N + springs_.stiffness_N_per_m * device_way_m;
+  const double device_way_m = (target - device_before.point(springs_.middle_tool)).norm();
+  const ForceLimits limits{pull(springs_, device_before, tool).wrench.force_N,
+                           kLargestChange_N + springs_.stiffness_N_per_m * device_way_m,
+                           ForceTurn(springs_, device_before, device, tool)};
   Look before{};
   Vector6d step = Vector6d::Zero();
   bool corrected = false;  // the last step, to what it met
@@ -291,11 +322,7 @@ CoupledResult Coupling<Evaluate, FreeDistance>::couple(const Pose& device_before
       result_.balanced = true;
       break;
     }
-    step = allowed(at, step);
-    const Eigen::Vector3d middle = tool.point(springs_.middle_tool);
-    step *= step_fraction_of_change(springs_, target - middle, step.template head<3>(), before_N,
-                                    most_N);
-    step *= step_fraction_in_cone(target - middle, step.template head<3>(), turn.felt, turn.cosine);
+    step = limited(at, target, allowed(at, step), limits);
     if (max_displacement(step, springs_.reach_m) == 0.0) break;  // as far as it may go in this tick
     before = at;
     tool = moved(tool, springs_.middle_tool, step);
