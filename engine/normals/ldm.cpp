@@ -9,6 +9,7 @@
 #include "engine/normals/grown_plane.hpp"
 #include "engine/normals/half_disc.hpp"
 #include "engine/normals/map_batch.hpp"
+#include "engine/normals/rough_columns.hpp"
 #include "engine/normals/tilted_fit.hpp"
 #include "engine/normals/turned_map.hpp"
 #include "engine/normals/wide_map.hpp"
@@ -52,10 +53,20 @@ VoxelBits find_explained(MapBatch& batch) noexcept {
 /// The closest points of voxels on what explains a ball about each.
 struct Balls {
   VoxelBits found = 0, small = 0;  // small: the voxel is near to an edge
+  VoxelBits rough = 0;  // nothing does, and the surface is rough: the largest ball's mean
   std::array<ClosestPoint, MapBatch::kMaps> closest;
 };
 
-/// The largest balls that are explained, of so many voxels, no more than kMaps.
+/// Whether columns out of line with their neighbours keep a ball from being explained, though its
+/// quadric is as good: a surface as burrs leave it, where smaller balls and halves of them find
+/// edges that are none.
+bool is_rough(const HeightMap& map, const TiltedFit& ball) noexcept {
+  return map.ns >= kLeastForRough && ball.sagitta <= kMostRoughSagitta &&
+         ball.scatter <= kMostRoughScatter && has_rough_columns(map);
+}
+
+/// The largest balls that are explained, of so many voxels, no more than kMaps. None smaller is
+/// looked for where the surface is rough.
 void find_balls(MapBatch& batch, VoxelBits which, TiltedFitter& fitter, Balls& balls) noexcept {
   std::array<TurnedMap, MapBatch::kMaps> maps;
   std::array<TiltedFit, MapBatch::kMaps> fits;
@@ -76,14 +87,20 @@ void find_balls(MapBatch& batch, VoxelBits which, TiltedFitter& fitter, Balls& b
     fitter.fit(std::span(fits).first(count));
     std::size_t left = 0;
     for (std::size_t n = 0; n < count; ++n) {
+      const std::size_t k = of[n];
       if (fits[n].closest) {
-        balls.closest[of[n]] = maps[of[n]].back(*fits[n].closest);
-        balls.found |= bit_of(of[n]);
-        if (radius < kNearEdge) balls.small |= bit_of(of[n]);
-      } else {
-        fits[left] = fits[n];
-        of[left++] = of[n];
+        balls.closest[k] = maps[k].back(*fits[n].closest);
+        balls.found |= bit_of(k);
+        if (radius < kNearEdge) balls.small |= bit_of(k);
+        continue;
       }
+      if (at_six == kBallRadii[0] && is_rough(batch.map(k), fits[n])) {
+        balls.closest[k] = maps[k].back(fits[n].unexplained);
+        balls.rough |= bit_of(k);
+        continue;
+      }
+      fits[left] = fits[n];
+      of[left++] = k;
     }
     count = left;
   }
@@ -181,6 +198,10 @@ class Refinement {
     HeightMap map;
     trace_wide_map(map);
     return checked(to_index_space(extended_plane(map, closest).value_or(closest), axes_));
+  }
+  /// From the closest point on the mean of a rough surface.
+  SurfaceEstimate on_rough(const ClosestPoint& closest) noexcept {
+    return checked(to_index_space(closest, axes_));
   }
   /// Near an edge, where a small ball, or none, is explained.
   SurfaceEstimate near_edge(const std::optional<ClosestPoint>& ball) noexcept {
@@ -325,6 +346,8 @@ void estimate_batch(MapBatch& batch, TiltedFitter& fitter, SurfaceEstimate* to) 
     const bool has_ball = has_bit(balls.found, k);
     if (is_explained) {
       to[k] = refinement.from_map(group.closest_point(lane), flatness);
+    } else if (has_bit(balls.rough, k)) {
+      to[k] = refinement.on_rough(balls.closest[k]);
     } else if (has_ball && !has_bit(balls.small, k)) {
       to[k] = refinement.from_ball(balls.closest[k]);
     } else {

@@ -18,6 +18,8 @@ namespace sulcus {
 ///   a bound, not in a bell, a step towards the least sum of fourth powers follows;
 /// - where a plane explains what a quadric does, it grows over all columns of the map that lie on
 ///   it, up to the edges of the face (grow_plane);
+/// - where columns all over the map are out of line with their neighbours, and the quadric of the
+///   largest ball bends and scatters little, the surface is rough, and that is its mean;
 /// - else the largest ball about the voxel in which a quadric does, fitted in the frame of
 ///   the coarse normal, where a curved surface is a quadric farther out than in the columns' frame.
 ///   The quantisation of the heights enters the abscissas of that frame as well; what it adds to

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 namespace sulcus {
 
@@ -67,6 +68,16 @@ inline constexpr int kLeastForWide = 4;
 /// grows with NS. A voxel whose ball is no larger than kNearEdge is near to an edge [p].
 inline constexpr float kBallRadii[] = {7.6f, 5.8f, 4.2f, 2.6f};
 inline constexpr float kNearEdge = 3.0f;
+/// A surface is rough where so many columns are out of line with two of their neighbours, by so
+/// many voxels, and spread, as those along an edge do not: the smaller principal variance of their
+/// places, columns^2. Quantised planes are at most one out of line. The ball's quadric then bends
+/// by no more than so many voxels up to its rim, and its residuals scatter by no more than that,
+/// voxels^2. Least NS of a map that tells. [m: a sphere in 0.4 voxels of noise 6.2 -> 0.7 degrees,
+/// rims of a cavity in the molar 3.021 -> 3.032; with a variance of 3, 3.035.]
+inline constexpr int kFewestOutOfLine = 5, kLeastForRough = 5;
+inline constexpr std::int16_t kOutOfLine = 2;
+inline constexpr std::int64_t kLeastSpread = 4;
+inline constexpr float kMostRoughSagitta = 2.0f, kMostRoughScatter = 0.6f;
 /// Fewest points in a ball, and share of them that a face which grows from it must have.
 inline constexpr int kFewestPointsInBall = 12;
 inline constexpr float kLeastShareGrown = 0.8f;

@@ -27,10 +27,20 @@ TiltedFrame frame_of(const Vector3f& normal, float radius, const MapSide& side) 
           side};
 }
 
-bool explains(const Quadric& c, const TiltedPoints& points, const TiltedFrame& frame,
-              const ResidualTolerance& tolerance) {
+/// Of a quadric, the largest deviation from its tangent plane at the ball's rim.
+float sagitta_of(const Quadric& c) {
+  const float mean = 0.5f * (c[3] + c[5]), half = 0.5f * (c[3] - c[5]), twist = 0.5f * c[4];
+  return std::abs(mean) + std::sqrt(half * half + twist * twist);
+}
+
+Residuals residuals_of(const Quadric& c, const TiltedPoints& points) {
   Residuals residuals;
   map_kernels().residuals(points, c, residuals);
+  return residuals;
+}
+
+bool are_explained(const Residuals& residuals, const TiltedPoints& points, const TiltedFrame& frame,
+                   const ResidualTolerance& tolerance) {
   const float cosine = frame.n[2];
   const float mean_square =
       tolerance.rms_by_cosine * std::max(cosine, kLeastPlaneCosine) / frame.radius;
@@ -63,14 +73,21 @@ void TiltedFitter::gather(std::span<const TiltedFit> fits) noexcept {
   }
 }
 
-TiltedFitter::Found TiltedFitter::judge(std::size_t k) noexcept {
+TiltedFitter::Found TiltedFitter::judge(std::size_t k, float& scatter) noexcept {
   const auto lane = static_cast<int>(k);
-  if (points_[k].count < kFewestPointsInBall || group_.has_quadric[k] == 0 ||
-      !explains(group_.quadric_at(lane), points_[k], frames_[k], kQuadricInBall)) {
+  const TiltedPoints& points = points_[k];
+  scatter = std::numeric_limits<float>::infinity();
+  if (points.count < kFewestPointsInBall || group_.has_quadric[k] == 0) return Found::kNothing;
+  const Residuals of_quadric = residuals_of(group_.quadric_at(lane), points);
+  if (!are_explained(of_quadric, points, frames_[k], kQuadricInBall)) {
+    const float radius = frames_[k].radius;
+    scatter = of_quadric.sum_squares * (radius * radius) /
+              static_cast<float>(points.count - static_cast<int>(kQuadric));
     return Found::kNothing;
   }
   const Quadric plane{group_.plane[0][k], group_.plane[1][k], group_.plane[2][k]};
-  if (group_.has_plane[k] == 0 || !explains(plane, points_[k], frames_[k], kPlaneInBall)) {
+  if (group_.has_plane[k] == 0 ||
+      !are_explained(residuals_of(plane, points), points, frames_[k], kPlaneInBall)) {
     return Found::kCurved;
   }
   group_.put_quadric(lane, plane);
@@ -108,13 +125,17 @@ void TiltedFitter::fit_group(std::span<TiltedFit> fits) noexcept {
   gather(fits);
   map_kernels().solve_quantised(group_);
   std::array<Found, TiltedGroup::kSize> found{};
-  for (std::size_t k = 0; k < fits.size(); ++k) found[k] = judge(k);
+  for (std::size_t k = 0; k < fits.size(); ++k) found[k] = judge(k, fits[k].scatter);
   sharpen(std::span(found).first(fits.size()));
   map_kernels().tilted_closest_points(group_);
   for (std::size_t k = 0; k < fits.size(); ++k) {
     TiltedFit& fit = fits[k];
     fit.closest.reset();
-    if (found[k] == Found::kNothing) continue;
+    if (found[k] == Found::kNothing) {
+      fit.sagitta = sagitta_of(group_.quadric_at(static_cast<int>(k))) * fit.radius;
+      fit.unexplained = group_.closest_point(static_cast<int>(k));
+      continue;
+    }
     fit.closest = group_.closest_point(static_cast<int>(k));
     if (found[k] != Found::kFlat) continue;
     const auto least = static_cast<int>(kLeastShareGrown * static_cast<float>(points_[k].count));

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -23,7 +24,12 @@ struct TiltedFit {
   Eigen::Vector3f normal;          // third axis of the frame, unit, map space
   float radius = 0.0f;             // voxels
   MapSide side;
-  std::optional<ClosestPoint> closest;
+  std::optional<ClosestPoint> closest;  // on what explains the points
+  /// Where nothing does, of the quadric all the same: the mean square of its residuals by degrees
+  /// of freedom, voxels^2, infinite where there is no quadric; and the closest point on it.
+  float scatter = std::numeric_limits<float>::infinity();
+  ClosestPoint unexplained{};
+  float sagitta = 0.0f;  // of it from its tangent plane to the ball's rim, voxels
 };
 
 /// Fits tilted surfaces, TiltedGroup::kSize of them side by side.
@@ -41,7 +47,8 @@ class TiltedFitter {
   void fit_group(std::span<TiltedFit> fits) noexcept;  // or fewer
   void gather(std::span<const TiltedFit> fits) noexcept;
   /// Whether what was solved for a fit explains its points; a plane is put in its quadric's place.
-  Found judge(std::size_t k) noexcept;
+  /// `scatter`: of a quadric that does not.
+  Found judge(std::size_t k, float& scatter) noexcept;
   void sharpen(std::span<const Found> found) noexcept;
 
   // Lanes beyond the fits hold what earlier ones left.

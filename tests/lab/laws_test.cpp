@@ -31,7 +31,6 @@ constexpr NotYet kNotYet[] = {
     {"device_way", "none", "box", "", "given_out"},
     {"device_way", "potential", "wall", "", "given_out"},
     {"two_bodies", "smooth", "flat", "", "removed_off"},
-    {"two_bodies", "potential", "flat", "", "removed_off"},
     {"stiffness_and_voxels", "smooth", "", "voxels of 0.1 mm 0.03 mm", ""},
     {"stiffness_and_voxels", "smooth", "", "voxels of 0.1 mm 0.06 mm", ""},
     {"stiffness_and_voxels", "smooth", "steep plane", "voxels of 0.05 mm 0.03 mm", ""},

@@ -219,5 +219,33 @@ TEST(Ldm, ResidualsSayMoreThanLeastSquaresHears) {
   }
 }
 
+TEST(Ldm, ARoughSurfaceHasTheNormalsOfItsMean) {
+  // As burrs leave it: voxels are there or gone up to so far from the surface. Smaller balls and
+  // halves of them find edges in it that are none.
+  const Vector3d centre(32.1, 31.8, 32.4);
+  constexpr double kRadius = 26.0;
+  for (const double noise : {0.4, 0.7}) {
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> off(-noise, noise);
+    const Workpiece workpiece(test::make_model({64, 64, 64}, 1e-4, [&](const Cell& c) {
+      return (c.cast<double>() - centre).norm() + off(random) <= kRadius;
+    }));
+    std::vector<Cell> cells = test::surface_cells(workpiece);
+    std::erase_if(cells, [&](const Cell& c) {
+      return std::abs((c.cast<double>() - centre).norm() - kRadius) > 2.0;
+    });
+    const test::NormalErrors e = test::measure_errors(
+        cells, [&](const Cell& c) { return estimate_ldm(workpiece, c, kNs, kTrace); },
+        [&](const Cell& c) {
+          const Vector3d out = c.cast<double>() - centre;
+          return test::SurfaceTruth{out.normalized(), kRadius - out.norm()};
+        });
+    std::printf("ldm, %.1f voxels rough: mean %.3f deg, offset %.4f, %d voxels\n", noise,
+                e.mean_deg, e.mean_offset, e.voxels);
+    ASSERT_GT(e.voxels, 5000);
+    EXPECT_LT(e.mean_deg, noise < 0.5 ? 1.3 : 2.2) << "where edges are looked for, 6.9 and 8.0";
+  }
+}
+
 }  // namespace
 }  // namespace sulcus::ldm_test

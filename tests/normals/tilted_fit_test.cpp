@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <random>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -217,7 +218,14 @@ TEST_P(TiltedFitTest, FitsAskedForTogetherAreThoseAskedForOneByOne) {
       TiltedFitter().fit({&one, 1});
       ASSERT_EQ(one.closest.has_value(), fit.closest.has_value());
       (one.closest ? found : nothing) += 1;
-      if (!one.closest) return;
+      if (!one.closest) {
+        ASSERT_EQ(one.scatter, fit.scatter);
+        if (!std::isfinite(one.scatter)) return;
+        ASSERT_EQ(one.sagitta, fit.sagitta);
+        ASSERT_EQ(one.unexplained.normal_z, fit.unexplained.normal_z);
+        ASSERT_EQ(one.unexplained.offset, fit.unexplained.offset);
+        return;
+      }
       ASSERT_EQ(one.closest->normal_x, fit.closest->normal_x);
       ASSERT_EQ(one.closest->normal_y, fit.closest->normal_y);
       ASSERT_EQ(one.closest->normal_z, fit.closest->normal_z);
@@ -284,6 +292,38 @@ TEST(TiltedFitter, FindsTheBallAndThePlaneThatHeightsAreOf) {
               plane_deg / kTimes);
   EXPECT_LT(ball_deg / kTimes, 1.2);
   EXPECT_LT(plane_deg / kTimes, 0.3);
+}
+
+TEST(TiltedFitter, TellsHowWhatItDoesNotExplainScattersAndBends) {
+  // A ball of 20 voxels under heights that are up to 0.8 off, evenly: a variance of 0.8^2 / 3 and
+  // of the rounding 1 / 12, along the columns.
+  constexpr double kRadius = 20.0, kNoise = 0.8;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> off(-kNoise, kNoise);
+  const Eigen::Vector3d normal = Eigen::Vector3d(0.3, -0.2, 0.9).normalized();
+  TiltedFitter fitter;
+  double scatter = 0.0, sagitta = 0.0, away_deg = 0.0;
+  int count = 0;
+  for (int k = 0; k < 200; ++k) {
+    const Eigen::Vector3d centre = Eigen::Vector3d(0, 0, 0.002 * k) - kRadius * normal;
+    const HeightMap map = map_over([&](double x, double y) {
+      const double across2 = std::pow(x - centre.x(), 2) + std::pow(y - centre.y(), 2);
+      return centre.z() + std::sqrt(kRadius * kRadius - across2) + off(random);
+    });
+    TiltedFit fit{&map, normal.cast<float>(), 7.6f, {}, {}};
+    fitter.fit({&fit, 1});
+    if (fit.closest) continue;
+    scatter += fit.scatter;
+    sagitta += fit.sagitta;
+    const ClosestPoint& at = fit.unexplained;
+    away_deg += test::angle_deg(Eigen::Vector3d(at.normal_x, at.normal_y, at.normal_z), normal);
+    ++count;
+  }
+  ASSERT_GT(count, 190);
+  const double along = (kNoise * kNoise / 3.0 + 1.0 / 12.0) * normal.z() * normal.z();
+  EXPECT_NEAR(scatter / count, along, 0.1 * along);
+  EXPECT_NEAR(sagitta / count, 7.6 * 7.6 / (2.0 * kRadius), 0.25);  // and what the noise bends
+  EXPECT_LT(away_deg / count, 2.0);
 }
 
 }  // namespace

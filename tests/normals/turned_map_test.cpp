@@ -7,28 +7,14 @@
 #include <gtest/gtest.h>
 
 #include "engine/normals/coarse_normal.hpp"
+#include "tests/support/height_maps.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace sulcus::turned_map_test {
 namespace {
 
 using Eigen::Vector3f;
-
-HeightMap map_of(int ns, int sign, const auto& height) {
-  HeightMap map;
-  map.ns = ns;
-  map.sign = sign;
-  map.lanes = lanes_of(ns);
-  map.whole_rings = map.even_rings = 0;
-  map.height.fill(HeightMap::kNone);
-  for (int j = -ns; j <= ns; ++j) {
-    for (int i = -ns; i <= ns; ++i) {
-      map.height[static_cast<std::size_t>(map.place(i, j))] =
-          static_cast<signed char>(height(i, j));
-    }
-  }
-  return map;
-}
+using test::map_of;
 
 /// Heights of either sign at random, and some that are none.
 std::vector<int> random_heights(int ns, unsigned seed) {
