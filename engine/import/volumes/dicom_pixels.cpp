@@ -145,6 +145,55 @@ void take_plain(std::span<const std::byte> bytes, const DicomPixelForm& form, bo
   }
 }
 
+std::optional<DicomPadding> padding_of(const DicomFile& file, const DicomPixelForm& form) {
+  const auto value = file.data.word(dicom_tag(0x28, 0x120));
+  if (!value) return std::nullopt;
+  const auto number = [&](std::uint16_t word) {
+    return form.is_signed ? static_cast<float>(static_cast<std::int16_t>(word))
+                          : static_cast<float>(word);
+  };
+  const float one = number(*value);
+  const float other = number(file.data.word(dicom_tag(0x28, 0x121)).value_or(*value));
+  return DicomPadding{std::min(one, other), std::max(one, other)};
+}
+
+void read_stored_frame(const DicomFile& file, const DicomPixelForm& form, std::uint32_t frame,
+                       std::span<float> values) {
+  const DicomElement& pixels = *file.data.find(kPixelData);
+  const std::uint64_t bytes = form.frame_bytes();
+  if (is_native(file.transfer_syntax)) {
+    // Bytes in words of the other order lie in swapped pairs.
+    const bool pairs = file.big_endian && form.allocated == 8 && pixels.vr == std::array{'O', 'W'};
+    const std::uint64_t begin = bytes * frame;
+    if (pairs) {
+      // A pair may lie in two frames.
+      for (std::size_t v = 0; v < values.size(); ++v) {
+        const std::size_t at = (begin + v) ^ 1u;
+        const auto byte = at < pixels.value.size() ? pixels.value[at] : std::byte{0};
+        values[v] = value_of(static_cast<std::uint32_t>(byte), form);
+      }
+      return;
+    }
+    return take_plain(pixels.value.subspan(begin, bytes), form, file.big_endian, values);
+  }
+  const std::vector<std::byte> packed = packed_frame(file, pixels, form, frame);
+  const std::string place = "PixelData, frame " + std::to_string(frame + 1);
+  if (file.transfer_syntax == kPlain) {
+    if (packed.size() < bytes || packed.size() > bytes + 1)
+      refuse_length(file, packed.size(), bytes);
+    return take_plain(packed, form, false, values);
+  }
+  const std::vector<std::int32_t> words = unpacked(file, form, packed);
+  if (words.size() != values.size()) {
+    throw InputError(
+        file.path, place, "packed pixels that are damaged, or of another size",
+        "a whole picture of " + std::to_string(form.columns) + " x " + std::to_string(form.rows));
+  }
+  std::ranges::transform(words, values.begin(), [&](std::int32_t word) {
+    return value_of(static_cast<std::uint32_t>(word), form);
+  });
+}
+
 }  // namespace
 
 DicomPixelForm dicom_pixel_form(const DicomFile& file) {
@@ -184,6 +233,7 @@ DicomPixelForm dicom_pixel_form(const DicomFile& file) {
   const std::uint16_t sign = needed_word(file, dicom_tag(0x28, 0x103), "PixelRepresentation");
   if (sign > 1) throw InputError(file.path, "PixelRepresentation", std::to_string(sign), "0 or 1");
   form.is_signed = sign == 1;
+  form.padding = padding_of(file, form);
   if (file.data.item(dicom_tag(0x28, 0x3000))) {
     throw InputError(file.path, "ModalityLUTSequence", "a table of grey values",
                      "RescaleSlope and RescaleIntercept");
@@ -217,39 +267,13 @@ DicomPixelForm dicom_pixel_form(const DicomFile& file) {
 
 void read_dicom_frame(const DicomFile& file, const DicomPixelForm& form, std::uint32_t frame,
                       std::span<float> values) {
-  const DicomElement& pixels = *file.data.find(kPixelData);
-  const std::uint64_t bytes = form.frame_bytes();
-  if (is_native(file.transfer_syntax)) {
-    // Bytes in words of the other order lie in swapped pairs.
-    const bool pairs = file.big_endian && form.allocated == 8 && pixels.vr == std::array{'O', 'W'};
-    const std::uint64_t begin = bytes * frame;
-    if (pairs) {
-      // A pair may lie in two frames.
-      for (std::size_t v = 0; v < values.size(); ++v) {
-        const std::size_t at = (begin + v) ^ 1u;
-        const auto byte = at < pixels.value.size() ? pixels.value[at] : std::byte{0};
-        values[v] = value_of(static_cast<std::uint32_t>(byte), form);
-      }
-      return;
+  read_stored_frame(file, form, frame, values);
+  if (!form.padding) return;
+  for (float& value : values) {
+    if (value >= form.padding->least && value <= form.padding->most) {
+      value = std::numeric_limits<float>::quiet_NaN();
     }
-    return take_plain(pixels.value.subspan(begin, bytes), form, file.big_endian, values);
   }
-  const std::vector<std::byte> packed = packed_frame(file, pixels, form, frame);
-  const std::string place = "PixelData, frame " + std::to_string(frame + 1);
-  if (file.transfer_syntax == kPlain) {
-    if (packed.size() < bytes || packed.size() > bytes + 1)
-      refuse_length(file, packed.size(), bytes);
-    return take_plain(packed, form, false, values);
-  }
-  const std::vector<std::int32_t> words = unpacked(file, form, packed);
-  if (words.size() != values.size()) {
-    throw InputError(
-        file.path, place, "packed pixels that are damaged, or of another size",
-        "a whole picture of " + std::to_string(form.columns) + " x " + std::to_string(form.rows));
-  }
-  std::ranges::transform(words, values.begin(), [&](std::int32_t word) {
-    return value_of(static_cast<std::uint32_t>(word), form);
-  });
 }
 
 }  // namespace sulcus

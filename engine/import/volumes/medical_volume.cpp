@@ -134,7 +134,7 @@ void replace_non_finite(MedicalVolume& volume) {
     volume.warnings.push_back(text.str());
   };
   warn(above, "infinite, or too large", "largest", most);
-  warn(others, "no number, or below all", "smallest", least);
+  warn(others, "no number, padding, or below all", "smallest", least);
 }
 
 }  // namespace

@@ -202,5 +202,49 @@ TEST(DicomVolume, InflatesNoFurtherThanThePixels) {
               "data set: found a deflate stream that is damaged, or too long");
 }
 
+TEST(DicomVolume, PaddingIsTakenAsTheSmallestOfWhatIsMeasured) {
+  const ScratchFolder folder;
+  const auto values = [&](const Elements& more, const std::string& frame) {
+    Elements slice = plain(4, 1);
+    for (const auto& [tag, value] : more) slice[tag] = value;
+    return read_medical_volume(
+               folder.write("a.dcm", file(kExplicit, data_set(slice) + pixels(frame))))
+        .values;
+  };
+  const std::string frame = "\xff\x07\x09\xfe";
+  const auto us = [](int value) { return std::pair<std::string, std::string>("US", word(value)); };
+  const auto ss = [](int value) { return std::pair<std::string, std::string>("SS", word(value)); };
+  EXPECT_EQ(values({}, frame), (std::vector<float>{255, 7, 9, 254}));
+  EXPECT_EQ(values({{0x00280120, us(255)}}, frame), (std::vector<float>{7, 7, 9, 254}));
+  // From the value to its limit, whichever is the larger.
+  EXPECT_EQ(values({{0x00280120, us(255)}, {0x00280121, us(254)}}, frame),
+            (std::vector<float>{7, 7, 9, 7}));
+  EXPECT_EQ(values({{0x00280120, us(7)}, {0x00280121, us(9)}}, frame),
+            (std::vector<float>{255, 254, 254, 254}));
+  // As stored, before it is rescaled, and signed where pixels are.
+  EXPECT_EQ(values({{0x00280103, us(1)},
+                    {0x00280120, ss(-1)},
+                    {0x00281052, {"DS", "100"}},
+                    {0x00281053, {"DS", "-2"}}},
+                   frame),
+            (std::vector<float>{82, 86, 82, 104}));
+  // What eight bits cannot say is in no pixel.
+  EXPECT_EQ(values({{0x00280120, us(0x07ff)}}, frame), (std::vector<float>{255, 7, 9, 254}));
+}
+
+TEST(DicomVolume, NothingButPaddingIsRefused) {
+  const ScratchFolder folder;
+  Elements slice = plain(4, 1);
+  slice[0x00280120] = {"US", word('a')};
+  expect_says(error_of(folder.write("a.dcm", file(kExplicit, data_set(slice) + pixels("aaaa")))),
+              "no finite grey value");
+  slice[0x00280010] = {"US", word(2)};
+  const MedicalVolume volume = read_medical_volume(
+      folder.write("b.dcm", file(kExplicit, data_set(slice) + pixels("aaaabcde"))));
+  ASSERT_FALSE(volume.warnings.empty());
+  expect_says(volume.warnings.back(),
+              "4 values are no number, padding, or below all: taken as the smallest, 98");
+}
+
 }  // namespace
 }  // namespace sulcus::dicom_volume_test

@@ -258,10 +258,10 @@ TEST(MedicalVolume, ValuesThatAreNotFiniteBecomeTheLeastOrTheMost) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const MedicalVolume volume = read({3, std::nan(""), 2, kInfinity, -kInfinity, 1e300});
   EXPECT_EQ(volume.values, (std::vector<float>{3, 2, 2, 3, 2, 3}));
-  EXPECT_EQ(
-      volume.warnings,
-      (std::vector<std::string>{"2 values are infinite, or too large: taken as the largest, 3",
-                                "2 values are no number, or below all: taken as the smallest, 2"}));
+  EXPECT_EQ(volume.warnings,
+            (std::vector<std::string>{
+                "2 values are infinite, or too large: taken as the largest, 3",
+                "2 values are no number, padding, or below all: taken as the smallest, 2"}));
   EXPECT_TRUE(read({3, 1, 2, 3, 4, 5}).warnings.empty());
 }
 
