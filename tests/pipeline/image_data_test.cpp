@@ -91,15 +91,25 @@ struct Camera {
     const Eigen::Vector4d p((u - cx) / f * depth_mm, (v - cy) / f * depth_mm, depth_mm, 1.0);
     return (scene_from_camera * p).head<3>();
   }
+  double depth_mm(const Eigen::Vector3d& point_mm) const {
+    const Eigen::Vector3d from_camera = point_mm - scene_from_camera.topRightCorner<3, 1>();
+    return scene_from_camera.block<3, 1>(0, 2).dot(from_camera);
+  }
 
   double f, cx, cy;
   Eigen::Matrix4d scene_from_camera;
 };
 
-/// The depth at which a ray comes into the first solid voxel, by small steps through all of them.
+/// The depth at which a ray comes into the first solid voxel, by small steps through all of the
+/// ball that the grid lies in.
 std::optional<double> first_voxel_mm(const VoxelModel& model, const Camera& camera, double u,
                                      double v) {
-  for (double depth = 1.0; depth < 30.0; depth += 0.002) {
+  const Eigen::Vector3d cells = model.grid.cells.cast<double>();
+  const Eigen::Vector3d middle_mm = 1e3 * model.grid.world_from_index(0.5 * cells);
+  const double radius_mm = 0.5e3 * model.grid.voxel_m * (cells.norm() + 2.0);
+  const double middle_depth_mm = camera.depth_mm(middle_mm);
+  for (double depth = middle_depth_mm - radius_mm; depth < middle_depth_mm + radius_mm;
+       depth += 0.002) {
     const Eigen::Vector3d p = model.grid.index_from_world(1e-3 * camera.point_mm(u, v, depth));
     const Cell c = (p.array() + 0.5).floor().cast<int>();
     if (model.grid.contains(c) && model.solid(c)) return depth;
