@@ -100,7 +100,8 @@ struct ForceTurn {
 double step_fraction_in_cone(const Eigen::Vector3d& stretch_m, const Eigen::Vector3d& step_m,
                              const Eigen::Vector3d& axis, double cosine) noexcept;
 
-/// How far the springs' force may go from what it was, `before_N`, in one tick.
+/// How far the springs' force may go in one tick: `most_N` from what it was, `before_N`, and in
+/// its direction as `turn` says.
 struct ForceLimits {
   Eigen::Vector3d before_N;
   double most_N;

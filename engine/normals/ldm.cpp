@@ -57,9 +57,8 @@ struct Balls {
   std::array<ClosestPoint, MapBatch::kMaps> closest;
 };
 
-/// Whether columns out of line with their neighbours keep a ball from being explained, though its
-/// quadric is as good: a surface as burrs leave it, where smaller balls and halves of them find
-/// edges that are none.
+/// Whether a ball's quadric fits but for columns out of line with their neighbours: a surface as
+/// burrs leave it, where smaller balls and halves of them find edges that are none.
 bool is_rough(const HeightMap& map, const TiltedFit& ball) noexcept {
   return map.ns >= kLeastForRough && ball.sagitta <= kMostRoughSagitta &&
          ball.scatter <= kMostRoughScatter && has_rough_columns(map);

@@ -71,9 +71,10 @@ inline constexpr float kNearEdge = 3.0f;
 /// A surface is rough where so many columns are out of line with two of their neighbours, by so
 /// many voxels, and spread, as those along an edge do not: the smaller principal variance of their
 /// places, columns^2. Quantised planes are at most one out of line. The ball's quadric then bends
-/// by no more than so many voxels up to its rim, and its residuals scatter by no more than that,
-/// voxels^2. Least NS of a map that tells. [m: a sphere in 0.4 voxels of noise 6.2 -> 0.7 degrees,
-/// rims of a cavity in the molar 3.021 -> 3.032; with a variance of 3, 3.035.]
+/// by at most kMostRoughSagitta voxels up to its rim, and the mean square of its residuals is at
+/// most kMostRoughScatter voxels^2. kLeastForRough: the least NS of a map that tells. [m: a sphere
+/// in 0.4 voxels of noise 6.2 -> 0.7 degrees, rims of a cavity in the molar 3.021 -> 3.032; with a
+/// variance of 3, 3.035.]
 inline constexpr int kFewestOutOfLine = 5, kLeastForRough = 5;
 inline constexpr std::int16_t kOutOfLine = 2;
 inline constexpr std::int64_t kLeastSpread = 4;

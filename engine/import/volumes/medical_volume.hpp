@@ -40,8 +40,8 @@ struct MedicalVolume {
 /// rescaled). What a header states is read or refused, never changed: see the reader of each
 /// format. What it does not state leaves `spacing_known` false. Lengths are mm where a format has
 /// no unit. Values above all floats become the largest finite one, others that are not finite the
-/// smallest, with a warning that counts them. Announced sizes are checked, and compared with the
-/// length of the file, before memory is taken.
+/// smallest, as does what DICOM calls padding, with a warning that counts them. Announced sizes are
+/// checked, and compared with the length of the file, before memory is taken.
 /// @throws InputError: missing, not of its format, truncated, not 3-dimensional, not scalar, larger
 /// than the limits allow, spacing not positive.
 MedicalVolume read_medical_volume(const std::string& path, const InputLimits& limits = {});
