@@ -130,6 +130,9 @@ struct ForceLimits {
 ///    allow. Else a tool that slides, a little in each tick, would hang above the surface
 ///    meanwhile, and the hand would feel a press on nothing.
 ///  - If the residual reverses and grows after a step, one secant iteration shortens that step.
+///  - Where a long step along a surface has left it, though the springs pull towards it, and the
+///    limits allow no step back, the step is halved until it ends in contact, or is no longer than
+///    half a voxel.
 ///  - Ends within kClose_m of where it would go and kForceTolerance of its force, or when the
 ///  evaluations
 ///    or the contacts of a tick are used up, counted and never timed; the next tick goes on from
@@ -185,6 +188,13 @@ class Coupling {
   double part_to_what_it_met(const Look& before, const Look& at,
                              const Vector6d& step) const noexcept;
   static double secant(const Look& before, const Look& at, const Vector6d& step) noexcept;
+  /// A step and where it began.
+  struct Move {
+    Look from;
+    Vector6d step = Vector6d::Zero();
+  };
+  /// Whether the last step that began in contact left the surface that the springs pull towards.
+  bool has_left(const Move& contact, const Look& at) const noexcept;
 
   const CouplingSprings& springs_;
   const CouplingSettings& settings_;
@@ -285,6 +295,15 @@ double Coupling<Evaluate, FreeDistance>::secant(const Look& before, const Look& 
 }
 
 template <class Evaluate, class FreeDistance>
+bool Coupling<Evaluate, FreeDistance>::has_left(const Move& contact,
+                                                const Look& at) const noexcept {
+  const Eigen::Vector3d& normal = contact.from.normal;
+  return result_.contact.contacts == 0 && free_ < kFreeEvaluations &&
+         at.residual.template head<3>().dot(normal) < 0.0 &&
+         ways_of(contact.step, normal, springs_.reach_m).along_m > longest_.through_m;
+}
+
+template <class Evaluate, class FreeDistance>
 CoupledResult Coupling<Evaluate, FreeDistance>::couple(const Pose& device_before,
                                                        const Pose& device, Pose& tool) noexcept {
   const Eigen::Vector3d target = device.point(springs_.middle_tool);
@@ -292,9 +311,13 @@ CoupledResult Coupling<Evaluate, FreeDistance>::couple(const Pose& device_before
   const ForceLimits limits{pull(springs_, device_before, tool).wrench.force_N,
                            kLargestChange_N + springs_.stiffness_N_per_m * device_way_m,
                            ForceTurn(springs_, device_before, device, tool)};
-  Look before{};
-  Vector6d step = Vector6d::Zero();
-  bool corrected = false;  // the last step, to what it met
+  Move last{}, contact{};  // contact: the last that began in contact
+  bool corrected = false;  // the last, to what it met
+  const auto move = [&](const Look& from, const Vector6d& step) {
+    last = {from, step};
+    if (!from.normal.isZero(0.0)) contact = last;
+    tool = moved(from.tool, springs_.middle_tool, step);
+  };
   for (;;) {
     const Look at = look(device, tool);
     if (!at.residual.allFinite()) break;  // the caller sees it in the contact
@@ -308,25 +331,28 @@ CoupledResult Coupling<Evaluate, FreeDistance>::couple(const Pose& device_before
       break;
     }
     if (result_.evaluations > 1 && !corrected) {
-      double part = part_to_what_it_met(before, at, step);
+      double part = part_to_what_it_met(last.from, at, last.step);
       corrected = part < 1.0;
-      if (!corrected) part = secant(before, at, step);
+      if (!corrected) part = secant(last.from, at, last.step);
       if (part < 1.0) {
-        step *= part;
-        tool = moved(before.tool, springs_.middle_tool, step);
+        move(last.from, part * last.step);
         continue;
       }
     }
     corrected = false;
-    step = newton_step(at);
-    if (is_balanced(at, step)) {
+    const Vector6d wanted = newton_step(at);
+    if (is_balanced(at, wanted)) {
       result_.balanced = true;
       break;
     }
-    step = limited(at, target, allowed(at, step), limits);
-    if (max_displacement(step, springs_.reach_m) == 0.0) break;  // as far as it may go in this tick
-    before = at;
-    tool = moved(tool, springs_.middle_tool, step);
+    const Vector6d step = limited(at, target, allowed(at, wanted), limits);
+    if (max_displacement(step, springs_.reach_m) > 0.0) {
+      move(at, step);
+    } else if (has_left(contact, at)) {
+      move(contact.from, 0.5 * contact.step);
+    } else {
+      break;  // as far as it may go in this tick
+    }
   }
   return result_;
 }

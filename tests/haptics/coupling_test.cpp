@@ -105,29 +105,48 @@ TEST(Coupling, NoStepInContactIsLongerThanAskedForHoweverFarTheDeviceIs) {
   EXPECT_LE(run.longest_m, kHalf * (1.0 + 1e-9));
 }
 
-/// A ball about the tool's middle, to its tip, on a face at z = 0, with a wall at x = `wall_m`.
-struct BallOnFace {
-  double wall_m = std::numeric_limits<double>::infinity();
+/// A ball about the tool's middle, to its tip, presses into what it meets.
+struct PressedBall {
   double radius_m = 0.5 * burr().head_length_m;
   static constexpr double kStiffness = 300e3;
 
+  static Vector3d middle(const Pose& tool) {
+    return tool.point({0.0, 0.5 * burr().head_length_m, 0.0});
+  }
+  static void press(const Pose& tool, double depth_m, const Vector3d& normal,
+                    ContactResult& contact) {
+    if (depth_m <= 0.0) return;
+    ++contact.contacts;
+    contact.deepest_m = std::max(contact.deepest_m, static_cast<float>(depth_m));
+    const Vector3d arm = middle(tool) - tool.point({0.0, burr().reference_m, 0.0});
+    Vector6d row;
+    row << normal, arm.cross(normal);
+    contact.wrench.force_N += kStiffness * depth_m * normal;
+    contact.wrench.torque_Nm += kStiffness * depth_m * arm.cross(normal);
+    contact.stiffness += kStiffness * row * row.transpose();
+  }
+};
+
+/// On a face at z = 0, with a wall at x = `wall_m`.
+struct BallOnFace : PressedBall {
+  double wall_m = std::numeric_limits<double>::infinity();
+
   ContactResult operator()(const Pose& tool) const {
     ContactResult contact;
-    const Vector3d middle = tool.point({0.0, 0.5 * burr().head_length_m, 0.0});
-    const Vector3d reference = tool.point({0.0, burr().reference_m, 0.0});
-    const auto press = [&](double depth_m, const Vector3d& normal) {
-      if (depth_m <= 0.0) return;
-      ++contact.contacts;
-      contact.deepest_m = std::max(contact.deepest_m, static_cast<float>(depth_m));
-      const Vector3d arm = middle - reference;
-      Vector6d row;
-      row << normal, arm.cross(normal);
-      contact.wrench.force_N += kStiffness * depth_m * normal;
-      contact.wrench.torque_Nm += kStiffness * depth_m * arm.cross(normal);
-      contact.stiffness += kStiffness * row * row.transpose();
-    };
-    press(radius_m - middle.z(), Vector3d::UnitZ());
-    press(radius_m - (wall_m - middle.x()), -Vector3d::UnitX());
+    press(tool, radius_m - middle(tool).z(), Vector3d::UnitZ(), contact);
+    press(tool, radius_m - (wall_m - middle(tool).x()), -Vector3d::UnitX(), contact);
+    return contact;
+  }
+};
+
+/// On a dome of this radius, whose top is at z = 0.
+struct BallOnDome : PressedBall {
+  double dome_m;
+
+  Vector3d out(const Pose& tool) const { return middle(tool) + dome_m * Vector3d::UnitZ(); }
+  ContactResult operator()(const Pose& tool) const {
+    ContactResult contact;
+    press(tool, radius_m + dome_m - out(tool).norm(), out(tool).normalized(), contact);
     return contact;
   }
 };
@@ -155,7 +174,7 @@ TEST(Coupling, AlongAFaceTheToolComesWithTheDeviceAtAnySpeed) {
 
 TEST(Coupling, AWallOnTheWayIsMetNotEntered) {
   for (const double speed_m_per_s : {0.05, 0.2, 0.5}) {
-    const BallOnFace contact{2.013e-3};
+    const BallOnFace contact{{}, 2.013e-3};
     CoupledRun run(test::upright({0, 0, 0}));
     Pose device = test::upright({0, 0, -1e-3});
     for (int i = 0; i < 60; ++i) run.tick(device, contact);
@@ -349,6 +368,25 @@ TEST(Coupling, AToolThatMaySlideButALittleATickPressesOnTheFaceMeanwhile) {
   }
 }
 
+TEST(Coupling, DownADomeTheToolIsOnItAtTheEndOfATickAsLongAsItIsPulledThere) {
+  constexpr double kQuantum_m = 23e-6;  // by which encoders make the device jump
+  for (const Vector3d& aside : {Vector3d(0, 1, 0), Vector3d(-1, 0, 0), Vector3d(0.6, -0.8, 0)}) {
+    for (const double dome_m : {0.2e-3, 0.35e-3, 0.6e-3, 2e-3}) {
+      const BallOnDome dome{{}, dome_m};
+      CoupledRun run(test::upright({0, 0, -1e-6}));
+      Pose device = test::upright({0, 0, -2e-3});
+      for (int i = 0; i < 20; ++i) run.tick(device, dome);
+      for (int i = 0; i < 40; ++i) {
+        if (i % 3 == 0) device.position += kQuantum_m * aside;
+        const CoupledResult coupled = run.tick(device, dome);
+        const double pulled_N = felt(run, device).force_N.dot(dome.out(run.tool).normalized());
+        EXPECT_TRUE(pulled_N <= 0.1 || coupled.contact.contacts > 0) << dome_m << ", tick " << i;
+      }
+      EXPECT_GT(run.tool.position.dot(aside), 0.15e-3) << dome_m;
+    }
+  }
+}
+
 TEST(Coupling, ASmallForceTurnsAsItLikes) {
   const CouplingSprings springs(CouplingSettings{}, burr());
   const Pose tool = test::upright({0, 0, 0});
@@ -377,6 +415,19 @@ TEST(Coupling, AStepEndsAtTheBorderOfTheConeThatItWouldPass) {
   EXPECT_EQ(part({-0.3, 0, 1}, {0.1, 0, 0}), 0.0) << "away from it";
   EXPECT_EQ(part({0, 0.5, 1}, {0.1, 0, 0}), 1.0) << "past it";
   EXPECT_EQ(part({0, 0, -1}, {0, 0, 0.5}), 1.0) << "in the opposite one";
+}
+
+TEST(Coupling, AStepAlongAStretchOnTheBorderOfTheConeIsNotHeldBack) {
+  const Vector3d axis(0.36, 0.48, 0.8);
+  const Vector3d across = axis.unitOrthogonal(), third = axis.cross(across);
+  for (int i = 0; i < 1000; ++i) {
+    const double turn = 0.006 * i, cosine = std::cos(0.005 + 1e-5 * i);
+    const Vector3d out = std::cos(turn) * across + std::sin(turn) * third;
+    const Vector3d stretch = 1e-3 * (axis + 1e-3 * out);
+    const Vector3d step = -1e-4 * out;
+    const Vector3d rest = stretch - step_fraction_in_cone(stretch, step, axis, cosine) * step;
+    EXPECT_EQ(step_fraction_in_cone(rest, 0.1 * rest, axis, cosine), 1.0) << i;
+  }
 }
 
 TEST(Coupling, AStepChangesTheSpringsForceByNoMoreThanItMay) {
