@@ -69,6 +69,25 @@ void add_assessment_in(const fs::path& folder, std::vector<fs::path>& found) {
   }
 }
 
+std::vector<fs::path> results_in(const std::string& folder, ResultsKind kind);
+
+/// Of the parts that a run went on with, each in a folder of its own (app/live/live_part.hpp).
+void add_parts_in(const std::string& folder, std::vector<fs::path>& found) {
+  static const std::regex part("part_[1-9][0-9]*(-[1-9][0-9]*)?");
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    if (!fs::is_directory(entry.symlink_status(ignored)) ||
+        !std::regex_match(entry.path().filename().string(), part)) {
+      continue;
+    }
+    const std::vector<fs::path> files = results_in(entry.path().string(), ResultsKind::kRun);
+    if (files.empty()) continue;
+    std::ranges::copy(files, std::back_inserter(found));
+    const fs::path mark = entry.path() / kind_names(ResultsKind::kRun).mark;
+    if (fs::is_regular_file(mark, ignored)) found.push_back(mark);
+  }
+}
+
 /// The files of results that lie in a folder; not what a user has put there.
 std::vector<fs::path> results_in(const std::string& folder, ResultsKind kind) {
   std::vector<fs::path> found;
@@ -97,6 +116,7 @@ std::vector<fs::path> results_in(const std::string& folder, ResultsKind kind) {
       }
     }
   }
+  add_parts_in(folder, found);
   return found;
 }
 
@@ -209,8 +229,9 @@ ResultsFolder& ResultsFolder::operator=(ResultsFolder&&) noexcept = default;
 /// False where the folder is another's and another name will do.
 bool ResultsFolder::take(const std::string& folder, const ResultsPlace& place) {
   const bool given = !place.given.empty();
-  make_output_folder("-o", folder);
   std::error_code error;
+  if (!given && fs::exists(folder, error) && !fs::is_directory(folder, error)) return false;
+  make_output_folder("-o", folder);
   const auto is_anothers = [&] {
     if (!given) return true;
     throw InputError(folder, "-o", kind_names(kind_).another,
@@ -281,9 +302,11 @@ void ResultsFolder::finish(bool whole) {
     const bool is_drawn = file.parent_path().filename() == "render";
     if (std::ranges::find(now, file) != now.end() || (same && is_drawn)) continue;
     fs::remove(file);
-    // An attempt's folder that is empty now was of the results, too.
+    // A folder within that is empty now, of an attempt or a part, was of the results, too.
     std::error_code ignored;
-    if (kind_ == ResultsKind::kAssessment) fs::remove(file.parent_path(), ignored);
+    for (fs::path in = file.parent_path(); in != fs::path(path_) && fs::remove(in, ignored);) {
+      in = in.parent_path();
+    }
   }
   fs::remove_all(at_);
   mark_->set_key(key_);

@@ -172,6 +172,20 @@ TEST_F(ResultsFolders, AReplayIsNamedByItsRecording) {
   EXPECT_TRUE(exists("out/patient_replay/summary.json"));
 }
 
+TEST_F(ResultsFolders, PartsThatARunWentOnWithAreReplacedWithIt) {
+  done("run s.toml -o out");
+  for (const char* part : {"out/part_2", "out/part_3", "out/part_12-2", "out/party"}) {
+    fs::copy(scratch_.path("out"), scratch_.path(part));
+  }
+  scratch_.write("out/part_3/notes.txt", "a user's");
+  done("run s.toml --set haptics.rate_hz=500 --force -o out");
+  EXPECT_FALSE(exists("out/part_2") || exists("out/part_12-2"));
+  EXPECT_TRUE(exists("out/part_3/notes.txt"));
+  EXPECT_FALSE(exists("out/part_3/recording.h5") || exists("out/part_3/.sulcus-run"));
+  EXPECT_TRUE(exists("out/party/recording.h5")) << "no part's name";
+  EXPECT_TRUE(exists("out/recording.h5"));
+}
+
 TEST_F(ResultsFolders, WhatCannotBeReplacedIsSaidBeforeTheRun) {
   done("run s.toml");
   const std::string recording = read("out/s/recording.h5"), key = read("out/s/.sulcus-run");
