@@ -89,8 +89,7 @@ void run(const RunOptions& options) {
   Scene scene = load_scene(file, options.overrides, limits);
   const Trajectory trajectory = scene_trajectory(scene, limits);
   std::unique_ptr<PluginDevice> plugin =
-      open_plugin(file, options.overrides, limits, plugin_folders(options.plugins),
-                  options.pace == "real", trajectory, scene);
+      open_plugin(plugin_folders(options.plugins), options.pace == "real", trajectory, scene);
   if (plugin) check_spare_burrs(scene);
   std::shared_ptr<StreamPort> stream;  // who connects while it loads has the first tick
   if (scene.stream) stream = std::make_shared<StreamPort>(scene);

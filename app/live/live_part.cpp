@@ -1,5 +1,6 @@
 #include "app/live/live_part.hpp"
 
+#include <stdexcept>
 #include <utility>
 
 #include "app/playback/continued_run.hpp"
@@ -31,7 +32,11 @@ LivePart part_after(const std::string& recording, const GoOn& from, const std::s
     refused = error.what();
     GoOn same_burr = from;
     std::erase_if(same_burr.overrides, is_other_burr);
-    return part_after(recording, same_burr, folder);
+    try {
+      return part_after(recording, same_burr, folder);
+    } catch (const InputError& why) {  // of no input: the run is on
+      throw std::runtime_error(why.what());
+    }
   }
 }
 

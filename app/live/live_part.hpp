@@ -39,7 +39,7 @@ struct GoOn {
 LivePart part_after(const std::string& recording, const GoOn& from, const std::string& folder);
 
 /// The same; where what is asked for of the burr cannot be, with the one before, and `refused` says
-/// why.
+/// why. @throws std::runtime_error where that cannot be either.
 LivePart part_after(const std::string& recording, const GoOn& from, const std::string& folder,
                     std::string& refused);
 

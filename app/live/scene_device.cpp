@@ -9,17 +9,12 @@
 
 namespace sulcus {
 
-std::unique_ptr<PluginDevice> open_plugin(const std::string& file,
-                                          const std::vector<std::string>& overrides,
-                                          const InputLimits& limits,
-                                          const std::vector<std::string>& folders,
+std::unique_ptr<PluginDevice> open_plugin(const std::vector<std::string>& folders,
                                           bool at_real_pace, const Trajectory& trajectory,
                                           Scene& scene) {
   if (!scene.device || !scene.device->plugin) return nullptr;
   auto device = std::make_unique<PluginDevice>(scene, trajectory, folders, at_real_pace);
-  std::vector<std::string> with_limits = overrides;
-  for (std::string& limit : device->limits_as_overrides()) with_limits.push_back(std::move(limit));
-  scene = load_scene(file, with_limits, limits);
+  scene = parse_scene(scene.text, scene.file, device->limits_as_overrides(), scene.limits);
   return device;
 }
 

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <exception>
 #include <functional>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -26,6 +27,16 @@ class FirstFailure {
   }
   void rethrow() const {
     if (failure_) std::rethrow_exception(failure_);
+  }
+  /// What it said; empty: nothing was thrown, or it is no std::exception.
+  std::string what() const {
+    try {
+      rethrow();
+    } catch (const std::exception& failure) {
+      return failure.what();
+    } catch (...) {
+    }
+    return {};
   }
   /// Null: nothing was thrown.
   std::exception_ptr get() const { return failure_; }
@@ -57,6 +68,8 @@ class FeedThread {
       failed();
     });
   }
+  /// In `failed`: what was thrown.
+  std::string why() const { return failure_.what(); }
   /// After `feed.ended`: waits for the rest. Throws what ended the thread before it.
   void finish() {
     thread_.join();

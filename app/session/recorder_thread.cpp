@@ -57,7 +57,11 @@ RecordingWriter begin_recording(const Simulation& simulation, const SessionOptio
 }
 
 void RecorderThread::start() {
-  thread_.start([this] { run(); }, [this] { writer_.reset(); });
+  thread_.start([this] { run(); },
+                [this] {
+                  writer_.reset();
+                  ends_(thread_.why());
+                });
 }
 
 void RecorderThread::close(std::string_view summary) {

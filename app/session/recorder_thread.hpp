@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -22,8 +23,10 @@ RecordingWriter begin_recording(const Simulation& simulation, const SessionOptio
 /// `finish` then throws what it said. One that stalls holds up this thread alone.
 class RecorderThread {
  public:
-  RecorderThread(RecordFeed& feed, RecordingWriter writer)
-      : feed_(feed), writer_(std::move(writer)), thread_(feed) {}
+  /// `ends` is called on its thread, with the reason, where the disk fails.
+  RecorderThread(RecordFeed& feed, RecordingWriter writer,
+                 std::function<void(const std::string&)> ends)
+      : feed_(feed), writer_(std::move(writer)), ends_(std::move(ends)), thread_(feed) {}
 
   /// Starts the thread; its first flush gives the recording its name.
   void start();
@@ -40,7 +43,8 @@ class RecorderThread {
   void write_states();
 
   RecordFeed& feed_;
-  std::optional<RecordingWriter> writer_;   // none once the disk has failed
+  std::optional<RecordingWriter> writer_;  // none once the disk has failed
+  std::function<void(const std::string&)> ends_;
   std::optional<std::uint64_t> last_tick_;  // of the rows that have come
   double pedal_ = 1.0;                      // of the last of them
   FeedThread thread_;

@@ -8,6 +8,8 @@
 #include <thread>
 #include <utility>
 
+#include <spdlog/spdlog.h>
+
 #include "app/session/feed_thread.hpp"
 #include "app/session/haptic_loop.hpp"
 #include "app/session/pieces_thread.hpp"
@@ -103,7 +105,12 @@ Consumers::Consumers(const Simulation& simulation, const SessionOptions& options
     pieces_.emplace(feeds_.pieces.emplace(rate_hz), std::move(followers), simulation);
   }
   if (scene.record) {
-    recorder_.emplace(*feeds_.record, begun_.get());
+    recorder_.emplace(*feeds_.record, begun_.get(), [this](const std::string& why) {
+      if (options_.pace == Pace::kReal) {
+        spdlog::error("the recording ends before the run: {}", why);
+      }
+      if (options_.recording_ends) options_.recording_ends();
+    });
     record_part_.bytes =
         static_cast<std::size_t>(scene.record->queue_s * rate_hz) * sizeof(TickReport);
   }

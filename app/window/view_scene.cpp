@@ -2,9 +2,11 @@
 #include <atomic>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -47,9 +49,10 @@ namespace {
 
 /// What is added to a scene for the hand: the tool hangs on a coupling, or the hand would push it
 /// through the tooth, and what was done is recorded.
-std::vector<std::string> overrides_for_the_hand(const ViewOptions& options) {
+std::vector<std::string> overrides_for_the_hand(const ViewOptions& options,
+                                                const std::string& text) {
   std::vector<std::string> overrides = options.overrides;
-  const Scene as_written = load_scene(options.file, overrides);
+  const Scene as_written = parse_scene(text, options.file, overrides);
   if (as_written.trajectory.load_N) {
     throw InputError(options.file, "trajectory.load_N", "a tool that moves by itself",
                      "a scene without it: a hand holds the burr");
@@ -179,6 +182,7 @@ class PartInWindow {
     if (first_tick_ > 0) first_tool_ = part_.simulation->state().tool;
     if (holder_.by_mouse()) part_.session.paused = &paused_;
     part_.session.watch = [this](Feed& feed) { watch(feed); };
+    part_.session.recording_ends = [this] { is_recorded_ = false; };
     run_into(part_.folder.value(), *part_.simulation, holder_.device(), part_.session,
              part_.loading);
     if (seconds_ > 0.0) say("  pictures           %.1f a second\n", pictures_ / seconds_);
@@ -243,6 +247,7 @@ class PartInWindow {
     }
     live_.timing = health_.timing();
     live_.faults = health_.faults();
+    if (!is_recorded_) live_.faults = "not recorded any more " + live_.faults;
     tools.follow(input, drawing, camera_, window_, live_.picture, false);
     if (holder_.by_mouse() &&
         burr_.follow(input, drawing.view(), window_.size().y(), state_.world_from_tool,
@@ -275,17 +280,33 @@ class PartInWindow {
 
   void save() {
     try {
+      check_recording();
       live_.said = save_scene(part_, live_.picture);
     } catch (const std::exception& error) {  // the window stays
       live_.said = error.what();
     }
   }
 
+  /// What is there of this part is all of it: else nothing can go on from it.
+  void check_recording() const {
+    const std::string file = part_.folder.value().at() + "/recording.h5";
+    if (!is_recorded_) throw std::runtime_error(file + ": ends before the run");
+    if (!std::filesystem::exists(file)) throw std::runtime_error(file + ": is no longer there");
+  }
+
   void ask_to_go_on() {
+    if (!live_.go_on_asked && live_.burr == burr_number_) return;
+    try {
+      check_recording();
+    } catch (const std::exception& error) {  // the window stays
+      live_.said = error.what();
+      live_.burr = burr_number_;
+      return;
+    }
     if (live_.go_on_asked) {
       go_on_ = {static_cast<double>(live_.time_s) - static_cast<double>(live_.back_s),
                 overrides_of(live_)};
-    } else if (live_.burr != burr_number_) {
+    } else {
       go_on_.emplace();
     }
   }
@@ -304,6 +325,7 @@ class PartInWindow {
   FrameState state_;  // that is drawn
   std::uint64_t first_tick_ = 0;
   std::atomic<bool> paused_{true};  // until it can be seen
+  std::atomic<bool> is_recorded_{true};
   std::optional<GoOn> go_on_;
   double pictures_ = 0.0, seconds_ = 0.0;
 };
@@ -318,6 +340,9 @@ LiveControls controls_of(const Scene& scene, bool by_mouse) {
   LiveControls live;
   live.by_mouse = by_mouse;
   live.burr_shapes = find_scene_key("burr", "shape")->words;
+  const Range& diameter = find_scene_key("burr", "diameter_mm")->range;
+  live.least_burr_mm = static_cast<float>(diameter.least);
+  live.most_burr_mm = static_cast<float>(diameter.most);
   if (scene.burr.shape != BurrShape::kFile) {
     live.burr_shape = static_cast<std::size_t>(scene.burr.shape);
   }
@@ -328,14 +353,12 @@ LiveControls controls_of(const Scene& scene, bool by_mouse) {
 }  // namespace
 
 void view_scene(const ViewOptions& options) {
-  const std::vector<std::string> overrides = overrides_for_the_hand(options);
-  Scene scene = load_scene(options.file, overrides);
+  const std::string text = read_scene_text(options.file);  // once: it may be a pipe
+  Scene scene = parse_scene(text, options.file, overrides_for_the_hand(options, text));
   const Trajectory trajectory = scene_trajectory(scene);
   const bool by_mouse = options.mouse || !has_hand(scene);
   std::unique_ptr<PluginDevice> plugin =
-      by_mouse ? nullptr
-               : open_plugin(options.file, overrides, {}, options.plugin_folders, true, trajectory,
-                             scene);
+      by_mouse ? nullptr : open_plugin(options.plugin_folders, true, trajectory, scene);
   // For all parts: who was connected to one may come again to the next.
   std::shared_ptr<StreamPort> stream;
   if (scene.stream) stream = std::make_shared<StreamPort>(scene);
@@ -391,10 +414,9 @@ void view_scene(const ViewOptions& options) {
     if (!refused.empty()) {  // on with the one before
       live.said = refused;
       live.burr = burr;
-    } else if (live.burr == burr && goes_back) {
-      live.paused = true;  // until the user takes it up again
     }
-    live.other_burr = false;  // it is this part's own now
+    if (live.burr == burr && goes_back) live.paused = true;  // until the user takes it up again
+    live.other_burr = false;                                 // it is this part's own now
     open_log(part.folder->at());
   }
   holder.end();

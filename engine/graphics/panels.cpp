@@ -29,6 +29,13 @@ void end_panel() {
   ImGui::End();
 }
 
+/// A list to choose from, which Escape closes; where it is open ImGui::EndCombo ends it.
+bool begin_list(const char* label, const char* chosen) {
+  if (!ImGui::BeginCombo(label, chosen)) return false;
+  if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) ImGui::CloseCurrentPopup();
+  return true;
+}
+
 void draw_picture_controls(PictureControls& picture) {
   ImGui::Checkbox("Figures", &picture.figures);
   ImGui::SameLine(kSecond);
@@ -36,7 +43,9 @@ void draw_picture_controls(PictureControls& picture) {
   ImGui::Checkbox("Tissues", &picture.legend);
   ImGui::SameLine(kSecond);
   ImGui::Checkbox("Mirror", &picture.mirror);
-  if (picture.mirror) ImGui::SliderFloat("down, deg", &picture.mirror_deg, -60.0f, 60.0f, "%.0f");
+  if (picture.mirror)
+    ImGui::SliderFloat("down, deg", &picture.mirror_deg, -60.0f, 60.0f, "%.0f",
+                       ImGuiSliderFlags_AlwaysClamp);
   if (picture.has_plan) {
     ImGui::Checkbox("Plan", &picture.plan);
     ImGui::SameLine(kSecond);
@@ -44,8 +53,14 @@ void draw_picture_controls(PictureControls& picture) {
   }
   ImGui::Checkbox("Section at", &picture.cut_open);
   if (picture.cut_open) {
-    ImGui::Combo("axis", &picture.axis, "x\0y\0z\0");
-    ImGui::SliderFloat("mm", &picture.at_mm, -10.0f, 10.0f, "%.2f");
+    constexpr const char* kAxes[] = {"x", "y", "z"};
+    if (begin_list("axis", kAxes[picture.axis])) {
+      for (int axis = 0; axis < 3; ++axis) {
+        if (ImGui::Selectable(kAxes[axis], axis == picture.axis)) picture.axis = axis;
+      }
+      ImGui::EndCombo();
+    }
+    ImGui::SliderFloat("mm", &picture.at_mm, -10.0f, 10.0f, "%.2f", ImGuiSliderFlags_AlwaysClamp);
   }
 }
 
@@ -87,8 +102,7 @@ void draw_hand_controls(LiveControls& controls) {
   float percent = 100.0f * controls.pedal;
   ImGui::SliderFloat("% speed", &percent, 0.0f, 100.0f, "%.0f", ImGuiSliderFlags_AlwaysClamp);
   controls.pedal = 0.01f * percent;
-  if (!controls.burrs.empty() &&
-      ImGui::BeginCombo("burr (b)", controls.burrs[controls.burr].c_str())) {
+  if (!controls.burrs.empty() && begin_list("burr (b)", controls.burrs[controls.burr].c_str())) {
     for (std::size_t i = 0; i < controls.burrs.size(); ++i) {
       if (ImGui::Selectable(controls.burrs[i].c_str(), i == controls.burr)) controls.burr = i;
     }
@@ -119,7 +133,7 @@ std::optional<Section> PictureControls::section() const {
 void draw_panels(PlayerControls& controls) {
   begin_side_panel("picture");
   draw_picture_controls(controls.picture);
-  ImGui::SliderFloat("Speed", &controls.speed, -4.0f, 4.0f, "%.2f");
+  ImGui::SliderFloat("Speed", &controls.speed, -4.0f, 4.0f, "%.2f", ImGuiSliderFlags_AlwaysClamp);
   controls.export_asked = ImGui::Button("Export the tooth as it is here");
   if (!controls.said.empty()) ImGui::TextWrapped("%s", controls.said.c_str());
   draw_help(controls.picture,
@@ -166,7 +180,7 @@ void draw_panels(LiveControls& controls) {
   controls.speed_rpm = std::clamp(controls.speed_rpm, 0.0f, kMost_rpm);
   ImGui::Checkbox("Change burr", &controls.other_burr);
   if (controls.other_burr) {
-    if (ImGui::BeginCombo("shape", controls.burr_shapes[controls.burr_shape].data())) {
+    if (begin_list("shape", controls.burr_shapes[controls.burr_shape].data())) {
       for (std::size_t i = 0; i < controls.burr_shapes.size(); ++i) {
         if (ImGui::Selectable(controls.burr_shapes[i].data(), i == controls.burr_shape)) {
           controls.burr_shape = i;
@@ -175,7 +189,7 @@ void draw_panels(LiveControls& controls) {
       ImGui::EndCombo();
     }
     ImGui::InputFloat("mm", &controls.burr_mm, 0.1f, 0.0f, "%.2f");
-    controls.burr_mm = std::clamp(controls.burr_mm, 0.3f, 10.0f);
+    controls.burr_mm = std::clamp(controls.burr_mm, controls.least_burr_mm, controls.most_burr_mm);
   }
   controls.go_on_asked = ImGui::Button("Rewind and continue");
   controls.save_asked = ImGui::Button("Save as a scene");

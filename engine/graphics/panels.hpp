@@ -63,7 +63,7 @@ struct LiveControls {
   bool other_burr = false;
   std::span<const std::string_view> burr_shapes;  // to choose from, each ended by a zero
   std::size_t burr_shape = 0;                     // of them
-  float burr_mm = 0.0f;
+  float burr_mm = 0.0f, least_burr_mm = 0.0f, most_burr_mm = 0.0f;
   bool go_on_asked = false;  // from `back_s` ago, so
   bool save_asked = false;   // what was done, as a scene
   std::string said;

@@ -28,6 +28,13 @@ std::string glfw_reason() {
   return text ? text : "no reason given";
 }
 
+/// Of a window, as far as it is drawn: a picture is no larger than OpenGL draws, and is there.
+Eigen::Vector2i drawn_size(const Eigen::Vector2i& size) {
+  GLint largest = 0;
+  glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
+  return size.cwiseMin(largest).cwiseMax(16);
+}
+
 GLFWwindow* open_window(const std::string& title, int width, int height) {
   // EGL as off the screen, else what the window system has of its own.
   for (const int api : {GLFW_EGL_CONTEXT_API, GLFW_NATIVE_CONTEXT_API}) {
@@ -83,7 +90,7 @@ Window::Window(const std::string& title, int width, int height) {
   ImGui_ImplOpenGL3_Init("#version 330 core");
   watch_for_display_loss();
   glfwGetFramebufferSize(window_, &size_.x(), &size_.y());
-  size_ = size_.cwiseMax(16);
+  size_ = drawn_size(size_);
 }
 
 Window::~Window() {
@@ -120,12 +127,15 @@ WindowInput Window::begin() {
     io.DisplaySize = {static_cast<float>(size_.x()), static_cast<float>(size_.y())};
     io.DisplayFramebufferScale = {1.0f, 1.0f};
   } else {
-    size_ = size.cwiseMax(16);
+    size_ = drawn_size(size);
   }
   ImGui::NewFrame();
   WindowInput input;
   if (display_is_lost()) return input;
   if (!io.WantCaptureKeyboard) input.keys = keys_;
+  if (ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup)) {  // an open list, which it closes
+    std::erase(input.keys, WindowInput::kEscape);
+  }
   input.shift = io.KeyShift;
   input.control = io.KeyCtrl;
   if (io.WantCaptureMouse) return input;

@@ -29,12 +29,13 @@ class HandInWindow : public testing::Test {
   void SetUp() override { ASSERT_FALSE(display_.number().empty()) << "Xvfb does not start"; }
 
   /// Opens a window, and once `file` is there does what the script says; then waits for its end.
+  /// `first`: what the shell does before, of which the window then is.
   CommandResult view(const std::string& arguments, const std::string& file,
-                     const std::string& script) {
+                     const std::string& script, const std::string& first = "") {
     const std::string path = scratch_.write(
-        "script", "[ -x \"$(command -v xdotool)\" ] || exit 77\n" + std::string(SULCUS_PROGRAM) +
-                      " view " + arguments + " &\nprogram=$!\n" + "for i in $(seq 300); do [ -e " +
-                      file + " ] && break; sleep 0.1; done\n" +
+        "script", "[ -x \"$(command -v xdotool)\" ] || exit 77\n(" + first + "exec " +
+                      SULCUS_PROGRAM + " view " + arguments + ") &\nprogram=$!\n" +
+                      "for i in $(seq 300); do [ -e " + file + " ] && break; sleep 0.1; done\n" +
                       "for i in $(seq 300); do xdotool search --onlyvisible --name Sulcus "
                       ">/dev/null 2>&1 && break; sleep 0.1; done\nsleep 2\n" +
                       script + "\nwait $program\n");
@@ -46,6 +47,14 @@ class HandInWindow : public testing::Test {
     out_ = scratch_.path("out");
     const std::string scene = scratch_.write("s.toml", seen_from_buccal());
     return view(scene + " -o " + out_, out_ + "/recording.h5", script);
+  }
+  /// Of a scene with another burr, to which the key b changes.
+  CommandResult view_with_burrs(const std::string& script, const std::string& first = "") {
+    out_ = scratch_.path("out");
+    const std::string scene = scratch_.write(
+        "s.toml", seen_from_buccal() +
+                      "[[spare_burr]]\nname = \"large\"\nshape = \"round\"\ndiameter_mm = 1.0\n");
+    return view(scene + " -o " + out_, out_ + "/recording.h5", script, first);
   }
   void expect_whole() const {
     EXPECT_TRUE(fs::exists(out_ + "/summary.json"));
@@ -98,6 +107,55 @@ TEST_F(HandInWindow, AWindowThatIsDestroyedKeepsWhatWasDone) {
 TEST_F(HandInWindow, ADisplayThatBreaksDownKeepsWhatWasDone) {
   const CommandResult result =
       view_scene("kill " + std::to_string(static_cast<long>(display_.process())));
+  EXPECT_EQ(result.status, 0) << result.err;
+  expect_whole();
+}
+
+TEST_F(HandInWindow, ARecordingThatEndsBeforeTheRunIsSaidAtOnceAndNothingGoesOnFromIt) {
+  const CommandResult result = view_with_burrs(R"(
+for i in $(seq 300); do grep -q "ends before the run" )" +
+                                                   scratch_.path("out/log.txt") +
+                                                   R"( && break; sleep 0.1; done
+xdotool key b
+sleep 2
+kill -0 $program && touch )" + scratch_.path("lasts") +
+                                                   "\nxdotool key Escape",
+                                               "ulimit -f 300; ");
+  EXPECT_EQ(result.status, 1);
+  EXPECT_NE(test::read_file(out_ + "/log.txt").find("File too large"), std::string::npos);
+  EXPECT_TRUE(fs::exists(scratch_.path("lasts"))) << result.err;
+  EXPECT_FALSE(fs::exists(out_ + "/part_2"));
+  EXPECT_TRUE(fs::exists(out_ + "/summary.json"));
+}
+
+TEST_F(HandInWindow, WithoutItsRecordingARunGoesOnAsItIs) {
+  const CommandResult result =
+      view_with_burrs("rm " + scratch_.path("out/recording.h5") +
+                      "\nxdotool key b\nsleep 2\nkill -0 $program && touch " +
+                      scratch_.path("lasts") + "\nxdotool key Escape");
+  EXPECT_TRUE(fs::exists(scratch_.path("lasts"))) << result.err;
+  EXPECT_FALSE(fs::exists(out_ + "/part_2"));
+}
+
+TEST_F(HandInWindow, APartWhoseNameIsTakenHasTheNextOne) {
+  const CommandResult result = view_with_burrs(
+      "touch " + scratch_.path("out/part_2") + "\nxdotool key b\nfor i in $(seq 100); do [ -e " +
+      scratch_.path("out/part_2-2/recording.h5") +
+      " ] && break; sleep 0.1; done\nsleep 1\nxdotool key Escape");
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_TRUE(fs::exists(out_ + "/part_2-2/summary.json"));
+  expect_whole();
+}
+
+TEST_F(HandInWindow, ASceneMayBeAPipeAndItsWindowWiderThanAPictureCanBe) {
+  const std::string scene = scratch_.write("s.toml", seen_from_buccal());
+  const std::string pipe = scratch_.path("pipe.toml");
+  out_ = scratch_.path("out");
+  const CommandResult result =
+      view(pipe + " -o " + out_, out_ + "/recording.h5",
+           "xdotool search --onlyvisible --name Sulcus windowsize 17000 20\nsleep 2\n"
+           "xdotool key Escape",
+           "mkfifo " + pipe + "; (cat " + scene + " > " + pipe + " &); ");
   EXPECT_EQ(result.status, 0) << result.err;
   expect_whole();
 }
