@@ -134,9 +134,8 @@ struct ForceLimits {
 ///    limits allow no step back, the step is halved until it ends in contact, or is no longer than
 ///    half a voxel.
 ///  - Ends within kClose_m of where it would go and kForceTolerance of its force, or when the
-///  evaluations
-///    or the contacts of a tick are used up, counted and never timed; the next tick goes on from
-///    there.
+///    evaluations or the contacts of a tick are used up, counted and never timed. The next tick
+///    goes on from there.
 ///
 /// It has no state but the tool's pose. `evaluate(pose) -> ContactResult` with stiffness, wrench
 /// about the torque reference; what its last call left is the contact where the tool ends.
