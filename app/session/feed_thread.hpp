@@ -3,7 +3,6 @@
 #include <chrono>
 #include <exception>
 #include <functional>
-#include <string>
 #include <thread>
 #include <utility>
 
@@ -28,16 +27,6 @@ class FirstFailure {
   void rethrow() const {
     if (failure_) std::rethrow_exception(failure_);
   }
-  /// What it said; empty: nothing was thrown, or it is no std::exception.
-  std::string what() const {
-    try {
-      rethrow();
-    } catch (const std::exception& failure) {
-      return failure.what();
-    } catch (...) {
-    }
-    return {};
-  }
   /// Null: nothing was thrown.
   std::exception_ptr get() const { return failure_; }
 
@@ -58,7 +47,7 @@ class FeedThread {
   FeedThread& operator=(const FeedThread&) = delete;
 
   /// Runs `consume` on the thread. Where it throws, the feed is closed and `failed` is called
-  /// there.
+  /// there, which must not throw.
   template <class Consume>
   void start(
       Consume consume, std::function<void()> failed = [] {}) {
@@ -69,7 +58,7 @@ class FeedThread {
     });
   }
   /// In `failed`: what was thrown.
-  std::string why() const { return failure_.what(); }
+  std::exception_ptr why() const { return failure_.get(); }
   /// After `feed.ended`: waits for the rest. Throws what ended the thread before it.
   void finish() {
     thread_.join();

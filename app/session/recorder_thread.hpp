@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <optional>
 #include <string>
@@ -23,9 +24,9 @@ RecordingWriter begin_recording(const Simulation& simulation, const SessionOptio
 /// `finish` then throws what it said. One that stalls holds up this thread alone.
 class RecorderThread {
  public:
-  /// `ends` is called on its thread, with the reason, where the disk fails.
+  /// `ends` is called on its thread, with the reason, where the disk fails; it must not throw.
   RecorderThread(RecordFeed& feed, RecordingWriter writer,
-                 std::function<void(const std::string&)> ends)
+                 std::function<void(std::exception_ptr)> ends)
       : feed_(feed), writer_(std::move(writer)), ends_(std::move(ends)), thread_(feed) {}
 
   /// Starts the thread; its first flush gives the recording its name.
@@ -44,7 +45,7 @@ class RecorderThread {
 
   RecordFeed& feed_;
   std::optional<RecordingWriter> writer_;  // none once the disk has failed
-  std::function<void(const std::string&)> ends_;
+  std::function<void(std::exception_ptr)> ends_;
   std::optional<std::uint64_t> last_tick_;  // of the rows that have come
   double pedal_ = 1.0;                      // of the last of them
   FeedThread thread_;

@@ -25,6 +25,17 @@ namespace sulcus {
 
 namespace {
 
+void log_end_of_recording(const std::exception_ptr& why) noexcept {
+  try {
+    try {
+      std::rethrow_exception(why);
+    } catch (const std::exception& failure) {
+      spdlog::error("the recording ends before the run: {}", failure.what());
+    }
+  } catch (...) {  // there may be no memory for a line; the end of the run says it
+  }
+}
+
 /// Adds the time that it lives to the seconds of a part.
 class PartTimer {
  public:
@@ -105,11 +116,9 @@ Consumers::Consumers(const Simulation& simulation, const SessionOptions& options
     pieces_.emplace(feeds_.pieces.emplace(rate_hz), std::move(followers), simulation);
   }
   if (scene.record) {
-    recorder_.emplace(*feeds_.record, begun_.get(), [this](const std::string& why) {
-      if (options_.pace == Pace::kReal) {
-        spdlog::error("the recording ends before the run: {}", why);
-      }
+    recorder_.emplace(*feeds_.record, begun_.get(), [this](const std::exception_ptr& why) {
       if (options_.recording_ends) options_.recording_ends();
+      if (options_.pace == Pace::kReal) log_end_of_recording(why);
     });
     record_part_.bytes =
         static_cast<std::size_t>(scene.record->queue_s * rate_hz) * sizeof(TickReport);
