@@ -266,6 +266,9 @@ std::string read_scene_text(const std::string& file) {
     throw InputError(file, "", "a file that cannot be read to its end", "a scene file, .toml");
   }
   text.resize(static_cast<std::size_t>(in.gcount()));
+  if (text.starts_with("\x89HDF")) {
+    throw InputError(file, "", "HDF5, as of a recording", "a scene file, .toml");
+  }
   if (text.size() > InputLimits::kSceneBytes) {
     throw InputError(file, "", "more than 16 MiB", "a scene of at most 16 MiB");
   }

@@ -336,6 +336,10 @@ TEST_F(SceneFileOnDisk, AMissingFileOrAFolderIsBadInput) {
   EXPECT_EQ(message("/proc/self/mem"),
             "/proc/self/mem: found a file that cannot be read to its end, expected a scene file, "
             ".toml");
+  const fs::path recording = folder_ / "recording.toml";
+  std::ofstream(recording) << "\x89HDF\r\n\x1a\n";  // as every HDF5 file begins
+  EXPECT_EQ(message(recording),
+            recording.string() + ": found HDF5, as of a recording, expected a scene file, .toml");
 }
 
 TEST_F(SceneFileOnDisk, AHugeFileIsRefusedBeforeItIsRead) {
