@@ -156,7 +156,7 @@ ForceTurn::ForceTurn(const CouplingSprings& springs, const Pose& device_before, 
 
 double step_fraction_in_cone(const Eigen::Vector3d& stretch_m, const Eigen::Vector3d& step_m,
                              const Eigen::Vector3d& axis, double cosine) noexcept {
-  constexpr double kRounding = 1e-9;  // a step along the border leaves nothing
+  constexpr double kRounding = 1e-9;  // by which a stretch on the border may be outside
   const auto is_in = [&](double part) {
     const Eigen::Vector3d rest_m = stretch_m - part * step_m;
     return rest_m.dot(axis) >= (cosine - kRounding) * rest_m.norm();

@@ -15,9 +15,9 @@
 
 namespace sulcus {
 
-/// Opens the plug-in that a scene names; the scene then says the limits of the
-/// device, so that it replays without the plug-in. Null where it names none. `folders`: in which it
-/// is looked for. InputError as PluginDevice and parse_scene.
+/// Opens the plug-in that a scene names; the scene then says the limits of the device, so that it
+/// replays without the plug-in. Null where it names none. `folders`: in which it is looked for.
+/// InputError as PluginDevice and parse_scene.
 std::unique_ptr<PluginDevice> open_plugin(const std::vector<std::string>& folders,
                                           bool at_real_pace, const Trajectory& trajectory,
                                           Scene& scene);

@@ -43,9 +43,10 @@ void draw_picture_controls(PictureControls& picture) {
   ImGui::Checkbox("Tissues", &picture.legend);
   ImGui::SameLine(kSecond);
   ImGui::Checkbox("Mirror", &picture.mirror);
-  if (picture.mirror)
+  if (picture.mirror) {
     ImGui::SliderFloat("down, deg", &picture.mirror_deg, -60.0f, 60.0f, "%.0f",
                        ImGuiSliderFlags_AlwaysClamp);
+  }
   if (picture.has_plan) {
     ImGui::Checkbox("Plan", &picture.plan);
     ImGui::SameLine(kSecond);
