@@ -169,7 +169,7 @@ class Coupling {
     Pose tool;
     SpringPull pull;
     Vector6d residual;
-    Eigen::Vector3d normal;  // of the contact as a whole; zero without
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // of the whole contact; zero without
     double deepest_m;
   };
   Look look(const Pose& device, const Pose& tool) noexcept;

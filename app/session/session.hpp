@@ -67,8 +67,8 @@ struct SessionOptions {
   std::function<void(Feed&)> watch = {};
   /// Called when all is set up, before the first tick; may be empty.
   std::function<void()> begins = {};
-  /// Called on the recorder's thread where the recording ends before the run, which goes on; may be
-  /// empty. At real pace the log says why at once.
+  /// Called on the recorder's thread where the recording ends before the run, which goes on; must
+  /// not throw, may be empty. At real pace the log says why at once.
   std::function<void()> recording_ends = {};
   /// No tick while it is true; null: never.
   const std::atomic<bool>* paused = nullptr;

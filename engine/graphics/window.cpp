@@ -28,7 +28,7 @@ std::string glfw_reason() {
   return text ? text : "no reason given";
 }
 
-/// Of a window, as far as it is drawn: a picture is no larger than OpenGL draws, and is there.
+/// A window's size, but at least 16 pixels each way and at most what OpenGL draws.
 Eigen::Vector2i drawn_size(const Eigen::Vector2i& size) {
   GLint largest = 0;
   glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);

@@ -29,7 +29,7 @@ class HandInWindow : public testing::Test {
   void SetUp() override { ASSERT_FALSE(display_.number().empty()) << "Xvfb does not start"; }
 
   /// Opens a window, and once `file` is there does what the script says; then waits for its end.
-  /// `first`: what the shell does before, of which the window then is.
+  /// `first`: commands of the shell that starts the program.
   CommandResult view(const std::string& arguments, const std::string& file,
                      const std::string& script, const std::string& first = "") {
     const std::string path = scratch_.write(
