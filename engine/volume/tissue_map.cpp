@@ -5,6 +5,19 @@
 
 namespace sulcus {
 
+TissueMap::~TissueMap() {
+  for (const LabelBlock* block : mixed_) delete block;
+}
+
+void TissueMap::set_uniform(std::uint32_t leaf, std::uint8_t label) {
+  uniform_[leaf] = label;
+  // Written only where there is one, so that the page of others takes no memory.
+  if (LabelBlock*& block = mixed_[leaf]) {
+    delete block;
+    block = nullptr;
+  }
+}
+
 void TissueMap::set_block(std::uint32_t leaf, const LabelBlock& labels, const LeafBits& solid) {
   std::optional<std::uint8_t> first;
   bool mixed = false;
@@ -13,7 +26,12 @@ void TissueMap::set_block(std::uint32_t leaf, const LabelBlock& labels, const Le
     mixed |= labels[place] != *first;
   });
   if (mixed) {
-    mixed_[leaf] = std::make_unique<LabelBlock>(labels);
+    LabelBlock*& block = mixed_[leaf];
+    if (block) {
+      *block = labels;
+    } else {
+      block = new LabelBlock(labels);
+    }
   } else {
     set_uniform(leaf, first.value_or(0));
   }
@@ -29,8 +47,15 @@ int TissueMap::label_count() const {
 }
 
 std::size_t TissueMap::memory_bytes() const {
-  std::size_t bytes = uniform_.capacity() + mixed_.capacity() * sizeof(mixed_[0]);
-  for (const auto& block : mixed_) bytes += block ? sizeof(LabelBlock) : 0;
+  constexpr std::size_t kPage = 4096 / sizeof(LabelBlock*);
+  std::size_t bytes = uniform_.capacity();
+  for (std::size_t leaf = 0, end = 0; leaf < mixed_.size(); leaf = end) {
+    end = std::min(leaf + kPage, mixed_.size());
+    const auto blocks = std::count_if(mixed_.begin() + leaf, mixed_.begin() + end,
+                                      [](const LabelBlock* block) { return block != nullptr; });
+    if (blocks > 0) bytes += (end - leaf) * sizeof(LabelBlock*);
+    bytes += static_cast<std::size_t>(blocks) * sizeof(LabelBlock);
+  }
   return bytes;
 }
 

@@ -1,10 +1,11 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
+#include "engine/core/zeroed_array.hpp"
 #include "engine/volume/grid.hpp"
 #include "engine/volume/leaf_bits.hpp"
 
@@ -18,21 +19,21 @@ using LabelBlock = std::array<std::uint8_t, 512>;
 class TissueMap {
  public:
   explicit TissueMap(std::uint32_t leaf_count) : uniform_(leaf_count, 0), mixed_(leaf_count) {}
+  ~TissueMap();
+  TissueMap(const TissueMap&) = delete;
+  TissueMap& operator=(const TissueMap&) = delete;
 
   std::uint8_t label(std::uint32_t leaf, const Cell& c) const {
-    const LabelBlock* block = mixed_[leaf].get();
+    const LabelBlock* block = mixed_[leaf];
     return block ? (*block)[leaf_place(c)] : uniform_[leaf];
   }
-  void set_uniform(std::uint32_t leaf, std::uint8_t label) {
-    uniform_[leaf] = label;
-    mixed_[leaf].reset();
-  }
+  void set_uniform(std::uint32_t leaf, std::uint8_t label);
   /// Takes the labels of a leaf; stored as one label where they agree on its solid voxels.
   void set_block(std::uint32_t leaf, const LabelBlock& labels, const LeafBits& solid);
 
   std::uint32_t leaf_count() const { return static_cast<std::uint32_t>(uniform_.size()); }
   /// Null where the leaf is uniform.
-  const LabelBlock* block(std::uint32_t leaf) const { return mixed_[leaf].get(); }
+  const LabelBlock* block(std::uint32_t leaf) const { return mixed_[leaf]; }
   std::uint8_t uniform_label(std::uint32_t leaf) const { return uniform_[leaf]; }
   /// Asks for what the two above read.
   void prefetch(std::uint32_t leaf) const {
@@ -45,7 +46,7 @@ class TissueMap {
 
  private:
   std::vector<std::uint8_t> uniform_;
-  std::vector<std::unique_ptr<LabelBlock>> mixed_;
+  ZeroedArray<LabelBlock*> mixed_;  // owned; null, and mostly no memory, where a leaf is uniform
 };
 
 }  // namespace sulcus

@@ -76,15 +76,26 @@ TEST(TissueMap, AnEmptyLeafIsUniform) {
 }
 
 TEST(TissueMap, AMixedLeafBecomesUniformAgain) {
-  TissueMap map(1);
+  TissueMap map(2);
   LabelBlock labels = labels_of(1);
   labels[100] = 2;
   map.set_block(0, labels, kAllSolid);
+  map.set_block(1, labels, kAllSolid);
   const std::size_t mixed_bytes = map.memory_bytes();
   map.set_uniform(0, 6);
   EXPECT_EQ(map.block(0), nullptr);
   EXPECT_EQ(map.label(0, {4, 4, 1}), 6);
   EXPECT_EQ(map.memory_bytes() + sizeof(LabelBlock), mixed_bytes);
+}
+
+TEST(TissueMap, OfUniformLeavesAByteIsKept) {
+  constexpr std::uint32_t kLeaves = 1 << 18;
+  TissueMap map(kLeaves);
+  for (std::uint32_t leaf = 0; leaf < kLeaves; ++leaf) map.set_uniform(leaf, 1);
+  LabelBlock labels = labels_of(1);
+  labels[100] = 2;
+  map.set_block(kLeaves / 2, labels, kAllSolid);
+  EXPECT_LE(map.memory_bytes(), kLeaves + sizeof labels + 4096);
 }
 
 }  // namespace
