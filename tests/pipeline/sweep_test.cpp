@@ -322,6 +322,36 @@ TEST_F(Sweep, AFolderIsThatOfOnePlan) {
   EXPECT_NE(alone.err.find("another scene_sha256"), std::string::npos) << alone.err;
 }
 
+TEST_F(Sweep, GoesOnWithTheFilesThatItBeganWithAlone) {
+  const std::string way = "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,0,0,9,1,0,0,0\n1,0,0,9,1,0,0,0\n",
+                    other = way + "2,0,0,8,1,0,0,0\n";
+  const std::string scene = test::probe_scene();
+  const std::string follows = scene.substr(0, scene.find("[trajectory]")) + "[trajectory]\nfile = ";
+  scratch_.write("beside/s.toml", follows + "\"way.csv\"\n");
+  for (const char* name : {"beside/way.csv", "here.csv", "there.csv"}) scratch_.write(name, way);
+  for (const auto& [asked, named] :
+       {std::pair{"--set burr.diameter_mm=0.8 -o a", "beside/way.csv"},
+        {"--set trajectory.file=here.csv,there.csv -o b", "there.csv"},
+        {"--set burr.diameter_mm=0.8 -o c -- --set trajectory.file=here.csv", "here.csv"}}) {
+    SCOPED_TRACE(asked);
+    const std::string planned = "beside/s.toml --plan-only" + kBuilt + " " + asked;
+    const auto begun = sweep(planned);
+    ASSERT_EQ(begun.status, 0) << begun.err;
+    EXPECT_EQ(sweep(planned).status, 0);
+    scratch_.write(named, other);
+    for (const std::string& again :
+         {planned, std::string("-o ") +
+                       std::string(asked).substr(std::string(asked).find("-o ") + 3, 1) + kBuilt}) {
+      const auto changed = sweep(again);
+      EXPECT_EQ(changed.status, 2) << again;
+      EXPECT_EQ(changed.err_lines(), 1) << changed.err;
+      EXPECT_NE(changed.err.find(named), std::string::npos) << changed.err;
+    }
+    scratch_.write(named, way);
+    EXPECT_EQ(sweep(planned).status, 0);
+  }
+}
+
 TEST_F(Sweep, TablesOfFinishedRunsNeedNoScene) {
   ASSERT_EQ(sweep("s.toml --set burr.diameter_mm=0.8 -o d" + kBuilt).status, 0);
   const std::string table = file("d/table.csv");

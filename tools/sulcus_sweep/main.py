@@ -3,7 +3,6 @@
 import argparse
 import collections
 import fcntl
-import hashlib
 import pathlib
 import signal
 import subprocess
@@ -11,6 +10,7 @@ import sys
 
 from chart import draw_chart
 from errors import InputError, SweepError, one_line
+from input_files import hash_of, hashes_of_named
 from launch import need, through_parallel, through_slurm
 from plan import all_combinations, latin_hypercube, parse_sets
 from sweep_folder import SweepFolder
@@ -126,8 +126,12 @@ def planned(asked):
     return [key.name for key in keys], rows
 
 
-def hash_of(scene):
-    return hashlib.sha256(scene.read_bytes()).hexdigest()
+def with_hashes(asked):
+    """What was asked for, with the hashes of what its runs read now."""
+    scene = scene_file(asked["scene"])
+    keys = parse_sets(asked["set"], asked["latin"] is not None)
+    return asked | {"scene_sha256": hash_of(scene),
+                    "files_sha256": hashes_of_named(scene, keys, asked["options"], asked["started_in"])}
 
 
 def begin(given):
@@ -159,9 +163,9 @@ def begin(given):
         raise InputError(f"{given.program}: no such file, expected the program sulcus")
     seed = None if given.latin is None else 1 if given.seed is None else given.seed
     asked = {"scene": str(scene.resolve()),
-             "scene_sha256": hash_of(scene),
              "set": given.sets, "latin": given.latin, "seed": seed, "options": given.options,
              "program": str(pathlib.Path(given.program).resolve()), "started_in": str(pathlib.Path.cwd())}
+    asked = with_hashes(asked)
     if folder.asked() is None:
         check_scene(asked, keys)
     folder.begin(asked, *planned(asked))
@@ -209,8 +213,7 @@ def sweep(arguments):
         return [number for number in range(len(rows)) if folder.summary(number) is None]
 
     if unfinished():  # tables of finished runs need no scene
-        asked = folder.asked()
-        folder.begin(asked | {"scene_sha256": hash_of(scene_file(asked["scene"]))}, names, rows)
+        folder.begin(with_hashes(folder.asked()), names, rows)
     if given.slurm:
         through_slurm(folder, unfinished)
     elif numbers := unfinished():

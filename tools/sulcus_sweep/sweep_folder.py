@@ -44,8 +44,9 @@ class SweepFolder:
         asked = read_json(file) or {}
         kinds = {"scene": str, "scene_sha256": str, "set": list, "latin": int | None, "seed": int | None,
                  "options": list, "program": str, "started_in": str}
+        files = asked.get("files_sha256", {})
         is_whole = all(name in asked and isinstance(asked[name], kind) for name, kind in kinds.items()) and \
-            all(isinstance(text, str) for text in asked["set"] + asked["options"])
+            all(isinstance(text, str) for text in asked["set"] + asked["options"]) and isinstance(files, dict)
         if not is_whole:
             raise InputError(f"{file}: is damaged, expected it as the sweep wrote it")
         return asked
@@ -63,10 +64,11 @@ class SweepFolder:
         before = self.asked()
         if before is not None:
             for what, found in asked.items():
-                if before.get(what) != found:
+                if what != "files_sha256" and before.get(what) != found:
                     raise InputError(
                         f"{self.path}: holds a sweep with another {what} ({_short(before.get(what))}, now "
                         f"{_short(found)}), expected the same or another folder")
+            _check_files(self.path, before.get("files_sha256"), asked.get("files_sha256"))
             if not self._has_plan(plan):
                 raise InputError(f"{self.path / 'plan.csv'}: is damaged, expected the plan of sweep.json")
             self.runs.mkdir(exist_ok=True)
@@ -122,6 +124,16 @@ def _plan_text(names, rows, seed):
     for number, row in enumerate(rows):
         writer.writerow([number, seed, *row, f"runs/{number:06d}"])
     return text.getvalue().encode()
+
+
+def _check_files(path, before, now):
+    """Sweeps of earlier versions (None) know of none."""
+    if before is None or now is None:
+        return
+    for file in sorted(before.keys() | now.keys()):
+        if before.get(file) != now.get(file):
+            raise InputError(f"{file}: is not what it was when the sweep in {path} began, expected the same "
+                             "or another folder")
 
 
 def whole_summary(folder):
