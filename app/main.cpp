@@ -1,18 +1,13 @@
-#include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
 #include <new>
 #include <string>
 #include <vector>
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include "app/build_info.hpp"
 #include "app/commands/commands.hpp"
 #include "app/commands/manual.hpp"
+#include "app/terminal/standard_streams.hpp"
 #include "app/terminal/terminal.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/realtime.hpp"
@@ -73,34 +68,14 @@ int run(int argc, char** argv) {
   return sulcus::stop_requested() ? sulcus::stop_status() : 0;
 }
 
-/// A standard stream that is closed would be the next file that is opened, and what is said would
-/// go into that.
-void open_closed_streams() {
-  for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
-    // The lowest that is closed: this one.
-    if (::fcntl(stream, F_GETFD) < 0 && ::open("/dev/null", O_RDWR) != stream) std::_Exit(1);
-  }
-}
-
-/// Whether all that was said is where standard output goes. Who closes a pipe wants no more of it.
-bool has_said_all() {
-  const bool failed = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
-  struct stat output {};
-  return !failed || ::fstat(STDOUT_FILENO, &output) != 0 || S_ISFIFO(output.st_mode) ||
-         S_ISSOCK(output.st_mode);
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
-  open_closed_streams();
+  sulcus::make_streams_safe();
   sulcus::watch_for_stop();
-  // A chart or video program that goes away, and a file that may not grow, are errors, not ends.
-  std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGXFSZ, SIG_IGN);
   sulcus::give_back_large_blocks();
   const int status = run(argc, argv);
-  if (has_said_all() || status != 0) return status;
+  if (sulcus::has_said_all() || status != 0) return status;
   sulcus::say_error("sulcus: standard output: cannot be written\n");
   return 1;
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -11,6 +10,7 @@
 #include <tbb/global_control.h>
 
 #include "app/commands/commands.hpp"
+#include "app/commands/number_within.hpp"
 #include "app/commands/shipped_files.hpp"
 
 namespace sulcus {
@@ -40,18 +40,6 @@ CLI::Option* add_option(CLI::App& command, const char* name, Value& value, const
     option->check(some_name());
   }
   return option;
-}
-
-/// Numbers from `least` to `most`. CLI::Range alone takes NaN.
-inline CLI::Validator number_within(double least, double most) {
-  const CLI::Range range(least, most);
-  return CLI::Validator(
-      [=](std::string& given) {
-        double value = 0.0;
-        const bool is_nan = CLI::detail::lexical_cast(given, value) && std::isnan(value);
-        return is_nan ? "Value " + given + " is no number" : range(given);
-      },
-      range.get_description());
 }
 
 inline void add_recording_argument(CLI::App& command, std::string& file) {

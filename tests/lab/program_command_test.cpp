@@ -1,6 +1,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <sstream>
 #include <string>
@@ -21,6 +22,7 @@ std::string build_folder() { return fs::path(SULCUS_LAB_PROGRAM).parent_path().s
 TEST(ProgramCommand, MeasuresTwoBuildsInTurn) {
   const ScratchFolder scratch;
   const std::string out = scratch.path("out");
+  scratch.write("out/here/kept", "of a user's");
   const auto result = test::program_command(
       SULCUS_LAB_PROGRAM,
       "program --trial start,verify --repeats 1 -o " + out + " --against " + build_folder(),
@@ -46,7 +48,8 @@ TEST(ProgramCommand, MeasuresTwoBuildsInTurn) {
   ASSERT_EQ(rows.size(), 12u);
   // What both trials say of the same work: opening a recording takes less than all of it.
   EXPECT_LT(rows["start cached_cpu_s"][0], rows["start cold_cpu_s"][0]);
-  EXPECT_FALSE(fs::exists(out + "/here")) << "what the trials wrote is left";
+  EXPECT_TRUE(fs::exists(out + "/here/kept"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(out), {}), 2) << "what the trials wrote is left";
 }
 
 TEST(ProgramCommand, BadOptionsAreOneLineAndStatus2) {

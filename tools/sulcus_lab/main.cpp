@@ -1,4 +1,3 @@
-#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -6,16 +5,15 @@
 #include <CLI/CLI.hpp>
 
 #include "app/build_info.hpp"
+#include "app/terminal/standard_streams.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/stop.hpp"
 #include "tools/sulcus_lab/commands.hpp"
 
-int main(int argc, char** argv) {
-  sulcus::watch_for_stop();
-  // As in the program: errors, not ends.
-  std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGXFSZ, SIG_IGN);
+namespace {
 
+/// The exit status.
+int run(int argc, char** argv) {
   CLI::App program("Sulcus's measuring program: speed and accuracy, one against the other");
   program.name("sulcus-lab");
   program.set_version_flag("--version", sulcus::build_info());
@@ -49,4 +47,15 @@ int main(int argc, char** argv) {
     return 1;
   }
   return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  sulcus::make_streams_safe();
+  sulcus::watch_for_stop();
+  const int status = run(argc, argv);
+  if (sulcus::has_said_all() || status != 0) return status;
+  std::fprintf(stderr, "sulcus-lab: standard output: cannot be written\n");
+  return 1;
 }

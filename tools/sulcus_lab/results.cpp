@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
+#include <system_error>
+#include <utility>
 
 #include <unistd.h>
 
@@ -78,6 +81,18 @@ bool Results::draw(const std::string& chart, const std::string& picture,
 
 void Results::print() const {
   for (const std::string& file : files_) std::printf("%s\n", file.c_str());
+}
+
+TrialFolder::TrialFolder(const Results& results)
+    : path_(std::filesystem::absolute(results.folder()) / "trial_XXXXXX") {
+  if (!::mkdtemp(path_.data())) {
+    throw std::runtime_error(results.folder() + ": no folder can be made in it");
+  }
+}
+
+TrialFolder::~TrialFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
 }
 
 }  // namespace sulcus::lab

@@ -55,9 +55,26 @@ class Results {
   /// The files that were written, one a line.
   void print() const;
 
+  const std::string& folder() const { return folder_; }
+
  private:
   std::string folder_;
   std::vector<std::string> files_;
+};
+
+/// A folder of a new name in that of the results, for what is none of them; goes with this object.
+class TrialFolder {
+ public:
+  explicit TrialFolder(const Results& results);
+  ~TrialFolder();
+  TrialFolder(const TrialFolder&) = delete;
+  TrialFolder& operator=(const TrialFolder&) = delete;
+
+  /// Absolute.
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
 };
 
 }  // namespace sulcus::lab

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/commands/number_within.hpp"
 #include "app/session/frame_history.hpp"
 #include "app/session/live_film.hpp"
 #include "app/session/session.hpp"
@@ -193,7 +194,7 @@ void add_frames_command(CLI::App& program) {
       "frames", "How fluently a run at real pace is drawn, and what that costs its ticks");
   command->add_option("--scene", options->scene, "Scene (cut_sulcus)");
   command->add_option("--seconds", options->seconds, "Of each run (8)")
-      ->check(CLI::Range(0.5, 1000.0));
+      ->check(number_within(0.5, 1000.0));
   command->add_option("--size", options->size, "WxH of a picture (1280x720)")
       ->delimiter('x')
       ->check(CLI::Range(64, 8192));

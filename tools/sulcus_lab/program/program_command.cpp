@@ -39,19 +39,24 @@ struct MeasuredProgram {
   }
 };
 
-ProgramBuild make_build(std::string folder, const std::string& scratch) {
-  fs::remove_all(scratch);
-  fs::create_directories(scratch);
-  return {std::move(folder), fs::absolute(scratch).string()};
+/// A folder with the programs that are measured.
+CLI::Validator build_folder() {
+  return CLI::Validator(
+      [](std::string& given) {
+        for (const char* program : {"/sulcus", "/sulcus-lab"}) {
+          if (fs::is_regular_file(given + program)) continue;
+          return given + ": found no " + (program + 1) + ", expected a folder of a build";
+        }
+        return std::string();
+      },
+      "");
 }
 
 void program(const ProgramOptions& options) {
   Results results(options.folder);
-  std::vector<ProgramBuild> builds{
-      make_build(fs::read_symlink("/proc/self/exe").parent_path(), options.folder + "/here")};
-  if (!options.against.empty()) {
-    builds.push_back(make_build(options.against, options.folder + "/against"));
-  }
+  const TrialFolder here(results), there(results);
+  std::vector<ProgramBuild> builds{{fs::read_symlink("/proc/self/exe").parent_path(), here.path()}};
+  if (!options.against.empty()) builds.push_back({options.against, there.path()});
   CsvFile csv(results.table("program.csv"), "trial,figure,median,lowest,highest,against,ratio");
   std::printf("%-7s %-28s %9s %9s %9s %9s %7s\n", "trial", "figure", "median", "lowest", "highest",
               "against", "ratio");
@@ -85,7 +90,6 @@ void program(const ProgramOptions& options) {
     }
     std::fflush(stdout);
   }
-  for (const ProgramBuild& build : builds) fs::remove_all(build.scratch);
   results.print();
 }
 
@@ -110,7 +114,7 @@ void add_program_command(CLI::App& program_app) {
   command
       ->add_option("--against", options->against,
                    "Folder of another build, measured in turn with this one")
-      ->check(CLI::ExistingDirectory);
+      ->check(build_folder());
   command->add_option("--repeats", options->repeats, "Of each trial; the median is printed (5)")
       ->check(CLI::Range(1, 1000));
   command->add_option("-o", options->folder, "Folder for the results (out/lab/program)");

@@ -9,7 +9,7 @@ namespace sulcus::lab {
 /// One build of Sulcus, and where its trials may write.
 struct ProgramBuild {
   std::string folder;   // of the build: `sulcus` and `sulcus-lab` lie in it
-  std::string scratch;  // emptied by who makes it
+  std::string scratch;  // empty at first
 };
 
 /// What a trial has measured once: names with their units, in the same order every time.

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "app/commands/number_within.hpp"
+#include "engine/scene/scene_file.hpp"
 #include "tools/sulcus_lab/commands.hpp"
 #include "tools/sulcus_lab/recordings/recording_trials.hpp"
 #include "tools/sulcus_lab/results.hpp"
@@ -24,10 +26,11 @@ struct RecordingsOptions {
 };
 
 void recordings(RecordingsOptions options) {
+  (void)load_scene(options.scene);  // refuses what cannot be run
   Results results(options.folder);
+  const TrialFolder files(results);
   TrialSetting& setting = options.setting;
-  setting.folder = options.folder + "/files";
-  std::filesystem::create_directories(setting.folder);
+  setting.folder = files.path();
   setting.program =
       (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "sulcus").string();
   const std::vector<std::pair<std::string, std::function<std::vector<TrialRow>()>>> all{
@@ -57,7 +60,6 @@ void recordings(RecordingsOptions options) {
     }
     std::fflush(stdout);
   }
-  std::filesystem::remove_all(setting.folder);
   results.print();
 }
 
@@ -79,7 +81,8 @@ void add_recordings_command(CLI::App& program) {
   command->add_option("--ticks", options->setting.ticks, "Of the cut gone back through (2000)")
       ->check(CLI::Range(10, 100000));
   command->add_option("--scene", options->scene, "Scene of reach and soak (cut_sulcus)");
-  command->add_option("--minutes", options->minutes, "Of soak (30)")->check(CLI::Range(0.05, 1e4));
+  command->add_option("--minutes", options->minutes, "Of soak (30)")
+      ->check(number_within(0.05, 1e4));
   command->add_option("-o", options->folder, "Folder for the results (out/lab/recordings)");
   command->footer(
       "Runs the program beside it as processes of their own.\n"
