@@ -18,15 +18,15 @@ namespace sulcus::renderer_test {
 namespace {
 
 /// The inner part of the ball is of the second tissue.
-TissueMap core_tissues(const VoxelModel& model) {
-  TissueMap tissues(model.grid.leaf_count());
+std::shared_ptr<const TissueMap> core_tissues(const VoxelModel& model) {
+  const auto tissues = std::make_shared<TissueMap>(model.grid.leaf_count());
   for (std::uint32_t leaf = 0; leaf < model.grid.leaf_count(); ++leaf) {
     LabelBlock labels{};
     for (int v = 0; v < 512; ++v) {
       const Cell c = model.grid.leaf_origin(leaf) + Cell(v & 7, v >> 3 & 7, v >> 6);
       labels[v] = model.grid.centre_world(c).norm() < 1.8e-3 ? 1 : 0;
     }
-    tissues.set_block(leaf, labels, model.leaves[leaf]);
+    tissues->set_block(leaf, labels, model.leaves[leaf]);
   }
   return tissues;
 }
@@ -105,7 +105,7 @@ TEST(Renderer, WhatIsTakenBackLooksAsItDid) {
 
 TEST(Renderer, ASectionShowsWhatIsInside) {
   VoxelModel two = ball();
-  two.tissues = std::make_shared<TissueMap>(core_tissues(two));
+  two.tissues = core_tissues(two);
   std::vector<RenderedBody> bodies;
   bodies.push_back({two, {{"red", {0.8f, 0.05f, 0.05f}}, {"blue", {0.05f, 0.05f, 0.8f}}}, {}});
   const auto renderer =

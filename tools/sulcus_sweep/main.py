@@ -165,10 +165,9 @@ def begin(given):
     asked = {"scene": str(scene.resolve()),
              "set": given.sets, "latin": given.latin, "seed": seed, "options": given.options,
              "program": str(pathlib.Path(given.program).resolve()), "started_in": str(pathlib.Path.cwd())}
-    asked = with_hashes(asked)
     if folder.asked() is None:
         check_scene(asked, keys)
-    folder.begin(asked, *planned(asked))
+    folder.begin(with_hashes(asked), *planned(asked))
     return folder
 
 
