@@ -24,7 +24,7 @@ class TissueMap {
   TissueMap& operator=(const TissueMap&) = delete;
 
   std::uint8_t label(std::uint32_t leaf, const Cell& c) const {
-    const LabelBlock* block = mixed_[leaf];
+    const LabelBlock* block = mixed_[leaf].labels;
     return block ? (*block)[leaf_place(c)] : uniform_[leaf];
   }
   void set_uniform(std::uint32_t leaf, std::uint8_t label);
@@ -33,7 +33,7 @@ class TissueMap {
 
   std::uint32_t leaf_count() const { return static_cast<std::uint32_t>(uniform_.size()); }
   /// Null where the leaf is uniform.
-  const LabelBlock* block(std::uint32_t leaf) const { return mixed_[leaf]; }
+  const LabelBlock* block(std::uint32_t leaf) const { return mixed_[leaf].labels; }
   std::uint8_t uniform_label(std::uint32_t leaf) const { return uniform_[leaf]; }
   /// Asks for what the two above read.
   void prefetch(std::uint32_t leaf) const {
@@ -45,8 +45,12 @@ class TissueMap {
   std::size_t memory_bytes() const;
 
  private:
+  struct MixedLeaf {
+    LabelBlock* labels;  // owned; null, and mostly no memory, where the leaf is uniform
+  };
+
   std::vector<std::uint8_t> uniform_;
-  ZeroedArray<LabelBlock*> mixed_;  // owned; null, and mostly no memory, where a leaf is uniform
+  ZeroedArray<MixedLeaf> mixed_;
 };
 
 }  // namespace sulcus
