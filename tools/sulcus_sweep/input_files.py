@@ -14,7 +14,7 @@ def hash_of(file):
 def hashes_of_named(scene, swept, options, started_in):
     """{path: SHA-256} of the files, and of all in the folders, that a scene names, its swept keys (plan's
     SweptKey) and the options of sulcus run. Paths of the scene are relative to it, others to `started_in`.
-    Data apart from a volume's header are not among them."""
+    Data apart from a volume's header is not among them."""
     try:
         named = [scene.parent / text for text in _texts(tomllib.loads(scene.read_text(encoding="utf-8")))]
     except ValueError:  # neither UTF-8 nor TOML: the program says more
