@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "app/commands/commands.hpp"
+#include "app/commands/common_options.hpp"
 #include "app/commands/help_text.hpp"
 #include "app/commands/manual.hpp"
 #include "app/commands/shipped_files.hpp"

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/core/error.hpp"
+#include "engine/graphics/shown_voxel.hpp"
 
 namespace sulcus {
 

@@ -32,7 +32,6 @@ using Json = nlohmann::ordered_json;
 
 static_assert(std::endian::native == std::endian::little);
 
-constexpr std::size_t kMoments = 32;  // besides those of pins
 constexpr std::size_t kBurrPoses = 600;
 
 template <class Values>
